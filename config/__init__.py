@@ -1,0 +1,1 @@
+"""Configuration: what a user edits, and the one place that reads it."""

@@ -1,0 +1,1 @@
+"""Speech recognition: one small protocol, one file per backend."""

@@ -1,0 +1,1 @@
+"""Hearing: where sound comes from, whether somebody speaks, and when they have finished."""

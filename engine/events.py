@@ -1,0 +1,491 @@
+"""The vocabulary: everything that happens, as frozen facts.
+
+An :class:`Event` is an envelope (when, which session, turn and epoch) around a *body*, one small dataclass per
+kind. The same JSON goes to stdout, into recordings and over the network; ``docs`` for outside tools are the
+docstrings here. Fields may be added to a body; none is renamed or removed while ``v`` stays 1, and readers
+ignore fields and kinds they do not know.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, TypeVar
+
+import msgspec
+
+from engine.errors import UsageError
+
+VERSION = 1
+
+Value = str | bool | int | float
+"""An argument of an action, as it stands in JSON."""
+
+Outcome = Literal["ok", "failed", "interrupted", "uncertain"]
+State = Literal[
+    "IDLE",
+    "LISTENING",
+    "TRANSCRIBING",
+    "DECIDING",
+    "PLANNING",
+    "CLARIFYING",
+    "SPEAKING",
+    "ACTING",
+    "FEEDBACK",
+    "WAITING",
+]
+PlanSource = Literal["phrases", "local", "openai", "dify", "direct"]
+
+
+class Body:
+    """Base of all event bodies; ``kind`` is the event's name on the wire."""
+
+    __slots__ = ()
+    kind: ClassVar[str]
+
+
+BODIES: dict[str, type[Body]] = {}
+B = TypeVar("B", bound=type[Body])
+
+
+def kind(name: str) -> Callable[[B], B]:
+    """Register a body class under its wire name."""
+
+    def register(cls: B) -> B:
+        cls.kind = name
+        BODIES[name] = cls
+        return cls
+
+    return register
+
+
+# Parts of bodies
+
+
+@dataclass(frozen=True, slots=True)
+class ActionView:
+    """One action of a plan: a registered skill's name and its typed arguments by name."""
+
+    name: str
+    args: Mapping[str, Value]
+
+
+@dataclass(frozen=True, slots=True)
+class PoseView:
+    """Pose on the floor, map frame."""
+
+    x: float  # m
+    y: float  # m
+    yaw: float  # rad, counter-clockwise
+
+
+@dataclass(frozen=True, slots=True)
+class TwistView:
+    """Velocity in the robot's frame."""
+
+    vx: float  # m/s, forward
+    vy: float  # m/s, to the left
+    wz: float  # rad/s, counter-clockwise
+
+
+@dataclass(frozen=True, slots=True)
+class TurnResult:
+    """How a turn ended, in words and as the process exit code it means (see ``errors.ExitCode``)."""
+
+    exit_code: int
+    outcome: Literal["done", "failed", "clarify", "refused", "interrupted", "timeout", "unheard"]
+    message: str
+
+
+# Session
+
+
+@kind("session.started")
+@dataclass(frozen=True, slots=True)
+class SessionStarted(Body):
+    """First event of a session."""
+
+    version: str
+    mode: str
+    robot: str
+    pid: int
+
+
+@kind("session.ended")
+@dataclass(frozen=True, slots=True)
+class SessionEnded(Body):
+    """Last event of a session."""
+
+    reason: str
+
+
+@kind("state.changed")
+@dataclass(frozen=True, slots=True)
+class StateChanged(Body):
+    """The session moved to another state. ``result`` is set by the change that ends a turn."""
+
+    previous: State
+    state: State
+    reason: str
+    result: TurnResult | None = None
+
+
+@kind("task.ended")
+@dataclass(frozen=True, slots=True)
+class TaskEnded(Body):
+    """A task cycle ended: history and arm are reset and a new cycle begins."""
+
+    reason: str
+
+
+@kind("interrupt.raised")
+@dataclass(frozen=True, slots=True)
+class InterruptRaised(Body):
+    """Something was interrupted. The envelope's epoch is the new one."""
+
+    scope: Literal["stop", "interrupt", "wake", "end_task", "replaced", "shutdown"]
+    source: str
+    state: State
+
+
+# Hearing
+
+
+@kind("wake.heard")
+@dataclass(frozen=True, slots=True)
+class WakeHeard(Body):
+    """Somebody wants the robot's attention."""
+
+    source: Literal["key", "serial", "word", "command", "demo", "file"]
+    phrase: str = ""
+    angle_deg: float | None = None  # direction of the speaker, when the module tells
+
+
+@kind("listen.started")
+@dataclass(frozen=True, slots=True)
+class ListenStarted(Body):
+    """The recording began."""
+
+    source: str
+    restarted: bool = False
+
+
+@kind("listen.level")
+@dataclass(frozen=True, slots=True)
+class ListenLevel(Body):
+    """Loudness and voice activity of the last stretch of sound, about ten times a second while listening."""
+
+    rms_db: float  # dB relative to full scale
+    peak_db: float  # dB relative to full scale
+    speech_probability: float  # 0…1
+    in_speech: bool  # the endpointer is inside an utterance
+
+
+@kind("listen.ended")
+@dataclass(frozen=True, slots=True)
+class ListenEnded(Body):
+    """The recording ended."""
+
+    reason: Literal["silence", "max_length", "source_ended", "no_speech", "cancelled", "device_lost"]
+    audio_s: float  # length of the utterance with pre-roll, s
+    speech_s: float  # confirmed speech within it, s
+
+
+@kind("transcript.partial")
+@dataclass(frozen=True, slots=True)
+class TranscriptPartial(Body):
+    """Words so far; may still change."""
+
+    text: str
+    stable_words: int
+
+
+@kind("transcript.final")
+@dataclass(frozen=True, slots=True)
+class TranscriptFinal(Body):
+    """What was said (or typed: ``source`` tells)."""
+
+    text: str
+    source: Literal["speech", "text"]
+    language: str
+    confidence: float  # 0…1, mean token probability; 1 for typed text
+    avg_logprob: float
+    no_speech_probability: float
+    audio_s: float
+    decode_s: float
+
+
+@kind("transcript.rejected")
+@dataclass(frozen=True, slots=True)
+class TranscriptRejected(Body):
+    """Sound that was not taken for a command, with the reason."""
+
+    reason: Literal["no_speech", "low_confidence", "too_short", "empty", "late", "artefact"]
+    detail: str
+    text: str = ""
+
+
+# Thinking
+
+
+@kind("decision.made")
+@dataclass(frozen=True, slots=True)
+class DecisionMade(Body):
+    """The decision layer's steps, in words."""
+
+    steps: tuple[str, ...]
+    source: PlanSource
+
+
+@kind("plan.made")
+@dataclass(frozen=True, slots=True)
+class PlanMade(Body):
+    """A validated plan."""
+
+    goal: str
+    steps: tuple[str, ...]
+    actions: tuple[ActionView, ...]
+    response: str
+    source: PlanSource
+
+
+@kind("plan.rejected")
+@dataclass(frozen=True, slots=True)
+class PlanRejected(Body):
+    """No plan came of it; nothing moves."""
+
+    text: str
+    reason: str
+    code: str
+    suggestions: tuple[str, ...] = ()
+
+
+@kind("clarification.asked")
+@dataclass(frozen=True, slots=True)
+class ClarificationAsked(Body):
+    """The request is ambiguous; the next utterance answers this question."""
+
+    question: str
+    about: str = ""
+
+
+@kind("refusal.made")
+@dataclass(frozen=True, slots=True)
+class RefusalMade(Body):
+    """The request was refused by the safety rules."""
+
+    reason: str
+    text: str = ""
+
+
+# Acting
+
+
+@kind("action.queued")
+@dataclass(frozen=True, slots=True)
+class ActionQueued(Body):
+    """An action of a validated plan waits for its turn."""
+
+    action: str  # id, unique in the session
+    index: int  # 1-based position in the plan
+    total: int
+    name: str
+    args: Mapping[str, Value]
+
+
+@kind("action.started")
+@dataclass(frozen=True, slots=True)
+class ActionStarted(Body):
+    """An action began; exactly one ``action.finished`` follows."""
+
+    action: str
+    index: int
+    total: int
+    name: str
+    args: Mapping[str, Value]
+
+
+@kind("action.progress")
+@dataclass(frozen=True, slots=True)
+class ActionProgress(Body):
+    """A running action says how far it is."""
+
+    action: str
+    name: str
+    fraction: float | None  # 0…1, None when it cannot be known
+    message: str = ""
+
+
+@kind("action.finished")
+@dataclass(frozen=True, slots=True)
+class ActionFinished(Body):
+    """An action ended, exactly once. Actions that never started finish as ``interrupted`` with
+    ``error_code`` ``not_started`` and no ``action.started`` before."""
+
+    action: str
+    name: str
+    args: Mapping[str, Value]
+    outcome: Outcome
+    error_code: str | None
+    message: str
+    duration_s: float  # s, robot time
+    data: Mapping[str, Value] | None = None  # what was found out, e.g. a pose
+
+
+@kind("speech.started")
+@dataclass(frozen=True, slots=True)
+class SpeechStarted(Body):
+    """The robot answers. ``audible`` is False in text mode: the answer is shown, not played."""
+
+    text: str
+    audible: bool
+
+
+@kind("speech.ended")
+@dataclass(frozen=True, slots=True)
+class SpeechEnded(Body):
+    """The answer ended; ``heard`` is what was played (or shown) of it."""
+
+    text: str
+    heard: str
+    outcome: Outcome
+
+
+# The robot
+
+
+@kind("robot.state")
+@dataclass(frozen=True, slots=True)
+class RobotStateView(Body):
+    """Where the robot is and what it does; several times a second while it moves, else once when it rests."""
+
+    robot_t: float  # s, the robot's own clock
+    pose: PoseView
+    twist: TwistView
+    arm: tuple[float, ...]  # rad, joints from base to wrist
+    gripper: float  # 0 closed … 1 open
+    moving: bool
+    blocked: str | None  # what holds the robot back, if anything
+
+
+@kind("camera.frame")
+@dataclass(frozen=True, slots=True)
+class CameraFrame(Body):
+    """A picture was taken; its pixels travel by other means."""
+
+    width: int
+    height: int
+    path: str | None = None
+
+
+@kind("perception.result")
+@dataclass(frozen=True, slots=True)
+class PerceptionResult(Body):
+    """What was seen."""
+
+    description: str
+    objects: tuple[Mapping[str, Value], ...] = ()
+
+
+# Everything else
+
+
+@kind("log")
+@dataclass(frozen=True, slots=True)
+class Log(Body):
+    """A line for people."""
+
+    level: Literal["debug", "info", "warning", "error"]
+    source: str
+    message: str
+
+
+@kind("error")
+@dataclass(frozen=True, slots=True)
+class ErrorRaised(Body):
+    """Something failed; ``hint`` says what to do."""
+
+    code: str
+    message: str
+    hint: str = ""
+    fatal: bool = False
+
+
+@kind("timing")
+@dataclass(frozen=True, slots=True)
+class Timing(Body):
+    """How long a stage took."""
+
+    stage: str
+    duration_s: float
+
+
+@kind("ack")
+@dataclass(frozen=True, slots=True)
+class Ack(Body):
+    """The answer to one command in (see ``engine.commands``); ``id`` repeats the command's own."""
+
+    do: str
+    ok: bool
+    message: str = ""
+    id: str | None = None
+    snapshot: Mapping[str, Any] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """One thing that happened."""
+
+    seq: int  # 1, 2, 3… within the session
+    t: float  # s since the session started
+    wall: str  # ISO 8601 UTC
+    session: str  # ULID
+    turn: str | None  # ULID
+    epoch: int
+    body: Body
+
+    @property
+    def kind(self) -> str:
+        return self.body.kind
+
+
+def to_json(event: Event) -> bytes:
+    """One JSON object, no newline."""
+    return msgspec.json.encode(to_dict(event))
+
+
+def to_dict(event: Event) -> dict[str, Any]:
+    """The event as JSON-ready builtins, in wire order."""
+    return {
+        "v": VERSION,
+        "seq": event.seq,
+        "t": round(event.t, 6),
+        "wall": event.wall,
+        "session": event.session,
+        "turn": event.turn,
+        "epoch": event.epoch,
+        "kind": event.body.kind,
+        "body": msgspec.to_builtins(event.body),
+    }
+
+
+def from_json(line: bytes | str) -> Event:
+    """Read one event back. Raises :class:`UsageError` for anything that is not one."""
+    try:
+        raw = msgspec.json.decode(line)
+        if not isinstance(raw, dict) or raw.get("v") != VERSION:
+            raise UsageError(f"Not a version {VERSION} event: {line[:80]!r}")
+        body = msgspec.convert(raw["body"], type=BODIES[raw["kind"]])
+        return Event(
+            seq=raw["seq"],
+            t=raw["t"],
+            wall=raw["wall"],
+            session=raw["session"],
+            turn=raw["turn"],
+            epoch=raw["epoch"],
+            body=body,
+        )
+    except KeyError as error:
+        raise UsageError(f"Not an event: {error} is missing or unknown in {line[:80]!r}") from error
+    except msgspec.MsgspecError as error:
+        raise UsageError(f"Not an event: {error} in {line[:80]!r}") from error

@@ -1,0 +1,1 @@
+"""Planning: from what was said to a plan of actions."""

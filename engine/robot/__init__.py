@@ -1,0 +1,1 @@
+"""Robots: the protocol that every robot speaks, its safety envelope, and the simulated one."""

@@ -1,0 +1,1 @@
+"""Skills: everything the robot can be asked to do, as typed functions in a registry."""
