@@ -160,6 +160,14 @@ class Models(Section):
     folder: Path | None = Field(description="null: the user's cache folder.")
 
 
+class AmbiguousPlace(ValueError):
+    """A word that names two places, or one that no place may have. ``symbols`` are the places concerned."""
+
+    def __init__(self, message: str, *symbols: str) -> None:
+        super().__init__(message)
+        self.symbols = symbols
+
+
 class Settings(Section):
     """The whole configuration."""
 
@@ -181,8 +189,10 @@ class Settings(Section):
         taken: dict[str, str] = {}
         for symbol, place in places.items():
             if symbol.casefold() == "zero":
-                raise ValueError("zero is the pose that get_current_pose() remembers and cannot be set here")
+                message = "zero is the pose that get_current_pose() remembers and cannot be set here"
+                raise AmbiguousPlace(message, symbol)
             for word in {symbol.casefold(), place.name.casefold(), *(alias.casefold() for alias in place.aliases)}:
                 if taken.setdefault(word, symbol) != symbol:
-                    raise ValueError(f"{word!r} names both {taken[word]} and {symbol}; a place's words are its own")
+                    message = f"{word!r} names both {taken[word]} and {symbol}; a place's words are its own"
+                    raise AmbiguousPlace(message, taken[word], symbol)
         return places

@@ -1,13 +1,14 @@
 """The event bus: the one place where events get their number and their time.
 
 Publishing is thread-safe and synchronous: when :meth:`Bus.publish` returns, every subscriber (the event log first)
-has the event, in the same order for all. Subscribers must be quick and must not raise; one that does is dropped,
-and the failure is published.
+has the event, in the same order for all. An event that a subscriber publishes while it is called follows the one it
+is called with. Subscribers must be quick and must not raise; one that does is dropped, and the failure is published.
 """
 
 from __future__ import annotations
 
 import threading
+from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
@@ -32,8 +33,10 @@ class Bus:
         self.session = session or str(ULID())
         self._clock = clock
         self._origin = clock.now()
-        self._lock = threading.RLock()  # re-entrant: a failing subscriber is reported through the bus itself
+        self._lock = threading.RLock()  # re-entrant: subscribers may publish, and failing ones are reported here
         self._seq = 0
+        self._waiting: deque[Event] = deque()
+        self._delivering = False
         self._subscribers: list[Subscriber] = []
 
     def subscribe(self, subscriber: Subscriber) -> Callable[[], None]:
@@ -61,16 +64,25 @@ class Bus:
                 epoch=epoch,
                 body=body,
             )
-            broken: list[str] = []
-            for subscriber in tuple(self._subscribers):
+            self._waiting.append(event)
+            if not self._delivering:  # else the loop below, further up this thread's stack, comes to it
+                self._delivering = True
                 try:
-                    subscriber(event)
-                except Exception as error:  # noqa: BLE001 - a broken listener must not stop the robot's bookkeeping
-                    self._subscribers.remove(subscriber)
-                    broken.append(f"A listener of events failed and was dropped: {error!r}")
-            for message in broken:  # after the loop, so that all listeners see the same order
-                self.publish(ErrorRaised(code="subscriber_failed", message=message), turn=turn, epoch=epoch)
+                    while self._waiting:
+                        self._deliver(self._waiting.popleft())
+                finally:
+                    self._delivering = False
             return event
+
+    def _deliver(self, event: Event) -> None:
+        for subscriber in tuple(self._subscribers):
+            try:
+                subscriber(event)
+            except Exception as error:  # noqa: BLE001 - a broken listener must not stop the robot's bookkeeping
+                if subscriber in self._subscribers:  # it may have left before it failed
+                    self._subscribers.remove(subscriber)
+                message = f"A listener of events failed and was dropped: {error!r}"
+                self.publish(ErrorRaised("subscriber_failed", message), turn=event.turn, epoch=event.epoch)
 
     def bound(self, *, turn: str | None, epoch: int) -> Emit:
         """A publisher whose events carry this turn and epoch."""

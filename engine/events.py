@@ -8,6 +8,7 @@ ignore fields and kinds they do not know.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, TypeVar
@@ -314,13 +315,14 @@ class ActionProgress(Body):
     name: str
     fraction: float | None  # 0…1, None when it cannot be known
     message: str = ""
+    path: tuple[tuple[float, float], ...] | None = None  # planned way ahead, map frame, m; None: unchanged
 
 
 @kind("action.finished")
 @dataclass(frozen=True, slots=True)
 class ActionFinished(Body):
-    """An action ended, exactly once. Actions that never started finish as ``interrupted`` with
-    ``error_code`` ``not_started`` and no ``action.started`` before."""
+    """A started action ended, exactly once. Actions that were queued and never started have no such event: the
+    change of state that ends the turn ends them."""
 
     action: str
     name: str
@@ -450,8 +452,11 @@ class Event:
 
 
 def to_json(event: Event) -> bytes:
-    """One JSON object, no newline."""
-    return msgspec.json.encode(to_dict(event))
+    """One JSON object, no newline. Text that is not Unicode (a raw byte from a command line) becomes ``?``."""
+    try:
+        return msgspec.json.encode(to_dict(event))
+    except UnicodeEncodeError:
+        return json.dumps(to_dict(event), ensure_ascii=False, separators=(",", ":")).encode("utf-8", "replace")
 
 
 def to_dict(event: Event) -> dict[str, Any]:
@@ -469,23 +474,27 @@ def to_dict(event: Event) -> dict[str, Any]:
     }
 
 
+class _Envelope(msgspec.Struct):
+    v: int
+    seq: int
+    t: float
+    wall: str
+    session: str
+    turn: str | None
+    epoch: int
+    kind: str
+    body: msgspec.Raw
+
+
 def from_json(line: bytes | str) -> Event:
     """Read one event back. Raises :class:`UsageError` for anything that is not one."""
     try:
-        raw = msgspec.json.decode(line)
-        if not isinstance(raw, dict) or raw.get("v") != VERSION:
+        raw = msgspec.json.decode(line, type=_Envelope)
+        if raw.v != VERSION:
             raise UsageError(f"Not a version {VERSION} event: {line[:80]!r}")
-        body = msgspec.convert(raw["body"], type=BODIES[raw["kind"]])
-        return Event(
-            seq=raw["seq"],
-            t=raw["t"],
-            wall=raw["wall"],
-            session=raw["session"],
-            turn=raw["turn"],
-            epoch=raw["epoch"],
-            body=body,
-        )
-    except KeyError as error:
-        raise UsageError(f"Not an event: {error} is missing or unknown in {line[:80]!r}") from error
-    except msgspec.MsgspecError as error:
+        if raw.kind not in BODIES:
+            raise UsageError(f"Not an event: the kind {raw.kind!r} is unknown in {line[:80]!r}")
+        body = msgspec.json.decode(raw.body, type=BODIES[raw.kind])
+    except (msgspec.MsgspecError, UnicodeError, RecursionError) as error:
         raise UsageError(f"Not an event: {error} in {line[:80]!r}") from error
+    return Event(raw.seq, raw.t, raw.wall, raw.session, raw.turn, raw.epoch, body)

@@ -130,8 +130,8 @@ class _Parser:
 
     @staticmethod
     def _scan(text: str) -> list[_Token]:
-        tokens, at = [], 0
-        while at < len(text.rstrip()):
+        tokens, at, end = [], 0, len(text.rstrip())
+        while at < end:
             match = _TOKENS.match(text, at)
             if match is None:
                 raise PlanError(f"Cannot read {text[at : at + 20].strip()!r} at character {at + 1} of {text[:80]!r}.")

@@ -27,8 +27,12 @@ ARM_JOINTS = ("yaw", "shoulder", "elbow", "wrist", "roll")
 Joints = tuple[float, float, float, float, float]
 """rad, in the order of ``ARM_JOINTS``; all zero is straight up, positive shoulder/elbow/wrist lean forward."""
 
-ARM_INITIAL: Joints = (0.0, -0.6, 2.0, 1.2, 0.0)
-"""The folded pose that the arm starts in and returns to."""
+ARM_INITIAL: Joints = (0.0, -1.1, 1.85, 1.05, 0.0)
+"""The folded pose that the arm starts in and returns to: inside the hull, the camera looking ahead."""
+ARM_UP: Joints = (0.0, 0.0, 0.0, 0.0, 0.0)
+"""Straight up."""
+ARM_DOWN: Joints = (0.0, 0.88, 1.5, 0.76, 0.0)
+"""Reaching down in front of the hull, the gripper pointing at the floor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,6 +130,10 @@ class Room:
     y_min: float
     x_max: float
     y_max: float
+
+    def holds(self, x: float, y: float) -> bool:
+        """Whether the point lies in the room, border included."""
+        return self.x_min <= x <= self.x_max and self.y_min <= y <= self.y_max
 
 
 @dataclass(frozen=True, slots=True)

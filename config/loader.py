@@ -1,0 +1,239 @@
+"""Settings from all their layers, or a list of everything that is wrong with them.
+
+Each layer wins over those before it: the defaults packaged with sayso; the files of the user's folder; files given
+with ``--config``; environment variables (``SAYSO_ENDPOINT__SILENCE_S=0.8``); flags (``--set endpoint.silence_s=0.8``).
+Any file may hold any section. Every value keeps the file and line it came from, for error messages and for
+``sayso config show``.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import resources
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, SecretStr, ValidationError
+
+from config import allowed
+from config.errors import ConfigError, Problem, Where
+from config.folders import FILES, RESERVED, paths
+from config.merge import Filled, assignment, merge, node_at, spelled
+from config.mistakes import PACKAGED, as_written, explained, misplaced, wrong_booleans
+from config.schema import Settings
+from config.source import Node, SourceError, parse, parse_value, read
+
+DEFAULTS = ("engine.yaml", "robot.yaml", "map.yaml", "platforms.yaml")
+PREFIX = "SAYSO_"
+FLAG = "--set"
+MASK = "********"
+MAX_TOLD = 50
+"""Wrong keys and values that one run explains; whoever has more will come back."""
+_PASSWORD_IN_URL = re.compile(r"(?<=://)[^/@:\s]*:[^/@\s]*(?=@)")
+
+Plain = str | int | float | bool | list[Any] | dict[str, Any] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Explained:
+    """One setting in force."""
+
+    path: tuple[str, ...]
+    """Its keys from the top."""
+    value: Plain
+    """Secrets are masked, and where a variable was filled in its name stands instead of its value."""
+    origin: str
+    """File and line, variable or flag; ``default`` where nobody wrote anything."""
+
+    @property
+    def key(self) -> str:
+        """Dotted name."""
+        return ".".join(self.path)
+
+
+def load(
+    files: Sequence[Path] = (),
+    overrides: Sequence[str] = (),
+    environ: Mapping[str, str] | None = None,
+    user_folder: Path | None = None,
+) -> Settings:
+    """The settings in force.
+
+    ``files`` are those of ``--config``, in order, and must exist; ``overrides`` are ``section.key=value``;
+    ``environ`` stands for the process environment and ``user_folder`` for the configuration folder.
+    Raises :class:`~config.errors.ConfigError` with all problems of all layers.
+    """
+    return _Load(files, overrides, environ, user_folder).settings()
+
+
+def check(
+    files: Sequence[Path] = (),
+    overrides: Sequence[str] = (),
+    environ: Mapping[str, str] | None = None,
+    user_folder: Path | None = None,
+) -> tuple[Problem, ...]:
+    """Everything that is wrong; empty when :func:`load` would succeed."""
+    try:
+        load(files, overrides, environ, user_folder)
+    except ConfigError as error:
+        return error.problems
+    return ()
+
+
+def explain(
+    files: Sequence[Path] = (),
+    overrides: Sequence[str] = (),
+    environ: Mapping[str, str] | None = None,
+    user_folder: Path | None = None,
+) -> tuple[Explained, ...]:
+    """Every setting in force and where it was written. Raises ConfigError as :func:`load` does."""
+    return _Load(files, overrides, environ, user_folder).explained()
+
+
+def show(settings: Settings) -> dict[str, Any]:
+    """The settings as plain data that YAML and JSON can hold, with secrets masked."""
+    plain = _plain(settings)
+    assert isinstance(plain, dict)
+    return plain
+
+
+class _Load:
+    """One run through all layers."""
+
+    def __init__(
+        self, files: Sequence[Path], overrides: Sequence[str], environ: Mapping[str, str] | None, folder: Path | None
+    ) -> None:
+        self.environ = os.environ if environ is None else environ
+        self.problems: list[Problem] = []
+        self.tree = Node({}, Where("sayso"))
+        self._order: dict[str, int] = {}
+        for name in DEFAULTS:
+            data = resources.files("config").joinpath(name).read_bytes()
+            self._lay(parse(data, f"{PACKAGED}{name}"))
+        self._user_files(folder or paths(self.environ).config)
+        for path in files:
+            self._file(path, required=True)
+        self._variables()
+        for text in overrides:
+            key, equals, value = text.partition("=")
+            where = Where(f"{FLAG} {key}")
+            if not equals or not all(key.split(".")):
+                self.problems.append(Problem(where, "", "is no setting; write section.key=value"))
+            else:
+                self._assign(tuple(key.split(".")), value, where)
+        self.filled = Filled(self.tree, self.environ)
+
+    def settings(self) -> Settings:
+        """Validate; raise all problems in the order in which a person reads: layer by layer, line by line."""
+        found = [*self.problems, *self.filled.problems, *wrong_booleans(self.tree)]
+        try:
+            settings = Settings.model_validate(self.filled.data)
+        except ValidationError as error:
+            told = {(problem.where, problem.key) for problem in found}
+            news = (item for item in explained(error, self.tree, self.filled.raw) if (item.where, item.key) not in told)
+            found += islice(news, MAX_TOLD)
+        else:
+            if not found:
+                return settings
+        raise ConfigError(sorted(dict.fromkeys(found), key=self._reading_order))
+
+    def _reading_order(self, problem: Problem) -> tuple[int, int]:
+        return self._order.get(problem.where.name, -1), problem.where.line
+
+    def explained(self) -> tuple[Explained, ...]:
+        settings = self.settings()
+        return tuple(self._explained(path, value) for path, value in _flat(show(settings)))
+
+    def _explained(self, path: tuple[str, ...], value: Plain) -> Explained:
+        node, depth = node_at(self.tree, path)
+        raw = self.filled.raw
+        if isinstance(value, list):
+            value = [raw.get((*path, str(index)), item) for index, item in enumerate(value)]
+        elif path in raw and value != MASK:
+            value = _PASSWORD_IN_URL.sub(MASK, raw[path])
+        return Explained(path, value, str(node.where) if depth == len(path) else "default")
+
+    def _user_files(self, folder: Path) -> None:
+        for name in FILES:
+            self._file(folder / name, required=False)
+            misnamed = (folder / name).with_suffix(".yml")
+            if os.path.lexists(misnamed):
+                self.problems.append(Problem(Where(str(misnamed)), "", "is not read", nearest=name))
+
+    def _file(self, path: Path, *, required: bool) -> None:
+        try:
+            self._lay(read(path))
+        except SourceError as error:
+            self.problems.append(error.problem)
+        except FileNotFoundError:
+            if required:
+                self.problems.append(Problem(Where(str(path)), "", "does not exist"))
+
+    def _variables(self) -> None:
+        names = sorted(name for name in self.environ if name.startswith(PREFIX) and name not in RESERVED)
+        for name in names:
+            words = name.removeprefix(PREFIX)
+            where = Where(name)
+            if "__" in words:
+                self._assign(tuple(words.split("__")), self.environ[name], where)
+            elif meant := _misspelled(words):
+                nearest = as_written(meant, where)
+                self.problems.append(Problem(where, "", "is no setting", nearest=nearest))
+
+    def _assign(self, path: tuple[str, ...], text: str, where: Where) -> None:
+        """Set one key from the text of a variable or a flag."""
+        path = spelled(path, self.tree)
+        try:
+            text.encode()
+            value = parse_value(text, where)
+        except UnicodeEncodeError:
+            self.problems.append(Problem(where, ".".join(path), "its value is not UTF-8 text"))
+            return
+        except SourceError as error:
+            self.problems.append(error.problem)
+            return
+        self._lay(assignment(path, value))
+
+    def _lay(self, layer: Node) -> None:
+        """Put one more layer on top."""
+        self._order.setdefault(layer.where.name, len(self._order))
+        self.problems += misplaced(layer)
+        self.tree = merge(self.tree, layer)
+
+
+def _misspelled(words: str) -> tuple[str, ...] | None:
+    """The setting that a variable with single underscores was meant for: ASR_MODEL is asr.model."""
+    bare = words.replace("_", "").casefold()
+    for name in allowed.settings():
+        if name.replace(".", "").replace("_", "") == bare:
+            return tuple(name.split("."))
+    return None
+
+
+def _plain(value: Any) -> Any:
+    match value:
+        case BaseModel():
+            return {name: _plain(getattr(value, name)) for name in type(value).model_fields}
+        case dict():
+            return {key: _plain(item) for key, item in value.items()}
+        case tuple() | list():
+            return [_plain(item) for item in value]
+        case SecretStr():
+            return MASK
+        case Path():
+            return str(value)
+        case str():
+            return _PASSWORD_IN_URL.sub(MASK, value)
+    return value
+
+
+def _flat(data: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterable[tuple[tuple[str, ...], Plain]]:
+    for key, value in data.items():
+        if isinstance(value, dict) and value:
+            yield from _flat(value, (*path, key))
+        else:
+            yield (*path, key), value

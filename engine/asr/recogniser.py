@@ -1,0 +1,77 @@
+"""From sound to words: the protocol that every recogniser speaks, and its two answers.
+
+A recogniser either understood something (:class:`Transcript`) or turned the sound down, and then says why
+(:class:`Rejected`): sound that is no command must not become one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+RejectReason = Literal["no_speech", "low_confidence", "too_short", "empty", "artefact"]
+
+
+@dataclass(frozen=True, slots=True)
+class Decoding:
+    """How sure the recogniser was, and what it cost."""
+
+    language: str  # ISO 639-1
+    avg_logprob: float  # mean log-probability of the tokens
+    no_speech_probability: float  # 0…1
+    audio_s: float  # length of the sound, s
+    decode_s: float  # time it took, s
+    window_s: float  # length of the encoder window that was used last, s
+
+
+@dataclass(frozen=True, slots=True)
+class Transcript:
+    """What was said, as the recogniser writes it."""
+
+    text: str
+    confidence: float  # 0…1, geometric mean of the tokens' probabilities
+    decoding: Decoding
+
+
+@dataclass(frozen=True, slots=True)
+class Rejected:
+    """Not taken for speech; ``text`` is what the recogniser would have written."""
+
+    reason: RejectReason
+    detail: str  # a sentence for people
+    text: str = ""
+    decoding: Decoding | None = None
+
+
+class Recogniser(Protocol):
+    """Turns utterances into text. Blocking and not thread-safe: it lives in one worker thread."""
+
+    @property
+    def name(self) -> str:
+        """For people: ``whisper-base (int8, 1 thread)``."""
+        ...
+
+    def load(self) -> None:
+        """Load the model and warm it up; the first call of ``transcribe`` does it otherwise.
+
+        Raises ``ModelError``.
+        """
+        ...
+
+    def transcribe(
+        self,
+        samples: NDArray[np.float32],
+        vocabulary: Sequence[str] = (),
+        cancelled: Callable[[], bool] = lambda: False,
+    ) -> Transcript | Rejected:
+        """Recognise one utterance.
+
+        ``samples``: shape (n,), 16 kHz, ±1. ``vocabulary``: nouns and names to be expected; never verbs or phrases,
+        which a recogniser would hear in silence. ``cancelled`` is asked between stretches of work; once true, the
+        result is whatever there is so far and will not be used. Raises ``ModelError``.
+        """
+        ...

@@ -1,0 +1,158 @@
+"""When an utterance starts and ends: a pure state machine over frames and their voice activity.
+
+Time is the number of frames that were pushed; nothing is read from outside, so that the same frames always give the
+same utterance. An utterance starts once enough speech came in a row, and is given a pre-roll from before that, because
+a word begins before a detector is sure of it. It ends after enough silence, or at its greatest length, which also ends
+it in a noise that sounds like speech for ever.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from config.schema import Endpoint
+from engine.audio.source import FRAME_S, RATE, Frame, Samples
+from engine.audio.vad import VadResult
+
+TAIL_S = 0.2
+"""Silence that is left at an utterance's end, s: recognisers drop last consonants that touch the edge."""
+
+RESUME_FRAMES = 2
+"""Frames of speech in a row that break a silence: a single one is a click or a spike of the detector in noise."""
+
+EndReason = Literal["silence", "max_length", "source_ended", "no_speech"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Utterance:
+    """What was said, as sound."""
+
+    samples: Samples  # shape (n,), 16 kHz, from the pre-roll to the tail
+    start: float  # stream time of the first sample, s
+    end: float  # stream time after the last sample, s
+    speech_s: float  # frames judged to be speech, s
+
+    @property
+    def duration(self) -> float:
+        """Length of the sound, s."""
+        return len(self.samples) / RATE
+
+
+@dataclass(frozen=True, slots=True)
+class Started:
+    """Speech is confirmed; it began at stream time ``at`` (s)."""
+
+    at: float
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """The machine is done. ``utterance`` is None when nobody spoke."""
+
+    reason: EndReason
+    utterance: Utterance | None
+
+
+class Endpointer:
+    """Finds one utterance. Push frames until it answers ``Ended``; then make another one.
+
+    Lengths of the settings are rounded to whole frames, up for the silence and the pre-roll, down for the greatest
+    length. A start, and with it the end of waiting, is only decided between runs of speech: a word that has begun when
+    ``no_speech_s`` runs out is heard.
+    """
+
+    def __init__(self, settings: Endpoint) -> None:
+        self._start_frames = _frames_up(settings.start_s)
+        self._silence_frames = _frames_up(settings.silence_s)
+        self._max_frames = max(self._start_frames, _frames_down(settings.max_length_s))
+        self._no_speech_frames = _frames_up(settings.no_speech_s)
+        self._tail_frames = min(_frames_up(TAIL_S), self._silence_frames)
+        pre_roll = _frames_up(settings.pre_roll_s)
+        self._before: deque[Frame] = deque(maxlen=pre_roll)  # pre-roll; frames enter when no speech run holds them
+        self._run: list[Frame] = []  # speech in a row that is not confirmed yet
+        self._frames: list[Frame] = []  # the utterance, with its pre-roll
+        self._pre_roll = 0  # how many of them are pre-roll
+        self._pushed = 0
+        self._silence = 0  # frames since speech was last certain
+        self._resumed = 0  # speech frames in a row within that silence
+        self._speech = 0
+        self._ended = False
+
+    @property
+    def in_speech(self) -> bool:
+        """Between ``Started`` and ``Ended``."""
+        return bool(self._frames) and not self._ended
+
+    def push(self, frame: Frame, vad: VadResult) -> Started | Ended | None:
+        """Take the next frame. Raises ``RuntimeError`` after the end."""
+        if self._ended:
+            raise RuntimeError("the utterance has ended; every utterance needs an Endpointer of its own")
+        self._pushed += 1
+        return self._during(frame, vad) if self._frames else self._waiting(frame, vad)
+
+    def finish(self) -> Ended:
+        """The source has ended: so does the utterance."""
+        if not self._frames and self._run:  # a word cut off by the end of the sound
+            self._begin()
+        return self._end("source_ended", trim=True)
+
+    def _waiting(self, frame: Frame, vad: VadResult) -> Started | Ended | None:
+        if vad.speech:
+            self._run.append(frame)
+            if len(self._run) < self._start_frames:
+                return None
+            self._begin()
+            return Started(self._frames[self._pre_roll].end - FRAME_S)
+        self._before.extend(self._run)
+        self._run.clear()
+        self._before.append(frame)
+        return self._end("no_speech", trim=False) if self._pushed >= self._no_speech_frames else None
+
+    def _begin(self) -> None:
+        self._pre_roll = len(self._before)
+        self._speech = len(self._run)
+        self._frames = [*self._before, *self._run]
+
+    def _during(self, frame: Frame, vad: VadResult) -> Ended | None:
+        self._frames.append(frame)
+        self._speech += vad.speech
+        self._resumed = self._resumed + 1 if vad.speech else 0
+        if self._resumed >= RESUME_FRAMES or (vad.speech and not self._silence):
+            self._silence = 0
+        else:
+            self._silence += 1
+        if self._silence >= self._silence_frames:
+            return self._end("silence", trim=True)
+        if len(self._frames) - self._pre_roll >= self._max_frames:
+            return self._end("max_length", trim=False)
+        return None
+
+    def _end(self, reason: EndReason, *, trim: bool) -> Ended:
+        self._ended = True
+        if not self._frames:
+            return Ended(reason, None)
+        surplus = max(0, self._silence - self._tail_frames) if trim else 0
+        kept = self._frames[: len(self._frames) - surplus]
+        return Ended(
+            reason,
+            Utterance(
+                samples=np.concatenate([frame.samples for frame in kept]),
+                start=kept[0].end - FRAME_S,
+                end=kept[-1].end,
+                speech_s=self._speech * FRAME_S,
+            ),
+        )
+
+
+def _frames_up(seconds: float) -> int:
+    """Whole frames that last at least ``seconds``; a rounding error is no frame."""
+    return math.ceil(seconds / FRAME_S - 1e-9)
+
+
+def _frames_down(seconds: float) -> int:
+    return math.floor(seconds / FRAME_S + 1e-9)

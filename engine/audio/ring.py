@@ -1,0 +1,82 @@
+"""The sound of a live source on its way to a listener who may not be there yet."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import threading
+from collections import deque
+
+from engine.audio.source import FRAME_S, Frame
+from engine.errors import SaysoError
+
+LOOKBACK_S = 10.0
+"""How much sound after a mark waits for the listener, s."""
+
+
+class Ring:
+    """Frames of a live source on their way to a listener.
+
+    Without a listener only the newest frames are kept: the pre-roll, or all since the mark. ``mark`` may be called
+    from any thread, everything else from the loop's.
+    """
+
+    def __init__(self, pre_roll: int) -> None:
+        self.error: SaysoError | None = None  # what the source ended with
+        self._pre_roll = pre_roll
+        self._marked_limit = pre_roll + math.ceil(LOOKBACK_S / FRAME_S)
+        self._frames: deque[Frame] = deque()
+        self._lock = threading.Lock()
+        self._marked = False
+        self._listening = False
+        self._ended = False
+        self._arrived = asyncio.Event()
+
+    def restart(self) -> None:
+        """Another source begins."""
+        with self._lock:
+            self._frames.clear()
+        self._ended, self.error = False, None
+
+    def put(self, frame: Frame) -> None:
+        with self._lock:
+            self._frames.append(frame)
+            if not self._listening:
+                self._trim(self._marked_limit if self._marked else self._pre_roll)
+        self._arrived.set()
+
+    def mark(self) -> None:
+        with self._lock:
+            self._marked = True
+            if not self._listening:
+                self._trim(self._pre_roll)
+
+    def end(self, error: SaysoError | None) -> None:
+        self._ended, self.error = True, error
+        self._arrived.set()
+
+    def listen(self) -> None:
+        """From now on frames belong to a listener: none is dropped."""
+        with self._lock:
+            self._listening, self._marked = True, False
+
+    def release(self) -> None:
+        with self._lock:
+            self._listening = False
+
+    async def get(self) -> Frame | None:
+        """The next frame; None after the last. Raises the error that ended the source."""
+        while True:
+            with self._lock:
+                if self._frames:
+                    return self._frames.popleft()
+            if self._ended:
+                if self.error is not None:
+                    raise self.error
+                return None
+            self._arrived.clear()
+            await self._arrived.wait()
+
+    def _trim(self, limit: int) -> None:
+        while len(self._frames) > limit:
+            self._frames.popleft()

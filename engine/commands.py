@@ -1,0 +1,122 @@
+"""Commands in: what a person or a program can ask of a running session.
+
+On the wire a command is one JSON object a line, ``{"do": "say", "text": "go to the kitchen"}``; every command may
+carry an ``id`` of the sender's choice, which its acknowledgement (event ``ack``) repeats.
+"""
+
+from __future__ import annotations
+
+from base64 import b64decode
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import msgspec
+
+from engine.errors import UsageError
+
+MAX_LINE = 4 * 1024 * 1024
+"""Longest command line that is read, bytes: two minutes of base64 PCM."""
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """Base of all commands."""
+
+    do: ClassVar[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Say(Command):
+    """A typed request, treated as if it had been spoken and understood."""
+
+    do: ClassVar[str] = "say"
+    text: str
+    id: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Wake(Command):
+    """Listen now; while speaking or acting this stops both first."""
+
+    do: ClassVar[str] = "wake"
+    id: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Interrupt(Command):
+    """Stop everything and keep the task cycle."""
+
+    do: ClassVar[str] = "interrupt"
+    id: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class EndTask(Command):
+    """Stop everything, reset arm and history, begin a new task cycle."""
+
+    do: ClassVar[str] = "end_task"
+    id: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Audio(Command):
+    """Sound for the recogniser, as if from the microphone: 16 kHz mono signed 16-bit little-endian."""
+
+    do: ClassVar[str] = "audio"
+    pcm: bytes
+    id: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot(Command):
+    """Answer with the state of session and robot in the acknowledgement."""
+
+    do: ClassVar[str] = "snapshot"
+    id: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Quit(Command):
+    """End the session: stop everything at once, or, with ``drain``, when what was asked for before is done."""
+
+    do: ClassVar[str] = "quit"
+    drain: bool = False
+    id: str | None = None
+
+
+COMMANDS: dict[str, type[Command]] = {cls.do: cls for cls in (Say, Wake, Interrupt, EndTask, Audio, Snapshot, Quit)}
+
+
+def parse_command(line: bytes | str) -> Command:
+    """Read one command line. Raises :class:`UsageError` that says what is wrong and what is allowed."""
+    if len(line) > MAX_LINE:
+        raise UsageError(f"The command is {len(line)} bytes long; {MAX_LINE} are read at most.")
+    try:
+        raw: Any = msgspec.json.decode(line)
+    except (msgspec.DecodeError, UnicodeError, RecursionError) as error:
+        raise UsageError(
+            f"Not JSON: {error}.", hint='A command looks like {"do": "say", "text": "go home"}.'
+        ) from error
+    if not isinstance(raw, dict) or not isinstance(raw.get("do"), str):
+        raise UsageError("A command is a JSON object with a text field 'do'.", hint=_allowed())
+    do = raw.pop("do")
+    if do not in COMMANDS:
+        raise UsageError(f"Unknown command {do!r}.", hint=_allowed())
+    if do == "audio" and isinstance(raw.get("pcm"), str):
+        try:
+            raw["pcm"] = b64decode(raw["pcm"], validate=True)
+        except ValueError as error:  # binascii.Error is one, and so is what is not ASCII
+            raise UsageError(f"audio: 'pcm' is not base64: {error}.") from error
+        if len(raw["pcm"]) % 2:
+            raise UsageError("audio: 'pcm' holds an odd number of bytes; samples have two.")
+    known = COMMANDS[do].__dataclass_fields__
+    if unknown := sorted(raw.keys() - known):
+        raise UsageError(f"{do}: unknown field {unknown[0]!r}.", hint=f"Allowed: {', '.join(known)}.")
+    try:
+        return msgspec.convert(raw, type=COMMANDS[do])
+    except msgspec.ValidationError as error:
+        raise UsageError(f"{do}: {error}.") from error
+
+
+def _allowed() -> str:
+    return f"Commands: {', '.join(COMMANDS)}."

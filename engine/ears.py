@@ -1,0 +1,85 @@
+"""The ears of an engine: which source they have, the recogniser behind it, and what to say where something is missing.
+
+Without a microphone (``auto``) or on request (``none``) sound comes as commands, so there is always something to
+listen to, and a wake is never an error of its own.
+"""
+
+from __future__ import annotations
+
+import asyncio
+
+from config.schema import Settings
+from engine.audio.pipe import PushSource
+from engine.audio.source import Source
+from engine.audio.vad import make_vad
+from engine.hearing import Hearing
+from engine.loading import Sound, make_demo, make_recogniser, vocabulary
+from engine.parts import Part
+
+
+class Ears:
+    """Opens the ears and keeps them open until cancelled; ``microphone`` and ``hearing`` tell how they are."""
+
+    def __init__(self, settings: Settings, sound: Sound, microphone: Part[str], hearing: Part[Hearing]) -> None:
+        self._settings = settings
+        self._sound = sound
+        self._microphone = microphone
+        self._hearing = hearing
+        self._pushed: PushSource | None = None
+
+    def push(self, pcm: bytes) -> bool:
+        """Take sound that came as a command; False where sound comes from elsewhere. Thread-safe."""
+        if self._pushed is None:
+            return False
+        self._pushed.push(pcm)
+        return True
+
+    async def keep(self) -> None:
+        """Load the recogniser, open the source, and close both when cancelled."""
+        hearing: Hearing | None = None
+        try:
+            await self._hearing.load(self._load)
+            hearing = self._hearing.value
+            await asyncio.Event().wait()
+        finally:
+            if hearing is not None:
+                await hearing.__aexit__(None, None, None)
+
+    async def _load(self) -> Hearing:
+        settings = self._settings
+        recogniser = make_recogniser(settings)
+        hearing = Hearing(
+            self._open_source,
+            make_vad(settings.vad),
+            settings.endpoint,
+            recogniser,
+            vocabulary=vocabulary(settings),
+            gain_db=settings.audio.gain_db,
+        )
+        await hearing.load()
+        await self._microphone.load(lambda: self._open(hearing))
+        if self._microphone.value is None:  # said by now; sound can still come as commands
+            self._sound = Sound("none")
+            await hearing.__aenter__()
+        return hearing
+
+    @staticmethod
+    async def _open(hearing: Hearing) -> str:
+        await hearing.__aenter__()
+        return hearing.source_name
+
+    def _open_source(self) -> Source:
+        """The source as asked for; called again when it was lost and somebody listens. Raises ``DeviceError``."""
+        match self._sound.kind:
+            case "source":
+                assert self._sound.source is not None
+                return self._sound.source
+            case "demo":
+                return make_demo()
+            case "none":
+                self._pushed = PushSource()
+                return self._pushed
+            case _:
+                from engine.audio.microphone import Microphone
+
+                return Microphone(self._settings.audio.device)

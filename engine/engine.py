@@ -1,0 +1,231 @@
+"""The engine: builds the parts from settings and runs the session in a thread of its own.
+
+:class:`Engine` is what a screen or a command holds (``engine.handle.EngineHandle``). Its loop runs the session, the
+robot's heartbeat and the publisher of the robot's state; the robot starts and models load in the background, so that
+the engine takes commands from the first moment. Whatever ends the loop, the robot is stopped and closed first.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+from config import paths
+from config.schema import Place, Settings
+from engine import __version__, events
+from engine.bus import Bus, Subscriber
+from engine.clock import Clock, SystemClock
+from engine.commands import Command
+from engine.dispatch import Dispatcher
+from engine.ears import Ears
+from engine.epoch import Epoch
+from engine.errors import RobotError, SaysoError, StorageError
+from engine.event_log import EventLog
+from engine.events import Body, Event
+from engine.handle import PartName, PartStatus
+from engine.hearing import Hearing
+from engine.loading import Sound, make_robot
+from engine.parts import Part
+from engine.planner.build import build_planner, build_registry
+from engine.planner.planner import Planner
+from engine.robot.robot import FloorMap, Robot, RobotState, Scan
+from engine.robot.watch import company
+from engine.session import Session, WakeSource
+from engine.skills.places import Places
+from engine.tts.voice import SilentVoice
+from engine.turn import Needs
+
+T = TypeVar("T")
+
+WAKE_SOURCES: Mapping[str, WakeSource] = {"console": "key", "hear": "file"}
+"""What a wake command stands for in each mode; elsewhere it is a command."""
+
+
+class Engine:
+    """A running engine. ``start`` it once; it ends by a ``Quit`` command, and ``join`` waits for that.
+
+    ``mode`` is for the record (``console``, ``ask``…). ``sound`` says where sound comes from.
+    """
+
+    def __init__(self, settings: Settings, *, mode: str, sound: Sound, clock: Clock | None = None) -> None:
+        self._settings = settings
+        self._mode = mode
+        self._sound = sound
+        self._bus = Bus(clock or SystemClock())
+        self._robot: Robot = make_robot(settings.robot)
+        self._epoch = Epoch(self._robot.stop)
+        self._parts: dict[PartName, Part[Any]] = {}
+        self._session: Session | None = None
+        self._ready = threading.Event()
+        self._ended = threading.Event()
+        self._failure: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
+
+    # What holders call, from any thread
+
+    def start(self) -> None:
+        """Start the engine thread; returns when it takes commands. Raises what kept it from starting."""
+        self._thread.start()
+        self._ready.wait()
+        if self._failure is not None:
+            raise self._failure
+
+    def join(self, timeout: float | None = 10.0) -> bool:
+        """Wait for the engine to end; False if it has not by then."""
+        return self._ended.wait(timeout)  # not Thread.join, which a signal handler that raises leaves broken
+
+    def send(self, command: Command) -> None:
+        """Give a command; see ``Session.request``."""
+        assert self._session is not None, "start() comes first"
+        self._session.request(command)
+
+    def subscribe(self, subscriber: Subscriber) -> Callable[[], None]:
+        """Get every event from now on, in the publishing thread."""
+        return self._bus.subscribe(subscriber)
+
+    def reject(self, do: str, message: str) -> None:
+        """Acknowledge a command that could not even be read."""
+        self._bus.publish(events.Ack(do, False, message), epoch=self._epoch.current)
+
+    def status(self) -> tuple[PartStatus, ...]:
+        return tuple(part.status for part in self._parts.values())
+
+    def robot_state(self) -> RobotState | None:
+        return self._when_robot_is_up(self._robot.state)
+
+    def scan(self) -> Scan | None:
+        return self._when_robot_is_up(self._robot.scan)
+
+    def floor_map(self) -> FloorMap | None:
+        return self._robot.floor_map
+
+    def places(self) -> Mapping[str, Place]:
+        return self._settings.places
+
+    def _when_robot_is_up(self, read: Callable[[], T]) -> T | None:
+        if "robot" not in self._parts or self._parts["robot"].value is None:
+            return None
+        try:
+            return read()
+        except RobotError:
+            return None
+
+    # The engine thread
+
+    def _run(self) -> None:
+        try:
+            asyncio.run(self._main())
+        except BaseException as error:  # noqa: BLE001 - handed to whoever waits in start(), or published
+            self._robot.stop(self._epoch.advance())
+            self._failure = error
+            message = f"The engine ended by a fault: {error!r}."
+            self._bus.publish(events.ErrorRaised("engine_died", message, "Please report it.", fatal=True))
+        finally:
+            self._ready.set()
+            self._ended.set()
+
+    async def _main(self) -> None:
+        log = self._open_log()
+        self._emit(events.SessionStarted(__version__, self._mode, self._robot.name, os.getpid()))
+        places = Places(self._settings.places)
+        registry = build_registry(self._settings, places)
+        robot: Part[Robot] = self._part("robot")
+        planner: Part[Planner] = self._part("planner")
+        hearing: Part[Hearing] = self._part("recogniser")
+        microphone: Part[str] = self._part("microphone")
+
+        def understood() -> str:
+            return planner.value.understood if planner.value else ""
+
+        needs = Needs(
+            robot=robot,
+            planner=planner,
+            dispatcher=lambda up: Dispatcher(registry, up, places, self._epoch, understood),
+            hearing=hearing,
+            voice=SilentVoice(),
+        )
+        ears = Ears(self._settings, self._sound, microphone, hearing)
+        self._session = Session(
+            self._settings.session,
+            self._bus,
+            self._epoch,
+            needs,
+            hear_audio=ears.push,
+            wake_source=WAKE_SOURCES.get(self._mode, "command"),
+        )
+        background = [
+            asyncio.create_task(work)
+            for work in (
+                self._keep_robot(robot, places),
+                planner.load(lambda: asyncio.to_thread(build_planner, self._settings, registry)),
+                ears.keep(),
+            )
+        ]
+        self._ready.set()
+        try:
+            await self._session.run()
+        finally:
+            for task in background:
+                task.cancel()
+            await asyncio.gather(*background, return_exceptions=True)
+            self._emit(events.SessionEnded("asked to"))
+            if log is not None:
+                log.close()
+
+    async def _keep_robot(self, part: Part[Robot], places: Places) -> None:
+        """Start the robot, keep it company until it is lost or this is cancelled, and close it."""
+        robot = self._robot
+
+        async def started() -> Robot:
+            await robot.start()
+            robot.stop(self._epoch.current)  # an interruption may have come before the robot could hear of it
+            places.remember(robot.state().pose)
+            return robot
+
+        try:
+            await part.load(started)
+            if part.value is not None:
+                try:
+                    await company(robot, self._emit)
+                except RobotError as error:
+                    part.fail(error)
+        finally:
+            await robot.close()
+
+    def _part(self, name: PartName) -> Part[Any]:
+        part: Part[Any] = Part(name, self._report)
+        self._parts[name] = part
+        return part
+
+    def _report(self, status: PartStatus) -> None:
+        """Say how a part is doing; only the loss of the robot leaves nothing to do."""
+        if status.state == "ready":
+            self._emit(events.Log("info", status.name, status.detail or "ready"))
+        elif status.name == "robot":
+            self._emit(events.ErrorRaised("robot_lost", status.detail, fatal=True))
+        else:
+            self._emit(events.Log("warning", status.name, status.detail))
+
+    def _emit(self, body: Body, /) -> Event:
+        """Publish what belongs to no turn."""
+        return self._bus.publish(body, epoch=self._epoch.current)
+
+    def _open_log(self) -> EventLog | None:
+        settings = self._settings.session
+        if not settings.record_log:
+            return None
+        log = EventLog(paths().logs, self._bus.session, max_bytes=int(settings.log_mb * 1e6), keep=settings.log_files)
+        try:
+            log.open()
+        except StorageError as error:
+            self._tell(error)
+            return None
+        log.on_error = self._tell
+        self._bus.subscribe(log.write)
+        return log
+
+    def _tell(self, error: SaysoError) -> None:
+        self._emit(events.ErrorRaised(error.code, error.message, error.hint))

@@ -1,0 +1,57 @@
+"""How a screen or a command line holds an engine: the same few calls whether it runs in a thread of this process
+or, later, somewhere else. Everything else that a holder learns comes as events."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+from config.schema import Place
+from engine.bus import Subscriber
+from engine.commands import Command
+from engine.robot.robot import FloorMap, RobotState, Scan
+
+PartName = Literal["robot", "microphone", "recogniser", "planner", "voice"]
+PartState = Literal["loading", "ready", "missing", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class PartStatus:
+    """How one part of the engine is doing; ``detail`` is a sentence for people, empty when all is well."""
+
+    name: PartName
+    state: PartState
+    detail: str = ""
+
+
+class EngineHandle(Protocol):
+    """A running engine. All calls are thread-safe and return at once."""
+
+    def send(self, command: Command) -> None:
+        """Give a command. Interrupting ones stop the robot before this returns."""
+        ...
+
+    def subscribe(self, subscriber: Subscriber) -> Callable[[], None]:
+        """Get every event from now on, in the publishing thread; call the result to end it."""
+        ...
+
+    def status(self) -> tuple[PartStatus, ...]:
+        """The engine's parts and how they are doing."""
+        ...
+
+    def robot_state(self) -> RobotState | None:
+        """Newest snapshot of the robot; None while it starts or is gone."""
+        ...
+
+    def scan(self) -> Scan | None:
+        """Newest lidar scan; None while there is none."""
+        ...
+
+    def floor_map(self) -> FloorMap | None:
+        """The fixed map; None while the robot starts."""
+        ...
+
+    def places(self) -> Mapping[str, Place]:
+        """Places by symbol."""
+        ...

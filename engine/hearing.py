@@ -1,0 +1,251 @@
+"""Hearing: from sound to a transcript. Joins a source, voice activity, endpointing and a recogniser.
+
+A live source is read all the time, so that the moment before the wake is not lost and the level meter lives; other
+sources are read only while somebody listens, and go on where they stopped. The recogniser has one worker thread of its
+own: loading and decoding queue up there, and a decoding that nobody waits for any more ends as ``transcript.rejected``
+with the reason ``late``, in the turn and epoch that it belonged to.
+
+    async with Hearing(...) as hearing:
+        heard = await hearing.listen(emit)
+        if isinstance(heard, Utterance):
+            transcript = await hearing.transcribe(heard, emit)
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import AsyncExitStack
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Literal
+
+import numpy as np
+
+from config.schema import Endpoint
+from engine import events
+from engine.asr.recogniser import Recogniser, Rejected, Transcript
+from engine.audio.endpoint import Ended, Endpointer, Utterance
+from engine.audio.level import SILENT, Meter, loudness
+from engine.audio.ring import Ring
+from engine.audio.source import FRAME_S, Frame, Source
+from engine.audio.vad import VoiceActivity
+from engine.bus import Emit
+from engine.errors import SaysoError
+
+
+@dataclass(frozen=True, slots=True)
+class NothingHeard:
+    """Listening ended without an utterance."""
+
+    reason: Literal["no_speech", "source_ended"]
+    message: str  # a sentence for people
+
+
+class Hearing:
+    """The robot's ears. One listener and one transcription at a time; everything but :meth:`mark` and :attr:`level`
+    belongs to the loop's thread.
+
+    ``open_source`` makes the source; it is called again when a live one was lost and somebody listens. ``vocabulary``:
+    nouns and names to expect. ``gain_db`` is applied before anything else. ``on_lost`` is called, in the loop's
+    thread, at the moment a live source is lost.
+    """
+
+    def __init__(
+        self,
+        open_source: Callable[[], Source],
+        vad: VoiceActivity,
+        endpoint: Endpoint,
+        recogniser: Recogniser,
+        *,
+        vocabulary: Sequence[str] = (),
+        gain_db: float = 0.0,
+        on_lost: Callable[[SaysoError], None] | None = None,
+    ) -> None:
+        self.level = SILENT
+        """Newest loudness, for idle display; a frozen value that is replaced, so any thread may read it."""
+        self.vad_name = vad.name
+        self._open_source = open_source
+        self._vad = vad
+        self._endpoint = endpoint
+        self._recogniser = recogniser
+        self._vocabulary = tuple(vocabulary)
+        self._gain = 10 ** (gain_db / 20)
+        self._worker = ThreadPoolExecutor(1, thread_name_prefix="recogniser")
+        self._open = AsyncExitStack()
+        self._source: Source | None = None
+        self._pump: asyncio.Task[None] | None = None
+        self._ring = Ring(math.ceil(endpoint.pre_roll_s / FRAME_S))
+        self._on_lost = on_lost
+        self._closed = False
+
+    async def __aenter__(self) -> Hearing:
+        """Open the source. Raises ``DeviceError`` or ``AudioFormatError``."""
+        await self._reopen()
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._closed = True
+        await self._close_source()
+        self._worker.shutdown(wait=False, cancel_futures=True)
+
+    @property
+    def source_name(self) -> str:
+        """The source, for people."""
+        return self._source.name if self._source is not None else "no sound source"
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the source tolerated."""
+        return self._source.warnings if self._source is not None else ()
+
+    async def load(self) -> None:
+        """Load the recogniser in its thread. Raises ``ModelError``; :meth:`transcribe` would raise the same."""
+        await asyncio.wrap_future(self._worker.submit(self._recogniser.load))
+
+    def mark(self) -> None:
+        """The wake is now: the next :meth:`listen` of a live source begins here, less the pre-roll, however long it
+        takes until it is called (up to 10 s). Thread-safe, returns at once."""
+        self._ring.mark()
+
+    async def listen(self, emit: Emit, *, restarted: bool = False) -> Utterance | NothingHeard:
+        """Hear one utterance, publishing ``listen.started``, ``listen.level`` and ``listen.ended``.
+
+        ``listen.ended`` comes exactly once, also when this is cancelled or the device is lost (raises
+        ``DeviceError``).
+        """
+        source = self._source
+        if source is None or self._ring.error is not None:  # lost: perhaps it is plugged in again
+            source = await self._reopen()
+        self._ring.listen()
+        emit(events.ListenStarted(source.name, restarted))
+        ended = events.ListenEnded("cancelled", 0.0, 0.0)
+        try:
+            end = await self._find_utterance(source, emit)
+            heard = end.utterance
+            ended = events.ListenEnded(
+                end.reason, heard.duration if heard is not None else 0.0, heard.speech_s if heard is not None else 0.0
+            )
+        except SaysoError:
+            ended = events.ListenEnded("device_lost", 0.0, 0.0)
+            raise
+        finally:
+            self._ring.release()
+            emit(ended)
+        if heard is not None:
+            return heard
+        if end.reason == "source_ended":
+            return NothingHeard("source_ended", f"The sound of {source.name} ended and nobody spoke.")
+        return NothingHeard("no_speech", f"Nobody spoke for {self._endpoint.no_speech_s:g} s.")
+
+    async def transcribe(self, utterance: Utterance, emit: Emit) -> events.TranscriptFinal | events.TranscriptRejected:
+        """Recognise an utterance; the result is published and returned. Raises ``ModelError``.
+
+        Cancelling returns at once. The worker stops at the next stretch of work, and what it found by then is
+        published as ``transcript.rejected`` with the reason ``late``.
+        """
+        cancelled = threading.Event()
+        samples = utterance.samples * np.float32(1 / 32768)
+        work = self._worker.submit(self._recogniser.transcribe, samples, self._vocabulary, cancelled.is_set)
+        try:
+            found = await asyncio.wrap_future(work)
+        except asyncio.CancelledError:
+            cancelled.set()
+            work.cancel()  # if it still waits for the worker
+            work.add_done_callback(lambda late: self._report_late(late, emit))
+            raise
+        result = _as_event(found)
+        emit(result)
+        return result
+
+    async def _find_utterance(self, source: Source, emit: Emit) -> Ended:
+        """Feed frames to the endpointer until it has an end. Raises what the source raises."""
+        self._vad.reset()
+        endpointer = Endpointer(self._endpoint)
+        meter = Meter()
+        while (frame := await self._next_frame(source)) is not None:
+            vad = self._vad.process(frame)
+            found = endpointer.push(frame, vad)
+            if (level := meter.add(frame, vad, in_speech=endpointer.in_speech)) is not None:
+                emit(level)
+            if isinstance(found, Ended):
+                return found
+        return endpointer.finish()
+
+    async def _next_frame(self, source: Source) -> Frame | None:
+        if source.live:
+            return await self._ring.get()
+        frame = await anext(source, None)
+        return self._taken(frame) if frame is not None else None
+
+    def _taken(self, frame: Frame) -> Frame:
+        """Every frame passes here once: gain and level."""
+        if self._gain != 1.0:
+            louder = np.clip(frame.samples * self._gain, -32768, 32767).astype(np.int16)
+            frame = Frame(louder, frame.end)
+        self.level = loudness([frame])
+        return frame
+
+    async def _reopen(self) -> Source:
+        await self._close_source()
+        source = self._open_source()
+        await self._open.enter_async_context(source)
+        self._source = source
+        if source.live:
+            self._ring.restart()
+            self._pump = asyncio.create_task(self._keep_reading(source), name="hearing")
+        return source
+
+    async def _close_source(self) -> None:
+        if self._pump is not None:
+            self._pump.cancel()
+            await asyncio.gather(self._pump, return_exceptions=True)
+            self._pump = None
+        self._source = None
+        await self._open.aclose()
+
+    async def _keep_reading(self, source: Source) -> None:
+        """The task that reads a live source until it ends or is lost."""
+        error: SaysoError | None = None
+        try:
+            async for frame in source:
+                self._ring.put(self._taken(frame))
+        except SaysoError as lost:
+            error = lost
+            if self._on_lost is not None:
+                self._on_lost(lost)
+        finally:
+            self.level = SILENT
+            self._ring.end(error)
+
+    def _report_late(self, work: Future[Transcript | Rejected], emit: Emit) -> None:
+        """A transcription that was cancelled has come to its end."""
+        if self._closed:
+            return
+        text, outcome = "", "it was cancelled before it began"
+        if not work.cancelled():
+            failure = work.exception()
+            text = work.result().text if failure is None else ""
+            outcome = f"it failed: {failure}" if failure is not None else "it came after it was cancelled"
+        emit(events.TranscriptRejected("late", f"The transcription was not used: {outcome}.", text))
+
+
+def _as_event(found: Transcript | Rejected) -> events.TranscriptFinal | events.TranscriptRejected:
+    if isinstance(found, Rejected):
+        return events.TranscriptRejected(found.reason, found.detail, found.text)
+    decoding = found.decoding
+    return events.TranscriptFinal(
+        text=found.text,
+        source="speech",
+        language=decoding.language,
+        confidence=found.confidence,
+        avg_logprob=decoding.avg_logprob,
+        no_speech_probability=decoding.no_speech_probability,
+        audio_s=decoding.audio_s,
+        decode_s=decoding.decode_s,
+    )

@@ -1,0 +1,63 @@
+"""What the settings stand for: the parts they name, built but not started."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Literal
+
+import yaml
+
+from config import paths
+from config.schema import Robot as RobotSettings
+from config.schema import Settings
+from engine.asr.recogniser import Recogniser
+from engine.audio.source import Source
+from engine.models import ModelStore
+from engine.robot.robot import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class Sound:
+    """Where sound comes from. auto: the microphone, or sound that is sent as commands where there is none."""
+
+    kind: Literal["auto", "mic", "demo", "none", "source"]
+    source: Source | None = None  # with ``source``: this one
+
+
+def make_robot(settings: RobotSettings) -> Robot:
+    """The configured robot. Raises ``SceneError``."""
+    from engine.robot.sim.robot import SimRobot
+
+    return SimRobot(settings)
+
+
+def model_store(settings: Settings) -> ModelStore:
+    """Where this user's models are."""
+    return ModelStore(settings.models.folder or paths().models)
+
+
+def make_recogniser(settings: Settings) -> Recogniser:
+    """The configured recogniser, not loaded yet. Raises ``ModelError`` with the command that fetches its model."""
+    from engine.asr.whisper import WhisperRecogniser
+
+    name = settings.asr.model
+    folder = Path(name).expanduser()
+    if not (folder.is_absolute() or folder.is_dir()):
+        folder = model_store(settings).find(name)
+    return WhisperRecogniser(folder, settings.asr)
+
+
+def make_demo() -> Source:
+    """A simulated microphone at which somebody says the demo commands."""
+    from engine.audio.simulated import SimulatedMicrophone
+
+    folder = Path(str(files("assets") / "speech"))
+    index = yaml.safe_load((folder / "index.yaml").read_text(encoding="utf-8"))
+    return SimulatedMicrophone([folder / entry["file"] for entry in index])
+
+
+def vocabulary(settings: Settings) -> tuple[str, ...]:
+    """Nouns that the recogniser should expect: names of places."""
+    return tuple(word for place in settings.places.values() for word in (place.name, *place.aliases))

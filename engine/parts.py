@@ -1,0 +1,63 @@
+"""The parts of an engine while they load: each is awaited by whoever needs it first, and watched by the console.
+
+The console is usable while models load because nothing waits for a part that it does not use: a typed command
+needs the planner and the robot, a spoken one the recogniser as well.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import Generic, TypeVar
+
+from engine.errors import ExitCode, SaysoError
+from engine.handle import PartName, PartState, PartStatus
+
+T = TypeVar("T")
+
+
+class Part(Generic[T]):
+    """One part that is being loaded, is ready, or could not be had."""
+
+    def __init__(self, name: PartName, report: Callable[[PartStatus], None]) -> None:
+        self._report = report
+        self._done = asyncio.Event()
+        self._value: T | None = None
+        self._error: SaysoError | None = None
+        self.status = PartStatus(name, "loading")
+
+    async def load(self, loader: Callable[[], Awaitable[T]], *, detail: str = "") -> None:
+        """Run ``loader`` and keep its result, or what went wrong. Raises nothing but cancellation."""
+        try:
+            self._value = await loader()
+        except SaysoError as error:
+            self.fail(error)
+        except Exception as error:  # noqa: BLE001 - a part that has a fault must not take the others with it
+            name = self.status.name
+            self.fail(SaysoError(f"The {name} has a fault: {error!r}.", hint="Please report it."))
+        else:
+            self._change("ready", detail)
+            self._done.set()
+
+    def fail(self, error: SaysoError) -> None:
+        """The part cannot be had (any more): everybody who asks for it gets ``error``."""
+        self._value, self._error = None, error
+        self._change("missing" if error.exit_code is ExitCode.MISSING else "failed", str(error))
+        self._done.set()
+
+    async def get(self) -> T:
+        """The part, once loaded. Raises the :class:`SaysoError` that it failed with."""
+        await self._done.wait()
+        if self._error is not None:
+            raise self._error
+        assert self._value is not None, "a part that loaded without an error has a value"
+        return self._value
+
+    @property
+    def value(self) -> T | None:
+        """The part if it is ready."""
+        return self._value
+
+    def _change(self, state: PartState, detail: str) -> None:
+        self.status = PartStatus(self.status.name, state, detail)
+        self._report(self.status)

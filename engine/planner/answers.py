@@ -1,0 +1,107 @@
+"""Telling people what a plan does: one sentence for each step, and one short answer for all of it.
+
+The words come from the phrase file, the facts from the actions themselves, so that what is announced is what is done.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
+from typing import Any
+
+from config.schema import Place
+from engine.plan import ActionCall, Quantity
+from engine.planner.words import digits
+
+MAX_TOLD = 4
+"""More things than these are not listened to in one answer."""
+
+
+class Answers:
+    """The answers of one language."""
+
+    def __init__(self, sections: Mapping[str, Any], places: Mapping[str, Place]) -> None:
+        self._words: Mapping[str, Any] = sections["answers"]
+        self._places = places
+        name = next((place.name for place in places.values()), "")
+        self.understood: str = self._words["understood" if name else "understood_anywhere"].format(place=name)
+        """A sentence with examples of what can be said."""
+        self._example_place = name
+
+    def phrase(self, key: str) -> str:
+        """A fixed sentence."""
+        return str(self._words[key])
+
+    def question(self, key: str) -> str:
+        """The question for what is missing in a command."""
+        return str(self._words["questions"][key]).format(place=self._example_place)
+
+    def steps(self, calls: Iterable[ActionCall]) -> tuple[str, ...]:
+        """One sentence for each action."""
+        return tuple(self._tell(call, 0) for call in calls)
+
+    def response(self, calls: Sequence[ActionCall]) -> str:
+        """What the robot is about to do, in one sentence; empty where the actions speak for themselves."""
+        told = [text for text in (self._tell(call, 1) for call in calls) if text]
+        parts = []
+        for text, same in groupby(told):
+            count = len(list(same))
+            parts.append(text + (self._words["times"].format(count=count) if count > 1 else ""))
+        more = ""
+        if len(parts) > MAX_TOLD:
+            more = self._words["more"].format(count=len(parts) - MAX_TOLD + 1)
+            parts = parts[: MAX_TOLD - 1]
+        sentence = self._words["then"].join(parts) + more
+        return f"{sentence[0].upper()}{sentence[1:]}." if sentence else ""
+
+    def _tell(self, call: ActionCall, form: int) -> str:
+        name, fields = self._fields(call)
+        pattern: str = self._words["skills"][name][form]
+        return pattern.format_map(fields)
+
+    def _fields(self, call: ActionCall) -> tuple[str, dict[str, str]]:
+        """Under which name the call is told, and the words for its arguments."""
+        match call.name, call.positional:
+            case "move_forward" | "move_sideways", (Quantity(distance), *speed):
+                ways = ("forward", "back") if call.name == "move_forward" else ("left", "right")
+                way = self._words["ways"][ways[distance < 0]]
+                return call.name, {"distance": self._amount(abs(distance), "m"), "way": way, "at": self._at(speed)}
+            case "move_left" | "move_right", (Quantity(angle), *speed):
+                return call.name, {"angle": self._amount(angle, "deg"), "at": self._at(speed)}
+            case "set_cmdvel", (Quantity(x), Quantity(y), Quantity(turn), Quantity(duration)):
+                lasting = self._amount(duration, "s")
+                if turn:
+                    way = self._words["ways"]["left" if turn > 0 else "right"]
+                    return "spin_for", {"way": way, "speed": self._amount(abs(turn), "rad/s"), "duration": lasting}
+                axis = ("left" if y > 0 else "right") if y else ("forward" if x >= 0 else "back")
+                speed_said = self._amount(abs(x + y), "m/s")  # one of the two is zero
+                return "drive_for", {"way": self._words["ways"][axis], "speed": speed_said, "duration": lasting}
+            case "navigation", (str(place),):
+                return call.name, {"place": self._place(place)}
+            case "wait", (Quantity(duration),):
+                return call.name, {"duration": self._amount(duration, "s")}
+            case "light", ("off",):
+                return "light_off", {}
+            case _, (str(word),):
+                return call.name, {"word": word}
+        return call.name, {}
+
+    def _at(self, speed: Sequence[object]) -> str:
+        match speed:
+            case [Quantity(value, unit)]:
+                return str(self._words["at"].format(speed=self._amount(value, unit)))
+        return ""
+
+    def _amount(self, value: float, unit: str) -> str:
+        if unit == "m" and value < 1 and (value * 100).is_integer():
+            value, unit = value * 100, "cm"
+        one, many = self._words["units"][unit]
+        told = round(value, 2) or value  # nobody listens to a tenth of a millimetre
+        return f"{digits(told)} {one if value == 1 else many}"
+
+    def _place(self, symbol: str) -> str:
+        if symbol not in self._places:
+            return str(self._words["zero"])
+        name = self._places[symbol].name
+        pattern = self._words["place_symbol" if len(name) == 1 else "place"]
+        return str(pattern.format(name=name.removeprefix("the ")))

@@ -1,0 +1,173 @@
+"""What each intent means: the actions that carry it out.
+
+Every number and place of an action was said. The exceptions are conventions of the language: "turn left" is a quarter
+turn, "turn around" a half one, and "slowly" and "quickly" are the speeds below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from engine.plan import MAX_ACTIONS, ActionCall, Quantity
+
+Manner = Literal["slow", "fast"]
+
+DRIVE_SPEED: dict[Manner | None, float] = {"slow": 0.1, None: 0.3, "fast": 0.5}
+"""m/s. Slow and fast are those of the course example in which a robot backs away "slowly like a turtle"; the other is
+the driving skills' own."""
+TURN_SPEED: dict[Manner | None, float] = {"slow": 0.5, None: 1.0, "fast": 2.0}
+"""rad/s; the middle one is the turning skills' own."""
+QUARTER, HALF, FULL = 90.0, 180.0, 360.0
+"""deg"""
+MOST_REPEATS = MAX_ACTIONS + 1
+"""One more than any plan may have: "beep a million times" is understood, and turned down for its length."""
+
+Question = Literal["how_far", "which_way", "which_unit", "where", "how_long", "what"]
+Calls = tuple[ActionCall, ...]
+
+
+class Incomplete(Exception):
+    """The clause is a command that lacks something; ``question`` says what."""
+
+    def __init__(self, question: Question) -> None:
+        super().__init__(question)
+        self.question: Question = question
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """A clause that was understood: its intent, and what was said in its slots, in SI units and degrees."""
+
+    intent: str
+    words: Mapping[str, str]
+    numbers: Mapping[str, float]
+    manner: Manner | None = None
+
+
+def calls_of(said: Said) -> Calls | None:
+    """The actions for ``said``; None when its numbers make no sense. Raises :class:`Incomplete`."""
+    if said.manner is not None and said.intent not in _WITH_MANNER:
+        return None
+    repeats = said.numbers.get("times", 1)
+    if repeats != int(repeats) or repeats < 1:
+        return None
+    return _MEANINGS[said.intent](said) * int(min(repeats, MOST_REPEATS))
+
+
+def _call(name: str, *arguments: Quantity | str) -> Calls:
+    return (ActionCall(name, arguments),)
+
+
+def _move(said: Said) -> Calls:
+    way = said.words["way"]
+    distance = Quantity(said.numbers["distance"] * (-1 if way in ("back", "right") else 1), "m")
+    return _call("move_sideways" if way in ("left", "right") else "move_forward", distance, *_pace(said))
+
+
+def _pace(said: Said) -> tuple[Quantity, ...]:
+    """The speed argument, if one was said."""
+    if "speed" in said.numbers:
+        return (Quantity(said.numbers["speed"], "m/s"),)
+    return () if said.manner is None else (Quantity(DRIVE_SPEED[said.manner], "m/s"),)
+
+
+def _run(said: Said) -> Calls:
+    speed = said.numbers.get("speed", DRIVE_SPEED[said.manner])
+    x, y = {"forward": (1, 0), "back": (-1, 0), "left": (0, 1), "right": (0, -1)}[said.words["way"]]
+    return _velocity(x * speed, y * speed, 0.0, said.numbers["duration"])
+
+
+def _spin(said: Said) -> Calls:
+    rate = said.numbers.get("rate", TURN_SPEED[said.manner])
+    return _velocity(0.0, 0.0, rate if said.words["spin"] == "left" else -rate, said.numbers["duration"])
+
+
+def _velocity(x: float, y: float, turn: float, duration: float) -> Calls:
+    return _call("set_cmdvel", Quantity(x, "m/s"), Quantity(y, "m/s"), Quantity(turn, "rad/s"), Quantity(duration, "s"))
+
+
+def _turn(angle: Callable[[Said], float]) -> Callable[[Said], Calls]:
+    """A turn by ``angle`` degrees to the side that was said, or to the left."""
+
+    def turn(said: Said) -> Calls:
+        degrees = angle(said)
+        left = (said.words.get("spin", "left") == "left") == (degrees >= 0)  # minus 90 to the left is to the right
+        rate: tuple[Quantity, ...] = ()
+        if "rate" in said.numbers:
+            rate = (Quantity(said.numbers["rate"], "rad/s"),)
+        elif said.manner is not None:
+            rate = (Quantity(TURN_SPEED[said.manner], "rad/s"),)
+        return _call("move_left" if left else "move_right", Quantity(abs(degrees), "deg"), *rate)
+
+    return turn
+
+
+def _angle(said: Said) -> float:
+    return said.numbers["angle" if "angle" in said.numbers else "whole"]
+
+
+def _whole_angle(said: Said) -> float:
+    if said.numbers["angle"] % HALF:
+        raise Incomplete("which_way")
+    return said.numbers["angle"]
+
+
+def _square(said: Said) -> Calls:
+    if "distance" not in said.numbers:
+        raise Incomplete("how_far")
+    corner = _call("move_left", Quantity(QUARTER, "deg"))
+    return (_call("move_forward", Quantity(said.numbers["distance"], "m"), *_pace(said)) + corner) * 4
+
+
+def _wait(said: Said) -> Calls:
+    return _call("wait", Quantity(said.numbers["duration" if "duration" in said.numbers else "whole"], "s"))
+
+
+def _beep(said: Said) -> Calls:
+    if "duration" in said.numbers:
+        return _call("beep", Quantity(said.numbers["duration"], "s"))
+    return _call("beep") * int(min(said.numbers.get("whole", 1), MOST_REPEATS))
+
+
+def _just(name: str) -> Callable[[Said], Calls]:
+    return lambda said: _call(name)
+
+
+_MEANINGS: dict[str, Callable[[Said], Calls]] = {
+    "Go": lambda said: _call("navigation", said.words["place"]),
+    "Return": lambda said: _call("navigation", "zero"),
+    "Remember": _just("get_current_pose"),
+    "Move": _move,
+    "Run": _run,
+    "Turn": _turn(_angle),
+    "TurnQuarter": _turn(lambda said: QUARTER),
+    "TurnAround": _turn(lambda said: HALF),
+    "TurnFull": _turn(lambda said: FULL),
+    "TurnWhole": _turn(_whole_angle),
+    "Spin": _spin,
+    "Square": _square,
+    "ArmUp": _just("arm_up"),
+    "ArmDown": _just("arm_down"),
+    "Nod": _just("arm_nod"),
+    "Shake": _just("arm_shake"),
+    "Applaud": _just("arm_applaud"),
+    "Dance": _just("dance"),
+    "Drift": _just("drift"),
+    "Wait": _wait,
+    "Beep": _beep,
+    "Light": lambda said: _call("light", said.words["colour"]),
+    "Say": lambda said: _call("say", said.words["text"]),
+    "Where": _just("report_pose"),
+    "Skills": _just("list_skills"),
+    "EndTask": _just("finish_dialogue"),
+    "Halt": lambda said: (),
+}
+_WITH_MANNER = {"Move", "Run", "Turn", "TurnQuarter", "TurnAround", "TurnFull", "TurnWhole", "Spin", "Square"}
+
+INTENTS = frozenset(_MEANINGS)
+"""Every intent that has a meaning."""
+
+TOPICS = {"Go": "go", "Somewhere": "go", "Turn": "turn", "TurnQuarter": "turn", "ArmUp": "arm", "ArmDown": "arm"}
+"""What a following clause without a verb may refer to."""

@@ -1,0 +1,34 @@
+"""The measurements of the simulated robot: what the engine must know of its body without loading the simulator."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.robot.robot import Footprint
+
+FOOTPRINT = Footprint(length=0.30, width=0.24)
+"""The hull; wheels, lidar and the folded arm stay within it."""
+
+SHOULDER = (0.05, 0.0, 0.16)
+"""Where the shoulder axis crosses the arm's yaw axis, base frame, m."""
+UPPER_ARM, FOREARM, HAND = 0.16, 0.14, 0.13
+"""Shoulder to elbow, elbow to wrist, wrist to the point between the fingertips, m."""
+JOINT_RANGES: tuple[tuple[float, float], ...] = ((-2.8, 2.8), (-1.9, 1.9), (-2.5, 2.5), (-2.3, 2.3), (-1.7, 1.7))
+"""rad, in the order of ``ARM_JOINTS``."""
+FINGER_TRAVEL = 0.034
+"""Of each finger, m; the gripper opens to twice that."""
+
+LIDAR_HEIGHT = 0.10
+"""m above the floor: furniture, walls and cartons are seen, things as small as a cup on the floor are not."""
+LIDAR_RANGE = 12.0
+"""m."""
+RAYS = 360
+"""Directions of the lidar."""
+
+_turn = np.arange(RAYS, dtype=np.float64) * (2 * math.pi / RAYS)
+LIDAR_ANGLES: NDArray[np.float64] = np.where(_turn <= math.pi, _turn, _turn - 2 * math.pi)
+"""Directions of the rays, rad, base frame: the first looks forward, then counter-clockwise, in (−π, π]."""
+LIDAR_ANGLES.setflags(write=False)

@@ -1,0 +1,47 @@
+"""Where the robot believes it is: its own motion added up, with the errors of a real base if wanted.
+
+Every axis has a scale error of its own for the whole session, like a wheel that is slightly too large, and a random
+walk that grows with the way driven. Both come from the seed, so that a session can be repeated.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from engine.robot.robot import Pose
+
+
+class Odometry:
+    """Adds up motion. ``noise`` is the relative error (standard deviation of the scale error); 0 is exact."""
+
+    def __init__(self, start: Pose, *, noise: float, seed: int) -> None:
+        self._noise = noise
+        self._rng = np.random.default_rng(seed)
+        # Beyond two standard deviations a base would have been calibrated.
+        self._scale = 1 + noise * np.clip(self._rng.standard_normal(3), -2, 2)
+        self._true = start
+        self.pose = start
+
+    def update(self, true: Pose) -> Pose:
+        """The robot is at ``true`` now; returns where it believes it is."""
+        if self._noise == 0:
+            self._true = self.pose = true
+            return true
+        before, self._true = self._true, true
+        c, s = math.cos(before.yaw), math.sin(before.yaw)
+        dx, dy = true.x - before.x, true.y - before.y
+        moved = np.array([c * dx + s * dy, c * dy - s * dx, wrap(true.yaw - before.yaw)])
+        # A walk whose spread after a metre (or radian) is half the relative error.
+        walk = 0.5 * self._noise * np.sqrt(np.abs(moved)) * self._rng.standard_normal(3)
+        forward, left, turned = (float(v) for v in moved * self._scale + walk)
+        yaw = self.pose.yaw
+        c, s = math.cos(yaw), math.sin(yaw)
+        self.pose = Pose(self.pose.x + c * forward - s * left, self.pose.y + s * forward + c * left, wrap(yaw + turned))
+        return self.pose
+
+
+def wrap(angle: float) -> float:
+    """Into (−π, π]."""
+    return math.pi - (math.pi - angle) % (2 * math.pi)

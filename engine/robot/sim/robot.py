@@ -1,0 +1,273 @@
+"""The simulated robot, as the engine holds it.
+
+Stops, commands and readings are accesses to the memory shared with the robot process and never wait for it. Ticks
+come over a socket: in real time the robot process sends one while somebody waits, at full speed it is asked for one.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import threading
+import time
+from collections.abc import Sequence
+
+from config.schema import Robot as RobotSettings
+from engine.errors import RobotError
+from engine.robot.robot import Capability, FloorMap, Footprint, Pose, RobotState, Scan, Twist
+from engine.robot.sim import memory as m
+from engine.robot.sim.dimensions import FOOTPRINT, LIDAR_ANGLES
+from engine.robot.sim.floor import floor_map
+from engine.robot.sim.memory import Memory, Record
+from engine.robot.sim.process import RobotProcess
+from engine.robot.sim.scene import load_scene, scene_path
+
+ANSWER_LIMIT = 5.0
+"""s of silence after which a robot process that has not ended counts as lost."""
+_AGAIN = "Start it again."
+
+
+class SimRobot:
+    """A :class:`engine.robot.robot.Robot` that lives in a MuJoCo scene.
+
+    ``tick`` belongs to the asyncio loop that ``start`` ran in; everything else may be called from any thread. A
+    command with values that are not finite raises ``ValueError``.
+    """
+
+    def __init__(self, settings: RobotSettings) -> None:
+        """Read the scene; raises :class:`SceneError`."""
+        self._settings = settings
+        self._path = scene_path(settings.scene)
+        self.scene = load_scene(self._path)
+        self._map = floor_map(self.scene)
+        self._in_real_time = settings.speed == "real"
+        self._writing = threading.Lock()  # one writer at a time for the command mailboxes; stop() never takes it
+        self._process: RobotProcess | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._lost: str | None = "The robot has not been started."
+        self._waiters: dict[asyncio.Future[None], int] = {}  # each waits for a tick later than this one
+        self._exchange_due = False
+        self._alive = self._alive_since = self._beaten = 0.0
+
+    @property
+    def name(self) -> str:
+        return f"simulated robot ({self.scene.name})"
+
+    @property
+    def capabilities(self) -> frozenset[Capability]:
+        return frozenset({"base", "arm", "camera", "voice"})
+
+    @property
+    def footprint(self) -> Footprint:
+        return FOOTPRINT
+
+    @property
+    def floor_map(self) -> FloorMap:
+        return self._map
+
+    @property
+    def memory(self) -> Memory:
+        """The shared memory, for cameras, benchmarks and tests. Raises :class:`RobotError` when there is none."""
+        return self._running()
+
+    @property
+    def pid(self) -> int | None:
+        """Of the robot process."""
+        return self._process.pid if self._process is not None else None
+
+    async def start(self) -> None:
+        """Start the robot process and wait until its world is built. Raises :class:`RobotError`."""
+        if self._process is not None:
+            raise RobotError("The simulated robot is started already.", hint="Close it first.")
+        self._loop = asyncio.get_running_loop()
+        self._process = process = RobotProcess(self._path, self._settings)
+        try:
+            await asyncio.to_thread(process.wait_until_ready)
+        except BaseException:
+            await self.close()
+            raise
+        self._lost = None
+        self._alive_since = time.monotonic()
+        if self._in_real_time:
+            process.link.setblocking(False)
+            self._loop.add_reader(process.link, self._on_link)
+        else:
+            process.link.settimeout(ANSWER_LIMIT)
+
+    async def close(self) -> None:
+        """Stop the robot, end its process and release everything. Harmless when nothing runs."""
+        process = self._process
+        if process is None:
+            return
+        self._lose("The robot has been closed.")
+        self._process = None
+        ending = asyncio.ensure_future(asyncio.to_thread(process.end))
+        try:
+            await asyncio.shield(ending)
+        except asyncio.CancelledError:
+            await ending  # a second at most; nothing may be left running
+            raise
+        finally:
+            process.release()
+
+    # Commands. A stop is two stores into shared memory: it takes no lock and meets no queue.
+
+    def stop(self, epoch: int) -> None:
+        process = self._process
+        if process is not None:
+            process.memory.times[m.STOP_TIME] = time.monotonic()
+            process.memory.ints[m.STOP_EPOCH] = epoch
+
+    def heartbeat(self) -> None:
+        process, loop = self._process, self._loop
+        if process is None or loop is None or self._lost is not None:
+            return
+        now = time.monotonic()
+        process.memory.times[m.HEARTBEAT] = now
+        if not self._in_real_time:
+            return
+        alive = process.memory.times[m.ALIVE]
+        # A gap between our own beats (a paused machine) says nothing about the robot process.
+        if alive != self._alive or now - self._beaten > 1.0:
+            self._alive, self._alive_since = alive, now
+        elif now - self._alive_since > ANSWER_LIMIT:
+            loop.call_soon_threadsafe(self._lose, f"The robot process has been silent for {ANSWER_LIMIT:.0f} s.")
+        self._beaten = now
+
+    def drive(self, twist: Twist, epoch: int) -> None:
+        velocities = (twist.vx, twist.vy, twist.wz)
+        box = self._running(*velocities).drive
+        with self._writing:
+            box.scratch["epoch"], box.scratch["twist"] = epoch, velocities
+            box.put()
+
+    def move_arm(self, joints: Sequence[float], epoch: int, *, speed: float = 1.0) -> None:
+        box = self._running(*joints, speed).arm
+        with self._writing:
+            box.scratch["epoch"], box.scratch["joints"], box.scratch["speed"] = epoch, tuple(joints), speed
+            box.put()
+
+    def set_gripper(self, opening: float, epoch: int) -> None:
+        box = self._running(opening).gripper
+        with self._writing:
+            box.scratch["epoch"], box.scratch["opening"] = epoch, opening
+            box.put()
+
+    def set_light(self, rgb: tuple[int, int, int]) -> None:
+        box = self._running(*rgb).signal
+        with self._writing:
+            box.scratch["light"], box.scratch["beep"] = rgb, 0.0
+            box.put()
+
+    def beep(self, seconds: float) -> None:
+        box = self._running(seconds).signal
+        with self._writing:
+            box.scratch["beep"] = seconds
+            box.put()
+
+    # Readings
+
+    def state(self) -> RobotState:
+        return _state(self._running().state.get())
+
+    def scan(self) -> Scan:
+        record = self._running().scan.get()
+        return Scan(float(record["t"]), LIDAR_ANGLES, record["ranges"].copy())
+
+    async def tick(self) -> RobotState:
+        memory, loop = self._running(), asyncio.get_running_loop()
+        waiter: asyncio.Future[None] = loop.create_future()
+        self._waiters[waiter] = memory.ints[m.TICKS]
+        if self._in_real_time:
+            memory.ints[m.WAITERS] = 1
+        elif not self._exchange_due:
+            # Not at once: whoever else is ready to run may want to command something for this tick, or wait too.
+            self._exchange_due = True
+            loop.call_soon(self._exchange)
+        try:
+            await waiter
+        finally:
+            self._waiters.pop(waiter, None)
+        return self.state()
+
+    def _exchange(self) -> None:
+        """At full speed: let one tick pass. The loop stands still for it (about a millisecond), which is what makes
+        a session at full speed the same at every run."""
+        self._exchange_due = False
+        process = self._process
+        if process is None or not self._waiters:
+            return
+        try:
+            process.link.send(b".")
+            answered = process.link.recv(1) != b""
+        except TimeoutError:
+            self._lose(f"The robot process has not answered for {ANSWER_LIMIT:.0f} s.")
+            return
+        except OSError:
+            answered = False
+        self._answer(process, answered)
+
+    def _on_link(self) -> None:
+        """In real time: a tick has passed, or the process has ended."""
+        process = self._process
+        if process is None:
+            return
+        try:
+            answered = process.link.recv(4096) != b""
+        except BlockingIOError:
+            return
+        except OSError:
+            answered = False
+        self._answer(process, answered)
+
+    def _answer(self, process: RobotProcess, answered: bool) -> None:
+        """Wake those whose tick has come; when the link is closed, tell them that none will come."""
+        if not answered:
+            self._lose(process.epitaph(wait=1.0) or "The robot process closed its connection.")
+            return
+        now = process.memory.ints[m.TICKS]
+        for waiter, after in list(self._waiters.items()):
+            if now > after and not waiter.done():
+                del self._waiters[waiter]
+                waiter.set_result(None)
+        if not self._waiters:
+            process.memory.ints[m.WAITERS] = 0
+
+    def _running(self, *values: float) -> Memory:
+        """The memory of a living robot, for a command with these values."""
+        process = self._process
+        if self._lost is None and process is not None:
+            self._lost = process.epitaph()
+        if self._lost is not None or process is None:
+            raise RobotError(self._lost or "The robot is gone.", hint=_AGAIN)
+        if not all(math.isfinite(value) for value in values):
+            raise ValueError(f"{values} is nothing a robot can be told: a value is not finite")
+        return process.memory
+
+    def _lose(self, why: str) -> None:
+        """From now on there is no robot; tell everybody who waits for it."""
+        self._lost = why
+        process, loop = self._process, self._loop
+        if process is not None and loop is not None and self._in_real_time and not loop.is_closed():
+            loop.remove_reader(process.link)
+        waiters, self._waiters = self._waiters, {}
+        for waiter in waiters:
+            if not waiter.done():
+                waiter.set_exception(RobotError(why, hint=_AGAIN))
+
+
+def _state(record: Record) -> RobotState:
+    x, y, yaw = record["pose"].tolist()
+    return RobotState(
+        t=float(record["t"]),
+        epoch=int(record["epoch"]),
+        pose=Pose(x, y, yaw),
+        twist=Twist(*record["twist"].tolist()),
+        command=Twist(*record["command"].tolist()),
+        joints=tuple(record["joints"].tolist()),
+        joint_targets=tuple(record["joint_targets"].tolist()),
+        gripper=float(record["gripper"]),
+        light=tuple(record["light"].tolist()),
+        blocked=record["blocked"].item().decode() or None,
+        halted=record["halted"].item().decode() or None,
+    )

@@ -1,0 +1,63 @@
+"""Keeps a robot company: its heartbeat, and the publication of its state.
+
+The heartbeat runs in the engine's own loop on purpose: a loop that hangs stops beating, and the robot halts.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+
+from engine.bus import Emit
+from engine.events import PoseView, RobotStateView, TwistView
+from engine.robot.robot import Robot, RobotState
+
+HEARTBEAT_S = 0.05  # five beats within the shortest sensible watchdog
+PUBLISH_S = 0.1
+_MOVED = 0.001  # m or rad; less is not worth an event
+
+
+async def company(robot: Robot, emit: Emit) -> None:
+    """Beat, and publish the robot's state while it changes. Ends by :class:`RobotError` when the robot is gone."""
+    beating = asyncio.create_task(_beat(robot))
+    try:
+        await _publish(robot, emit)
+    finally:
+        beating.cancel()
+
+
+async def _beat(robot: Robot) -> None:
+    while True:
+        robot.heartbeat()
+        await asyncio.sleep(HEARTBEAT_S)
+
+
+async def _publish(robot: Robot, emit: Emit) -> None:
+    last: RobotState | None = None
+    while True:
+        state = robot.state()
+        if last is None or _differs(last, state):
+            emit(view(state))
+            last = state
+        await asyncio.sleep(PUBLISH_S)
+
+
+def view(state: RobotState) -> RobotStateView:
+    """The state as an event body."""
+    pose, twist = state.pose, state.twist
+    return RobotStateView(
+        robot_t=round(state.t, 3),
+        pose=PoseView(round(pose.x, 4), round(pose.y, 4), round(pose.yaw, 4)),
+        twist=TwistView(round(twist.vx, 4), round(twist.vy, 4), round(twist.wz, 4)),
+        arm=tuple(round(joint, 3) for joint in state.joints),
+        gripper=round(state.gripper, 3),
+        moving=state.moving,
+        blocked=state.halted or state.blocked,
+    )
+
+
+def _differs(a: RobotState, b: RobotState) -> bool:
+    if (a.moving, a.blocked, a.halted, a.light) != (b.moving, b.blocked, b.halted, b.light):
+        return True
+    pairs = [(a.pose.x, b.pose.x), (a.pose.y, b.pose.y), (a.pose.yaw, b.pose.yaw), (a.gripper, b.gripper)]
+    return any(math.fabs(x - y) > _MOVED for x, y in [*pairs, *zip(a.joints, b.joints, strict=True)])

@@ -1,0 +1,53 @@
+"""What a running skill is given: the robot under the epoch it may move in, the places, a voice, and a way to say
+how far it is. A skill reaches nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from engine.robot.robot import Pose, Robot, RobotState, Twist
+from engine.skills.places import Places
+
+
+class Progress(Protocol):
+    """Report how far the action is: a fraction 0…1 or None, words, and the planned way ahead when it changed."""
+
+    def __call__(
+        self, fraction: float | None, message: str = "", *, path: tuple[tuple[float, float], ...] | None = None
+    ) -> None: ...
+
+
+class Say(Protocol):
+    """Speak (or show) a sentence; returns when it has been said."""
+
+    async def __call__(self, text: str) -> None: ...
+
+
+@dataclass(frozen=True, slots=True)
+class SkillContext:
+    """One invocation's view of the world."""
+
+    robot: Robot
+    epoch: int
+    places: Places
+    say: Say
+    progress: Progress
+    describe_skills: Callable[[], str]
+
+    def drive(self, twist: Twist) -> None:
+        """Command a velocity in this invocation's epoch; it dies within the command lifetime unless repeated."""
+        self.robot.drive(twist, self.epoch)
+
+    @property
+    def pose(self) -> Pose:
+        return self.robot.state().pose
+
+    async def sleep(self, seconds: float) -> RobotState:
+        """Wait in robot time."""
+        state = self.robot.state()
+        end = state.t + seconds - 1e-9
+        while state.t < end:
+            state = await self.robot.tick()
+        return state

@@ -1,0 +1,227 @@
+"""Skills: typed functions that a plan may call, and nothing else may be called by a plan.
+
+``@skill`` reads the function once: its name, the docstring (planners read it too), the parameters with their units
+and limits from ``Annotated`` types, and the capabilities that it occupies while it runs. A :class:`SkillRegistry`
+holds the skills that the connected robot can do, and turns an action as written into an action with typed
+arguments, or says why not. This is the only door between text and motion.
+"""
+
+from __future__ import annotations
+
+import difflib
+import inspect
+from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+
+from engine.errors import ExitCode, PlanError
+from engine.events import Value
+from engine.plan import Action, ActionCall, Argument, Quantity
+from engine.robot.robot import Capability
+from engine.skills.context import SkillContext
+from engine.skills.outcome import Result
+from engine.skills.units import Unit, convert
+
+
+class Measure(NamedTuple):
+    """Annotation of a number: its unit and the range that is allowed."""
+
+    unit: Unit
+    low: float
+    high: float
+
+
+class Word(NamedTuple):
+    """Annotation of a text: what kind of word it is; ``place`` and ``colour`` are checked against a vocabulary."""
+
+    kind: Literal["place", "colour", "sentence"]
+
+
+Distance = Annotated[float, Measure("m", -50, 50)]
+Angle = Annotated[float, Measure("deg", 0, 3600)]
+Speed = Annotated[float, Measure("m/s", 0.02, 1.0)]
+TurnSpeed = Annotated[float, Measure("rad/s", 0.05, 5.0)]
+Duration = Annotated[float, Measure("s", 0, 600)]
+
+Run = Callable[..., Coroutine[Any, Any, Result]]
+Resolve = Callable[[str], str]
+"""Turns a word as said into the word that skills use; raises PlanError when it is not known."""
+
+
+class OutOfRange(PlanError):
+    """A number of a plan is beyond what is allowed: refused."""
+
+    code = "out_of_range"
+    exit_code = ExitCode.REFUSED
+
+
+class UnknownSkill(PlanError):
+    """A plan names a skill that does not exist or that this robot cannot do."""
+
+    code = "unknown_skill"
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter of a skill. ``default`` is None where an argument is required."""
+
+    name: str
+    type: Literal["number", "text"]
+    unit: Unit
+    low: float | None
+    high: float | None
+    word: str | None
+    default: Value | None
+
+    def describe(self) -> dict[str, Value | None]:
+        return {
+            "name": self.name,
+            "type": self.type,
+            "unit": self.unit or None,
+            "min": self.low,
+            "max": self.high,
+            "kind": self.word,
+            "default": self.default,
+            "required": self.default is None,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Skill:
+    """A registered skill."""
+
+    name: str
+    doc: str
+    parameters: tuple[Parameter, ...]
+    occupies: frozenset[Capability]
+    run: Run
+
+    @property
+    def summary(self) -> str:
+        """First sentence of the docstring."""
+        return self.doc.split("\n", 1)[0]
+
+    @property
+    def signature(self) -> str:
+        """As a planner writes it: ``move_left(angle deg, angular_speed rad/s = 1)``."""
+        parts = []
+        for p in self.parameters:
+            default = "" if p.default is None else f" = {p.default:g}" if p.type == "number" else f" = {p.default!r}"
+            parts.append(f"{p.name}{' ' + p.unit if p.unit else ''}{default}")
+        return f"{self.name}({', '.join(parts)})"
+
+    def describe(self) -> dict[str, Any]:
+        """JSON-ready description."""
+        return {
+            "name": self.name,
+            "signature": self.signature,
+            "doc": self.doc,
+            "parameters": [parameter.describe() for parameter in self.parameters],
+            "occupies": sorted(self.occupies),
+        }
+
+
+def skill(*, occupies: Iterable[Capability] = ()) -> Callable[[Run], Skill]:
+    """Make a coroutine function ``(context, …parameters) -> Result`` a skill that occupies these capabilities."""
+
+    def register(function: Run) -> Skill:
+        hints = get_type_hints(function, include_extras=True)
+        names = list(inspect.signature(function).parameters.values())
+        if hints.get(names[0].name) is not SkillContext:
+            raise TypeError(f"the first parameter of skill {function.__name__} is its SkillContext")
+        doc = inspect.getdoc(function)
+        if not doc:
+            raise TypeError(f"skill {function.__name__} needs a docstring: planners read it")
+        parameters = tuple(_parameter(p, hints[p.name]) for p in names[1:])
+        return Skill(function.__name__, doc, parameters, frozenset(occupies), function)
+
+    return register
+
+
+def _parameter(parameter: inspect.Parameter, hint: Any) -> Parameter:
+    if get_origin(hint) is not Annotated:
+        raise TypeError(f"parameter {parameter.name} needs a unit or a kind of word: Annotated[…]")
+    base, note = get_args(hint)
+    default = None if parameter.default is inspect.Parameter.empty else parameter.default
+    match note:
+        case Measure(unit, low, high) if base is float:
+            return Parameter(parameter.name, "number", unit, low, high, None, default)
+        case Word(word) if base is str:
+            return Parameter(parameter.name, "text", "", None, None, word, default)
+    raise TypeError(f"parameter {parameter.name}: {hint} is neither a Measure of float nor a Word of str")
+
+
+class SkillRegistry:
+    """The skills on offer. ``vocabulary`` resolves words of a kind (``place``) that must be known."""
+
+    def __init__(
+        self,
+        skills: Iterable[Skill],
+        *,
+        capabilities: frozenset[Capability],
+        vocabulary: Mapping[str, Resolve] | None = None,
+    ) -> None:
+        every = {skill.name: skill for skill in skills}
+        self._skills = {name: skill for name, skill in every.items() if skill.occupies <= capabilities}
+        self._impossible = every.keys() - self._skills.keys()
+        self._vocabulary = dict(vocabulary or {})
+
+    def __iter__(self) -> Iterator[Skill]:
+        return iter(self._skills.values())
+
+    def __getitem__(self, name: str) -> Skill:
+        return self._skills[name]
+
+    def resolve(self, call: ActionCall) -> Action:
+        """Check an action as written. Raises :class:`PlanError` (unknown skill, wrong arguments, out of range,
+        unknown word) with a message that says what is allowed."""
+        skill = self._skills.get(call.name)
+        if skill is None:
+            raise UnknownSkill(self._unknown(call.name))
+        given = self._assign(skill, call)
+        args: dict[str, Value] = {}
+        for parameter in skill.parameters:
+            if parameter.name in given:
+                args[parameter.name] = self._check(skill, parameter, given[parameter.name])
+            elif parameter.default is not None:
+                args[parameter.name] = parameter.default
+            else:
+                raise PlanError(f"{skill.signature}: {parameter.name} is missing.")
+        return Action(skill.name, args)
+
+    def _assign(self, skill: Skill, call: ActionCall) -> dict[str, Argument]:
+        names = [parameter.name for parameter in skill.parameters]
+        if len(call.positional) > len(names):
+            raise PlanError(f"{skill.signature} takes {len(names)} arguments, {len(call.positional)} were given.")
+        given = dict(zip(names, call.positional, strict=False))
+        for name, argument in call.named.items():
+            if name not in names:
+                raise PlanError(f"{skill.signature} has no argument {name!r}.")
+            if name in given:
+                raise PlanError(f"{skill.signature}: {name} is given twice.")
+            given[name] = argument
+        return given
+
+    def _check(self, skill: Skill, parameter: Parameter, argument: Argument) -> Value:
+        label = f"{skill.name}: {parameter.name}"
+        if parameter.type == "number":
+            if not isinstance(argument, Quantity):
+                raise PlanError(f"{label} is a number in {parameter.unit or 'no unit'}, not {argument!r}.")
+            value = convert(argument, parameter.unit, label)
+            assert parameter.low is not None
+            assert parameter.high is not None
+            if not parameter.low <= value <= parameter.high:
+                unit = f" {parameter.unit}" if parameter.unit else ""
+                raise OutOfRange(
+                    f"{label} of {value:g}{unit} is not allowed: {parameter.low:g} to {parameter.high:g}{unit}."
+                )
+            return value
+        word = f"{argument.value:g}{argument.unit}" if isinstance(argument, Quantity) else argument
+        resolve = self._vocabulary.get(parameter.word or "")
+        return resolve(word) if resolve else word
+
+    def _unknown(self, name: str) -> str:
+        if name in self._impossible:
+            return f"This robot has nothing to do {name} with."
+        near = difflib.get_close_matches(name, self._skills, n=1)
+        return f"There is no skill {name!r}{f'; did you mean {near[0]}?' if near else '.'}"

@@ -1,0 +1,1 @@
+"""Speech synthesis: one small protocol, one file per backend."""

@@ -1,0 +1,116 @@
+"""A robot without physics that lives in the loop's (virtual) time, for tests of the session alone.
+
+It keeps the protocol's two rules to the letter, stop wins and epochs, and integrates what it is told exactly. It
+records every velocity it was made to move with, so that a test can ask what moved when, and in which epoch.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from engine.errors import RobotError
+from engine.robot.robot import (
+    ARM_INITIAL,
+    ZERO,
+    Capability,
+    FloorMap,
+    Footprint,
+    Joints,
+    Pose,
+    RobotState,
+    Scan,
+    Twist,
+)
+
+TICK_S = 0.02
+LIFETIME_S = 0.25
+
+
+class KinematicRobot:
+    """Moves exactly as told, at once."""
+
+    name = "kinematic robot"
+    capabilities: frozenset[Capability] = frozenset({"base", "arm", "camera", "voice"})
+    footprint = Footprint(0.3, 0.24)
+    floor_map = FloorMap(0.05, (-5.0, -4.0), np.zeros((160, 200), dtype=np.bool_))
+
+    def __init__(self) -> None:
+        self.moved: list[tuple[float, int, Twist]] = []
+        """(time, epoch, velocity) of every tick in which it moved."""
+        self.refused = 0
+        """Commands of an epoch that was over."""
+        self.lost = False
+        self._loop = asyncio.get_running_loop()
+        self._epoch = 1
+        self._pose = Pose(0.0, 0.0, 0.0)
+        self._twist = ZERO
+        self._dies = 0.0
+        self._joints: Joints = ARM_INITIAL
+        self._at = self._loop.time()
+
+    async def start(self) -> None:
+        self._at = self._loop.time()
+
+    async def close(self) -> None:
+        self._twist = ZERO
+
+    def stop(self, epoch: int) -> None:
+        self._advance()
+        self._epoch = epoch
+        self._twist = ZERO
+
+    def heartbeat(self) -> None: ...
+
+    def state(self) -> RobotState:
+        if self.lost:
+            raise RobotError("The robot process died.")
+        self._advance()
+        return RobotState(
+            t=self._at, epoch=self._epoch, pose=self._pose, twist=self._twist, command=self._twist,
+            joints=self._joints, joint_targets=self._joints, gripper=1.0, light=(0, 0, 0), blocked=None, halted=None,
+        )  # fmt: skip
+
+    def scan(self) -> Scan:
+        return Scan(self._at, np.zeros(0), np.zeros(0))
+
+    def drive(self, twist: Twist, epoch: int) -> None:
+        self._advance()
+        if epoch != self._epoch:
+            self.refused += 1
+            return
+        self._twist, self._dies = twist, self._at + LIFETIME_S
+
+    def move_arm(self, joints: Sequence[float], epoch: int, *, speed: float = 1.0) -> None:
+        del speed
+        if epoch == self._epoch:
+            self._joints = tuple(joints)  # type: ignore[assignment]
+
+    def set_gripper(self, opening: float, epoch: int) -> None: ...
+
+    def set_light(self, rgb: tuple[int, int, int]) -> None: ...
+
+    def beep(self, seconds: float) -> None: ...
+
+    async def tick(self) -> RobotState:
+        await asyncio.sleep(TICK_S)
+        return self.state()
+
+    def _advance(self) -> None:
+        """Move on to now."""
+        now = self._loop.time()
+        moving = max(0.0, min(now, self._dies) - self._at)
+        if not self._twist.is_zero and moving > 0:
+            self.moved.append((now, self._epoch, self._twist))
+            yaw = self._pose.yaw
+            self._pose = Pose(
+                self._pose.x + moving * (self._twist.vx * math.cos(yaw) - self._twist.vy * math.sin(yaw)),
+                self._pose.y + moving * (self._twist.vx * math.sin(yaw) + self._twist.vy * math.cos(yaw)),
+                math.remainder(yaw + moving * self._twist.wz, 2 * math.pi),
+            )
+        self._at = now
+        if now >= self._dies:
+            self._twist = ZERO

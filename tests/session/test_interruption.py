@@ -1,0 +1,260 @@
+"""What interruptions do to a turn: the robot first, then the books, then whatever was asked for."""
+
+from __future__ import annotations
+
+import asyncio
+
+from engine import events
+from engine.commands import EndTask, Interrupt, Quit, Say, Snapshot
+from engine.errors import ExitCode
+from engine.robot.robot import ARM_INITIAL
+from tests.session.conversation import Conversation, SlowVoice, converse
+
+
+async def driving(talk: Conversation, text: str = "go forward 10 metres then turn left") -> None:
+    """Ask for a long drive and let it run for two seconds."""
+    talk.send(Say(text))
+    await talk.until(events.ActionStarted)
+    await talk.pass_time(2.0)
+    assert not talk.robot.state().twist.is_zero
+
+
+def test_a_plain_request_is_planned_driven_and_reported() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go forward 1 metre"))
+        result = await talk.result()
+        assert result.exit_code == ExitCode.DONE
+        assert abs(talk.robot.state().pose.x - 1.0) < 0.02
+        finished = talk.bodies(events.ActionFinished)
+        assert [(body.name, body.outcome) for body in finished] == [("move_forward", "ok")]
+        assert talk.session.state == "WAITING"
+
+    converse(test)
+
+
+def test_an_interrupt_stops_the_robot_before_the_call_returns() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(Interrupt())
+        assert talk.robot.state().twist.is_zero  # no loop, no queue, no waiting in between
+        assert (await talk.result()).exit_code == ExitCode.INTERRUPTED
+
+    converse(test)
+
+
+def test_an_interrupted_action_ends_once_and_the_next_one_never_starts() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(Interrupt())
+        await talk.result()
+        await talk.pass_time(5.0)
+        finished = talk.bodies(events.ActionFinished)
+        assert [(body.name, body.outcome, body.error_code) for body in finished] == [
+            ("move_forward", "interrupted", "cancelled")
+        ]
+        assert len(talk.bodies(events.ActionStarted)) == 1
+        assert "at x 0.60 m" in finished[0].message  # it says where the robot is now
+
+    converse(test)
+
+
+def test_nothing_of_an_old_epoch_moves_the_robot_again() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        before = talk.epoch.current
+        talk.send(Interrupt())
+        stopped = asyncio.get_running_loop().time()
+        await talk.pass_time(30.0)
+        assert all(when <= stopped for when, _, _ in talk.robot.moved)
+        assert all(epoch <= before for _, epoch, _ in talk.robot.moved)
+
+    converse(test)
+
+
+def test_the_interruption_is_on_record_after_the_stop_and_with_the_new_epoch() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(Interrupt())
+        await talk.result()
+        raised = next(event for event in talk.seen if isinstance(event.body, events.InterruptRaised))
+        assert raised.epoch == talk.epoch.current
+        assert isinstance(raised.body, events.InterruptRaised)
+        assert (raised.body.scope, raised.body.state) == ("interrupt", "ACTING")
+
+    converse(test)
+
+
+def test_stop_as_text_stops_without_a_plan_and_answers() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(Say("Stop!"))
+        assert talk.robot.state().twist.is_zero
+        assert (await talk.result(1)).exit_code == ExitCode.INTERRUPTED
+        assert (await talk.result(2)).exit_code == ExitCode.DONE
+        assert len(talk.bodies(events.PlanMade)) == 1
+
+    converse(test)
+
+
+def test_a_new_command_replaces_the_running_one_by_default() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(Say("turn left 90 degrees"))
+        assert (await talk.result(1)).outcome == "interrupted"
+        assert (await talk.result(2)).outcome == "done"
+
+    converse(test)
+
+
+def test_a_new_command_waits_its_turn_where_the_setting_says_queue() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go forward 1 metre"))
+        talk.send(Say("turn left 90 degrees"))
+        assert (await talk.result(1)).outcome == "done"
+        assert (await talk.result(2)).outcome == "done"
+        assert [body.name for body in talk.bodies(events.ActionFinished)] == ["move_forward", "move_left"]
+
+    converse(test, "session.busy=queue")
+
+
+def test_what_waits_is_dropped_by_an_interruption() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(Say("turn left 90 degrees", id="second"))
+        await talk.pass_time(0.5)
+        talk.send(Interrupt())
+        ack = await talk.until(events.Ack, lambda body: body.id == "second")
+        assert not ack.ok
+        await talk.pass_time(10.0)
+        assert len(talk.bodies(events.PlanMade)) == 1
+
+    converse(test, "session.busy=queue")
+
+
+def test_a_new_command_is_turned_away_where_the_setting_says_reject() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(Say("turn left 90 degrees", id="second"))
+        ack = await talk.until(events.Ack, lambda body: body.id == "second")
+        assert not ack.ok
+        assert not talk.robot.state().twist.is_zero
+
+    converse(test, "session.busy=reject")
+
+
+def test_end_task_stops_sends_the_arm_home_and_begins_a_new_cycle() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("raise your arm"))
+        await talk.result(1)
+        await driving(talk)
+        talk.send(EndTask())
+        await talk.until(events.TaskEnded)
+        await talk.pass_time(0.1)
+        assert talk.robot.state().joints == ARM_INITIAL
+        assert talk.robot.state().twist.is_zero
+        assert talk.session.state == "IDLE"
+        talk.send(Snapshot(id="after"))
+        ack = await talk.until(events.Ack, lambda body: body.id == "after")
+        assert ack.snapshot is not None
+        assert (ack.snapshot["cycle"], ack.snapshot["history"]) == (2, [])
+
+    converse(test)
+
+
+def test_a_sentence_that_ends_the_task_does_what_the_key_does() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(Say("End the current task."))
+        assert talk.robot.state().twist.is_zero
+        await talk.until(events.TaskEnded)
+        assert talk.session.state == "IDLE"
+
+    converse(test)
+
+
+def test_the_history_says_what_ran_what_was_cut_and_what_never_started() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("turn left 90 degrees, go forward 10 metres, beep"))
+        await talk.until(events.ActionStarted, lambda body: body.name == "move_forward")
+        await talk.pass_time(1.0)
+        talk.send(Interrupt())
+        await talk.result()
+        talk.send(Snapshot(id="now"))
+        ack = await talk.until(events.Ack, lambda body: body.id == "now")
+        assert ack.snapshot is not None
+        done = next(entry for entry in ack.snapshot["history"] if "ran" in entry)
+        assert [entry["outcome"] for entry in done["ran"]] == ["ok", "interrupted"]
+        assert done["never_started"] == ["beep(0.2)"]
+
+    converse(test)
+
+
+def test_an_interrupted_answer_is_recorded_as_not_heard() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("what can you do"))
+        await talk.until(events.SpeechStarted)
+        await talk.pass_time(0.1)
+        talk.send(Interrupt())
+        await talk.result()
+        ended = talk.bodies(events.SpeechEnded)
+        assert ended
+        assert {(body.outcome, body.heard) for body in ended} == {("interrupted", "")}
+
+    converse(test, voice=SlowVoice())
+
+
+def test_the_time_limit_of_a_turn_stops_the_robot_and_exits_with_4() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go forward 10 metres"))
+        assert (await talk.result()).exit_code == ExitCode.TIMEOUT
+        assert talk.robot.state().twist.is_zero
+        assert talk.bodies(events.ActionFinished)[0].outcome == "interrupted"
+
+    converse(test, "session.turn_limit_s=3")
+
+
+def test_a_lost_robot_leaves_an_uncertain_outcome_and_exit_code_3() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.robot.lost = True
+        assert (await talk.result()).exit_code == ExitCode.MISSING
+        assert [body.outcome for body in talk.bodies(events.ActionFinished)] == ["uncertain"]
+
+    converse(test)
+
+
+def test_quitting_in_mid_drive_ends_the_action_first() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(Quit())
+        assert talk.robot.state().twist.is_zero
+        assert (await talk.result()).outcome == "interrupted"
+
+    converse(test)
+
+
+def test_quitting_when_done_lets_the_drive_end() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go forward 1 metre"))
+        talk.send(Quit(drain=True))
+        assert (await talk.result()).outcome == "done"
+        await talk.until(events.Ack, lambda body: body.do == "quit")
+
+    converse(test)
+
+
+def test_nothing_moves_for_what_is_unknown_incomplete_or_out_of_range() -> None:
+    async def test(talk: Conversation) -> None:
+        expected = {
+            "go to the moon": ExitCode.FAILED,
+            "sing me a song": ExitCode.FAILED,
+            "go forward": ExitCode.CLARIFY,
+            "go forward 5 kilometres": ExitCode.REFUSED,
+        }
+        for number, (text, code) in enumerate(expected.items(), 1):
+            talk.send(Say(text))
+            assert (await talk.result(number)).exit_code == code, text
+        assert talk.robot.moved == []
+        assert talk.bodies(events.ActionQueued) == []
+
+    converse(test)

@@ -1,0 +1,81 @@
+"""A console at which a test sits: it presses keys, lets the engine speak, and reads the screen."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+
+from textual.pilot import Pilot
+
+from engine.handle import EngineHandle
+from tests.tui.pictures import svg_of
+from tests.tui.scripted import ScriptedEngine, flat, robot_at
+from tui.app import SaysoApp
+from tui.widgets.log import LogView
+
+PAUSES = 10_000
+"""After so many turns without the awaited thing, a test fails."""
+
+
+@dataclass
+class Desk:
+    """A running console, the engine behind it, and a hand on its keys."""
+
+    app: SaysoApp
+    engine: ScriptedEngine
+    pilot: Pilot[None]
+
+    async def until(self, condition: Callable[[], object]) -> None:
+        """Let the console work until the condition holds."""
+        for _ in range(PAUSES):
+            if condition():
+                return
+            await asyncio.sleep(0.002)  # others' turn: the screen, its timers and the engine's threads
+        raise AssertionError("The console did not get there.")
+
+    async def settled(self) -> None:
+        """Let the console show everything that has happened."""
+        log = self.app.screen_stack[0].query_one(LogView)
+        await self.until(lambda: self.app.shown.model.t >= self.engine.t and log.items == self.app.shown.model.log)
+        await self.pilot.pause()
+
+    async def press(self, *keys: str) -> None:
+        await self.pilot.press(*keys)
+        await self.settled()
+
+    async def picture(self) -> str:
+        """The screen once it has come to rest."""
+        await self.settled()
+        before, now = "", svg_of(self.app)
+        while before != now:
+            await self.pilot.pause()
+            before, now = now, svg_of(self.app)
+        return now
+
+    @property
+    def text(self) -> str:
+        """The characters on the screen."""
+        strips = self.app.screen._compositor.render_strips()
+        return "\n".join(strip.text for strip in strips)
+
+
+@asynccontextmanager
+async def console(
+    engine: ScriptedEngine | None = None,
+    *,
+    size: tuple[int, int] = (120, 40),
+    start: Callable[[], EngineHandle] | None = None,
+    keymap: Mapping[str, str] | None = None,
+    theme: str = "sayso-dark",
+) -> AsyncIterator[Desk]:
+    """A console on a terminal of this size. Its clock stands still: durations come from events alone."""
+    engine = engine or ScriptedEngine(robot=robot_at(-1.35, 0.05, 0.4), floor=flat())
+    app = SaysoApp(start or (lambda: engine), fps=30, clock=lambda: 0.0, keymap=keymap, theme=theme)
+    async with app.run_test(size=size) as pilot:
+        desk = Desk(app, engine, pilot)
+        if start is None:
+            await desk.until(lambda: app.shown.started and app.shown.parts == engine.parts)
+        await desk.settled()
+        yield desk

@@ -1,0 +1,361 @@
+"""An engine that follows a script, for tests and pictures of the console, and to look at it by hand:
+
+``python -m tests.tui.scripted [--loading] [--broken] [--idle]``
+
+It is no model of the real engine: it holds the handle's protocol, replays events, and remembers the commands it got.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from config.schema import Place, Position
+from engine import events as ev
+from engine.bus import Subscriber
+from engine.commands import Command, Interrupt
+from engine.errors import DeviceError
+from engine.handle import PartStatus
+from engine.robot.robot import ARM_INITIAL, ZERO, FloorMap, Furniture, Pose, RobotState, Room, Scan, Twist
+
+PARTS_READY = tuple(PartStatus(name, "ready") for name in ("robot", "microphone", "recogniser", "planner", "voice"))
+PARTS_LOADING = (
+    PartStatus("robot", "ready"),
+    PartStatus("microphone", "missing", "No sound card was found."),
+    PartStatus("recogniser", "loading"),
+    PartStatus("planner", "loading"),
+    PartStatus("voice", "ready"),
+)
+PLACES = {
+    symbol: Place(name=name, position=Position(x=x, y=y))
+    for symbol, name, x, y in (
+        ("A", "kitchen", 0.2, 2.0),
+        ("B", "living room", -3.0, 0.0),
+        ("C", "bedroom", 0.5, -2.0),
+        ("D", "study", 3.0, 2.0),
+        ("E", "hall", 0.0, 0.0),
+        ("F", "charging dock", 4.2, -0.3),
+    )
+}
+
+
+def flat() -> FloorMap:
+    """A flat of five rooms with doors and some furniture, 10 m × 8 m."""
+    resolution = 0.05
+    occupied = np.zeros((160, 200), dtype=np.bool_)
+
+    def fill(x_min: float, y_min: float, x_max: float, y_max: float, value: bool = True) -> None:
+        rows = slice(round((y_min + 4) / resolution), round((y_max + 4) / resolution))
+        occupied[rows, round((x_min + 5) / resolution) : round((x_max + 5) / resolution)] = value
+
+    fill(-5, -4, 5, 4)
+    rooms = (
+        Room("hall", -1.5, -0.9, 5.0, 0.9),
+        Room("living room", -5.0, -4.0, -1.5, 4.0),
+        Room("kitchen", -1.5, 0.9, 1.8, 4.0),
+        Room("study", 1.8, 0.9, 5.0, 4.0),
+        Room("bedroom", -1.5, -4.0, 5.0, -0.9),
+    )
+    for room in rooms:
+        fill(room.x_min + 0.05, room.y_min + 0.05, room.x_max - 0.05, room.y_max - 0.05, False)
+    for door in ((-1.6, -0.45, -1.4, 0.45), (-0.3, 0.8, 0.6, 1.0), (2.6, 0.8, 3.5, 1.0), (0.1, -1.0, 1.0, -0.8)):
+        fill(*door, False)
+    furniture = (
+        Furniture("sofa", -4.9, -1.0, -4.1, 1.0),
+        Furniture("table", -3.6, 2.2, -2.4, 3.0),
+        Furniture("counter", -1.4, 3.4, 1.7, 3.9),
+        Furniture("desk", 3.6, 3.2, 4.9, 3.9),
+        Furniture("bed", 2.6, -3.9, 4.6, -2.2),
+        Furniture("wardrobe", -1.4, -3.9, -0.2, -3.4),
+    )
+    for thing in furniture:
+        fill(thing.x_min, thing.y_min, thing.x_max, thing.y_max)
+    return FloorMap(resolution, (-5.0, -4.0), occupied, rooms, furniture)
+
+
+def robot_at(x: float, y: float, yaw: float, *, t: float = 0.0, speed: float = 0.0) -> RobotState:
+    """A snapshot of the robot, driving forwards at ``speed`` m/s."""
+    twist = Twist(speed, 0.0, 0.0) if speed else ZERO
+    return RobotState(t, 1, Pose(x, y, yaw), twist, twist, ARM_INITIAL, ARM_INITIAL, 1.0, (0, 0, 0), None, None)
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Something that happens ``after`` seconds after the step before."""
+
+    after: float
+    body: ev.Body
+
+
+class ScriptedEngine:
+    """An ``EngineHandle`` without an engine."""
+
+    def __init__(
+        self,
+        *,
+        parts: Sequence[PartStatus] = PARTS_READY,
+        robot: RobotState | None = None,
+        floor: FloorMap | None = None,
+    ) -> None:
+        self.sent: list[Command] = []
+        self.parts = tuple(parts)
+        self.robot = robot
+        self.floor = floor
+        self.on_command: Callable[[Command], None] = lambda command: None
+        self._subscribers: list[Subscriber] = []
+        self._seq = 0
+        self.t = 0.0
+
+    def send(self, command: Command) -> None:
+        self.sent.append(command)
+        self.on_command(command)
+
+    def subscribe(self, subscriber: Subscriber) -> Callable[[], None]:
+        self._subscribers.append(subscriber)
+        return lambda: self._subscribers.remove(subscriber)
+
+    def status(self) -> tuple[PartStatus, ...]:
+        return self.parts
+
+    def robot_state(self) -> RobotState | None:
+        return self.robot
+
+    def scan(self) -> Scan | None:
+        return None
+
+    def floor_map(self) -> FloorMap | None:
+        return self.floor
+
+    def places(self) -> Mapping[str, Place]:
+        return PLACES
+
+    def publish(self, body: ev.Body, *, after: float = 0.0, turn: str | None = "T1") -> ev.Event:
+        """One event, ``after`` seconds of event time after the one before; delivered at once."""
+        self._seq += 1
+        self.t += after
+        event = ev.Event(self._seq, self.t, "2026-01-01T00:00:00.000Z", "S1", turn, 1, body)
+        for subscriber in tuple(self._subscribers):
+            subscriber(event)
+        return event
+
+    def play(self, steps: Sequence[Step]) -> None:
+        """All steps at once, in event time."""
+        for step in steps:
+            self.publish(step.body, after=step.after)
+
+
+# Scenes
+
+PATH = ((-3.0, -1.6), (-2.2, -0.6), (-1.5, 0.0), (-0.6, 0.1), (0.1, 0.5), (0.15, 1.0), (0.2, 1.5), (0.2, 2.0))
+
+OPENING = (
+    Step(0.0, ev.SessionStarted("0.1.0", "voice", "simulated robot (flat)", 4242)),
+    Step(0.9, ev.Log("info", "robot", "simulated robot (flat) is ready")),
+    Step(0.8, ev.Log("info", "recogniser", "whisper-base loaded in 0.8 s")),
+    Step(0.1, ev.Log("info", "planner", "29 phrases, 14 skills")),
+)
+
+
+def listening() -> list[Step]:
+    """A person is speaking."""
+    levels = [
+        Step(0.1, ev.ListenLevel(rms, rms + 9, probability, probability > 0.5)) for rms, probability in _voice(62)
+    ]
+    return [
+        *OPENING,
+        Step(2.0, ev.WakeHeard("key")),
+        Step(0.0, ev.StateChanged("IDLE", "LISTENING", "wake")),
+        Step(0.0, ev.ListenStarted("microphone")),
+        *levels,
+        Step(0.0, ev.TranscriptPartial("go to the kitchen and", 4)),
+    ]
+
+
+def acting() -> list[Step]:
+    """The robot is on its way, with more to do."""
+    calls = (
+        ("get_current_pose", {}),
+        ("navigate_to", {"place": "A"}),
+        ("turn_left", {"degrees": 90.0}),
+        ("wait", {"seconds": 2.0}),
+    )
+    return [
+        *listening(),
+        Step(0.7, ev.ListenEnded("silence", 2.4, 1.7)),
+        Step(0.0, ev.StateChanged("LISTENING", "TRANSCRIBING", "silence")),
+        Step(
+            0.3,
+            ev.TranscriptFinal(
+                "Go to the kitchen and turn left 90 degrees", "speech", "en", 0.94, -0.12, 0.02, 2.4, 0.28
+            ),
+        ),
+        Step(0.0, ev.StateChanged("TRANSCRIBING", "PLANNING", "transcript")),
+        Step(
+            0.1,
+            ev.PlanMade(
+                "go to the kitchen and turn left 90 degrees",
+                (
+                    "remember where the robot stands",
+                    "drive to the kitchen",
+                    "turn left by 90 degrees",
+                    "wait for two seconds",
+                ),
+                tuple(ev.ActionView(name, args) for name, args in calls),
+                "Going to the kitchen.",
+                "phrases",
+            ),
+        ),
+        *(Step(0.0, ev.ActionQueued(f"a{n}", n, len(calls), *calls[n - 1])) for n in range(1, len(calls) + 1)),
+        Step(0.0, ev.SpeechStarted("Going to the kitchen.", False)),
+        Step(0.0, ev.SpeechEnded("Going to the kitchen.", "Going to the kitchen.", "ok")),
+        Step(0.0, ev.StateChanged("PLANNING", "ACTING", "plan")),
+        Step(0.0, ev.Log("info", "planner", "plan of 4 actions, by phrases, 0.2 ms")),
+        Step(0.0, ev.ActionStarted("a1", 1, 4, *calls[0])),
+        Step(0.1, ev.ActionFinished("a1", *calls[0], "ok", None, "", 0.1, {"x": -3.0, "y": -1.6})),
+        Step(0.0, ev.ActionStarted("a2", 2, 4, *calls[1])),
+        Step(0.1, ev.ActionProgress("a2", "navigate_to", 0.0, "", PATH)),
+        Step(0.0, ev.Log("info", "robot", "path of 5.1 m to A (kitchen)")),
+        Step(4.6, ev.ActionProgress("a2", "navigate_to", 0.42, "2.9 m to go")),
+    ]
+
+
+def done() -> list[Step]:
+    """Everything asked for is done."""
+    calls = {
+        "a2": ("navigate_to", {"place": "A"}),
+        "a3": ("turn_left", {"degrees": 90.0}),
+        "a4": ("wait", {"seconds": 2.0}),
+    }
+    steps = [*acting(), Step(4.1, ev.ActionFinished("a2", *calls["a2"], "ok", None, "", 8.8))]
+    for number, (action, seconds) in enumerate((("a3", 1.2), ("a4", 2.0)), 3):
+        steps += [
+            Step(0.0, ev.ActionStarted(action, number, 4, *calls[action])),
+            Step(seconds, ev.ActionFinished(action, *calls[action], "ok", None, "", seconds)),
+        ]
+    answer = "I am in the kitchen, and I have turned left 90 degrees."
+    return [
+        *steps,
+        Step(0.0, ev.SpeechStarted(answer, False)),
+        Step(0.0, ev.SpeechEnded(answer, answer, "ok")),
+        Step(0.0, ev.StateChanged("ACTING", "WAITING", "done", ev.TurnResult(0, "done", "4 actions in 12.1 s"))),
+    ]
+
+
+def failed() -> list[Step]:
+    """An action failed, and then the robot was lost."""
+    action = ("navigate_to", {"place": "A"})
+    message = "Something stands in the way: obstacle 0.05 m ahead."
+    return [
+        *acting(),
+        Step(1.4, ev.ActionFinished("a2", *action, "failed", "blocked", "blocked by an obstacle 0.05 m ahead", 6.1)),
+        Step(0.0, ev.ActionFinished("a3", "turn_left", {"degrees": 90.0}, "interrupted", "not_started", "", 0.0)),
+        Step(0.0, ev.ActionFinished("a4", "wait", {"seconds": 2.0}, "interrupted", "not_started", "", 0.0)),
+        Step(0.0, ev.SpeechStarted(message, False)),
+        Step(0.0, ev.SpeechEnded(message, message, "ok")),
+        Step(0.0, ev.StateChanged("ACTING", "WAITING", "failed", ev.TurnResult(1, "failed", message))),
+        Step(
+            0.3,
+            ev.ErrorRaised(
+                "robot_lost",
+                "The robot process does not answer any more (no state for 1.0 s).",
+                "Quit and start sayso again. The robot has stopped by itself.",
+                fatal=True,
+            ),
+        ),
+    ]
+
+
+def _voice(count: int) -> Iterator[tuple[float, float]]:
+    """Loudness (dB) and probability of speech of a sentence between two silences."""
+    for n in range(count):
+        speaking = 14 <= n % 60 < 50
+        swell = 0.5 + 0.5 * math.sin(n * 0.9) * math.cos(n * 0.37)
+        yield (-34 + 16 * swell, 0.72 + 0.27 * swell) if speaking else (-55 + 4 * swell, 0.04 + 0.1 * swell)
+
+
+# By hand
+
+
+class LiveEngine(ScriptedEngine):
+    """Drives up and down the path in real time until it is interrupted, and begins again when spoken to."""
+
+    def __init__(self, *, idle: bool = False) -> None:
+        super().__init__(robot=robot_at(*PATH[0], 0.9), floor=flat())
+        self._stop = threading.Event()
+        self._idle = idle
+        self._began = time.monotonic()
+        self.on_command = self._commanded
+
+    def begin(self) -> None:
+        """Begin to act."""
+        if not self._idle:
+            self._stop.clear()
+            threading.Thread(target=self._act, daemon=True).start()
+
+    def publish(self, body: ev.Body, *, after: float = 0.0, turn: str | None = "T1") -> ev.Event:
+        self.t = time.monotonic() - self._began
+        return super().publish(body, turn=turn)
+
+    def _commanded(self, command: Command) -> None:
+        if isinstance(command, Interrupt):
+            self._stop.set()
+            self.publish(ev.InterruptRaised("interrupt", "key", "ACTING"))
+            self.publish(ev.StateChanged("ACTING", "WAITING", "interrupt"))
+        else:
+            self.begin()
+
+    def _act(self) -> None:
+        for step in listening()[len(OPENING) :]:
+            if self._stop.wait(step.after):
+                return
+            self.publish(step.body)
+        for step in acting()[len(listening()) : -1]:
+            self.publish(step.body)
+        leg, way = 0.0, (*PATH, *PATH[-2:0:-1])
+        while not self._stop.wait(0.05):  # 20 Hz, as the engine does
+            leg += 0.05 * 0.5 / 0.7
+            (x0, y0), (x1, y1) = way[int(leg) % len(way)], way[(int(leg) + 1) % len(way)]
+            share = leg % 1
+            yaw = math.atan2(y1 - y0, x1 - x0)
+            state = robot_at(x0 + (x1 - x0) * share, y0 + (y1 - y0) * share, yaw, t=leg, speed=0.5)
+            self.robot = state
+            pose, twist = state.pose, state.twist
+            self.publish(
+                ev.RobotStateView(
+                    leg,
+                    ev.PoseView(pose.x, pose.y, pose.yaw),
+                    ev.TwistView(twist.vx, 0, 0),
+                    ARM_INITIAL,
+                    1.0,
+                    True,
+                    None,
+                )
+            )
+            if int(leg * 28) % 10 == 0:
+                self.publish(ev.ActionProgress("a2", "navigate_to", leg % 20 / 20, "on the way"))
+        self.robot = replace(self.robot, twist=ZERO, command=ZERO) if self.robot else None
+        self.publish(ev.ActionFinished("a2", "navigate_to", {"place": "A"}, "interrupted", "interrupted", "", leg))
+
+
+def engine_for(arguments: Sequence[str]) -> ScriptedEngine:
+    """The engine that the command line asks for."""
+    if "--broken" in arguments:
+        raise DeviceError("The robot on /dev/ttyUSB0 does not answer.", hint="Check its cable and its power.")
+    engine = LiveEngine(idle="--idle" in arguments)
+    if "--loading" in arguments:
+        engine.parts = PARTS_LOADING
+    if "--act" in arguments:
+        threading.Timer(1.0, engine.begin).start()
+    return engine
+
+
+if __name__ == "__main__":
+    from tui.app import run_console
+
+    sys.exit(run_console(lambda: engine_for(sys.argv[1:])))

@@ -1,0 +1,260 @@
+"""Every key of the console does what it says, wherever the person is."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+from textual import events
+from textual.drivers.headless_driver import HeadlessDriver
+
+from engine import events as ev
+from engine.commands import EndTask, Interrupt, Quit, Say, Wake
+from engine.errors import DeviceError, ExitCode, RobotError
+from engine.handle import EngineHandle
+from tests.tui import scripted
+from tests.tui.desk import console
+from tests.tui.scripted import ScriptedEngine
+from tui.driver import listening_driver
+from tui.screens.console import ConsoleScreen
+from tui.screens.help import HelpScreen
+from tui.widgets.ask import Ask
+from tui.widgets.log import LogView
+
+
+async def test_space_wakes_and_e_ends_the_task() -> None:
+    async with console() as desk:
+        await desk.press("space", "e")
+        assert desk.engine.sent == [Wake(), EndTask()]
+
+
+async def test_escape_interrupts_in_every_state() -> None:
+    for scene in (list(scripted.OPENING), scripted.listening(), scripted.acting(), scripted.done(), scripted.failed()):
+        async with console() as desk:
+            desk.engine.play(scene)
+            await desk.press("escape")
+            assert desk.engine.sent == [Interrupt()]
+
+
+@pytest.mark.parametrize("where", ["slash", "question_mark", "q", "l"])
+async def test_escape_interrupts_from_wherever_one_is_and_leaves_it(where: str) -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.acting())
+        await desk.settled()
+        await desk.press(where)
+        await desk.press("escape")
+        assert desk.engine.sent == [Interrupt()]
+        assert isinstance(desk.app.screen, ConsoleScreen)
+        assert desk.app.focused is None
+        assert "again" not in desk.text
+
+
+async def test_escape_interrupts_on_a_terminal_that_is_too_small() -> None:
+    async with console(size=(40, 10)) as desk:
+        assert "60×16" in desk.text
+        await desk.press("escape")
+        assert desk.engine.sent == [Interrupt()]
+
+
+def test_a_key_is_shown_to_its_listener_before_it_is_queued() -> None:
+    """The driver's thread sends the interrupt itself: a stalled screen cannot hold it up."""
+    order: list[str] = []
+
+    class Recording(HeadlessDriver):
+        def __init__(self) -> None:
+            self.cursor_origin = None
+            self._app = None  # type: ignore[assignment]
+
+        def send_message(self, message: object) -> None:
+            order.append("queued")
+
+    driver = listening_driver(Recording, order.append)()  # type: ignore[call-arg]
+    driver.process_message(events.Key("escape", None))
+    assert order == ["escape", "queued"]
+
+
+async def test_slash_types_and_enter_says() -> None:
+    async with console() as desk:
+        await desk.press("slash", *"go", "space", *"e?q", "enter")
+        assert desk.engine.sent == [Say("go e?q")]
+
+
+async def test_up_and_down_recall_what_was_said() -> None:
+    async with console() as desk:
+        await desk.press("slash", *"one", "enter", *"two", "enter", *"dra")
+        line = desk.app.query_one(Ask)
+        seen = []
+        for key in ("up", "up", "up", "down", "down", "down"):
+            await desk.press(key)
+            seen.append(line.value)
+        assert seen == ["two", "one", "one", "two", "dra", "dra"]
+
+
+async def test_enter_on_an_empty_line_leaves_without_stopping_the_robot() -> None:
+    async with console() as desk:
+        await desk.press("slash", "enter", "space")
+        assert desk.engine.sent == [Wake()]
+
+
+async def test_question_mark_opens_help_and_keys_work_there() -> None:
+    async with console() as desk:
+        await desk.press("question_mark")
+        assert isinstance(desk.app.screen, HelpScreen)
+        await desk.press("space")
+        assert desk.engine.sent == [Wake()]
+        await desk.press("question_mark")
+        assert isinstance(desk.app.screen, ConsoleScreen)
+
+
+async def test_q_quits_at_once_when_nothing_is_under_way() -> None:
+    async with console() as desk:
+        await desk.pilot.press("q")
+        assert desk.engine.sent == [Quit()]
+        assert desk.app.return_code == ExitCode.DONE
+
+
+async def test_q_asks_once_more_while_a_task_is_running() -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.acting())
+        await desk.settled()
+        await desk.press("q")
+        assert desk.engine.sent == []
+        assert "q again quits" in desk.text
+        await desk.pilot.press("q")
+        assert desk.engine.sent == [Quit()]
+
+
+async def test_the_question_is_forgotten_when_the_task_ends() -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.acting())
+        await desk.settled()
+        await desk.press("q")
+        desk.engine.play(scripted.done()[len(scripted.acting()) :])
+        await desk.settled()
+        assert "again" not in desk.text
+
+
+@pytest.mark.parametrize("before", [(), ("slash",), ("question_mark",)])
+async def test_control_c_quits_from_everywhere(before: tuple[str, ...]) -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.acting())
+        await desk.settled()
+        await desk.pilot.press(*before, "ctrl+c")
+        assert desk.engine.sent == [Quit()]
+
+
+async def test_l_shows_the_log_on_a_small_terminal() -> None:
+    async with console(size=(80, 24)) as desk:
+        desk.engine.play(scripted.OPENING)
+        await desk.settled()
+        assert "whisper-base loaded" not in desk.text
+        await desk.press("l")
+        await desk.until(lambda: "whisper-base loaded" in desk.text)
+        await desk.press("l")
+        await desk.until(lambda: "whisper-base loaded" not in desk.text)
+
+
+async def test_an_action_can_have_another_key() -> None:
+    async with console(keymap={"interrupt": "x", "wake": "w"}) as desk:
+        assert "x stop" in desk.text
+        await desk.press("x", "w", "escape", "space")
+        assert desk.engine.sent == [Interrupt(), Wake()]
+
+
+async def test_an_engine_that_does_not_start_is_explained_and_decides_the_exit_code() -> None:
+    def broken() -> EngineHandle:
+        raise DeviceError("The robot on /dev/ttyUSB0 does not answer.", hint="Check its cable.")
+
+    async with console(start=broken) as desk:
+        await desk.until(lambda: "does not answer" in desk.text)
+        assert "Check its cable." in desk.text
+        assert "FAILED" in desk.text
+        await desk.press("space", "escape")
+        await desk.pilot.press("q")
+        assert desk.app.return_code == ExitCode.MISSING
+
+
+async def test_a_mistake_in_starting_is_shown_and_not_swallowed() -> None:
+    def mistaken() -> EngineHandle:
+        raise ZeroDivisionError("the sum was [red]0[/red]")
+
+    async with console(start=mistaken) as desk:
+        await desk.until(lambda: "ZeroDivisionError('the sum was [red]0[/red]')" in desk.text)
+        await desk.pilot.press("q")
+        assert desk.app.return_code == ExitCode.FAILED
+
+
+async def test_an_engine_that_dies_is_shown_and_quitting_tells_the_shell() -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.failed())
+        await desk.settled()
+        assert "does not answer any more" in desk.text
+        await desk.pilot.press("q")
+        assert desk.app.return_code == ExitCode.FAILED
+
+
+async def test_a_command_that_is_not_taken_is_explained() -> None:
+    engine = ScriptedEngine()
+
+    def refuse(command: object) -> None:
+        raise RobotError("The robot process is gone.", hint="Start sayso again.")
+
+    engine.on_command = refuse
+    async with console(engine) as desk:
+        await desk.pilot.press("space")
+        await desk.until(lambda: "The robot process is gone." in desk.text)
+
+
+async def test_what_is_typed_while_the_engine_starts_is_said_when_it_has() -> None:
+    engine, gate = ScriptedEngine(), threading.Event()
+
+    def start() -> EngineHandle:
+        gate.wait(30)
+        return engine
+
+    async with console(engine, start=start) as desk:
+        assert "STARTING" in desk.text
+        await desk.pilot.press("slash", *"dance", "enter")
+        assert engine.sent == []
+        gate.set()
+        await desk.until(lambda: engine.sent)
+        assert engine.sent == [Say("dance")]
+
+
+async def test_an_engine_that_starts_after_the_person_left_is_told_to_quit() -> None:
+    engine, gate = ScriptedEngine(), threading.Event()
+    told = threading.Event()
+    engine.on_command = lambda command: told.set()
+
+    def start() -> EngineHandle:
+        gate.wait(30)
+        return engine
+
+    async with console(engine, start=start) as desk:
+        await desk.pilot.press("q")
+    gate.set()
+    assert told.wait(30)
+    assert engine.sent == [Quit()]
+
+
+async def test_page_up_holds_the_conversation_until_one_is_back_at_its_end() -> None:
+    async with console(size=(80, 24)) as desk:
+        for number in range(40):
+            desk.engine.publish(ev.SpeechStarted(f"sentence {number:02}", False))
+        await desk.settled()
+        assert "sentence 39" in desk.text
+        await desk.press("pageup")
+        assert "sentence 39" not in desk.text
+        desk.engine.publish(ev.SpeechStarted("sentence 40", False))
+        await desk.settled()
+        assert "sentence 40" not in desk.text
+        await desk.press("pagedown", "pagedown")
+        assert "sentence 40" in desk.text
+
+
+async def test_the_log_is_there_on_a_large_terminal() -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.OPENING)
+        await desk.settled()
+        assert desk.app.screen.query_one(LogView).items == desk.app.shown.model.log
+        assert "whisper-base loaded" in desk.text

@@ -1,0 +1,154 @@
+"""The console's model: every event leads to what a person should see, and to nothing else."""
+
+from __future__ import annotations
+
+import pytest
+
+from engine import events as ev
+from tests.tui import scripted
+from tests.tui.scripted import ScriptedEngine, Step
+from tui.model import MAX_LINES, MAX_TEXT, ConsoleModel, Line, printable
+
+
+def after(*steps: Step | ev.Body) -> ConsoleModel:
+    """The model after these happenings, from an empty session."""
+    engine, model = ScriptedEngine(), ConsoleModel()
+
+    def fold(event: ev.Event) -> None:
+        nonlocal model
+        model = model.after(event)
+
+    engine.subscribe(fold)
+    engine.play([step if isinstance(step, Step) else Step(0.0, step) for step in steps])
+    return model
+
+
+def said(text: str, source: str = "speech") -> ev.TranscriptFinal:
+    return ev.TranscriptFinal(text, source, "en", 1.0, -0.1, 0.0, 1.0, 0.1)  # type: ignore[arg-type]
+
+
+def test_every_kind_of_event_can_be_shown_or_ignored() -> None:
+    for body in (ev.Timing("asr", 0.2), ev.CameraFrame(160, 120), ev.Ack("say", True)):
+        assert after(body) == ConsoleModel()
+
+
+def test_words_being_heard_become_a_line_when_they_are_final() -> None:
+    heard = after(ev.ListenStarted("microphone"), ev.TranscriptPartial("go to", 2))
+    assert heard.listening
+    assert heard.partial == "go to"
+    final = after(ev.TranscriptPartial("go to", 2), said("Go to the kitchen"))
+    assert final.partial == ""
+    assert final.conversation == (Line("you", "Go to the kitchen"),)
+
+
+def test_what_was_not_understood_is_shown_with_its_reason() -> None:
+    model = after(ev.TranscriptRejected("low_confidence", "mean log-probability −1.4", "goat the kitten"))
+    assert model.conversation == (Line("unheard", "goat the kitten", "not understood clearly"),)
+
+
+def test_an_answer_that_was_cut_off_says_so() -> None:
+    model = after(ev.SpeechStarted("I am going", True), ev.SpeechEnded("I am going", "I am", "interrupted"))
+    assert model.conversation == (Line("robot", "I am going", "cut off"),)
+
+
+def test_a_running_action_takes_its_time_from_events() -> None:
+    started = ev.ActionStarted("a1", 1, 1, "wait", {"seconds": 3.0})
+    model = after(Step(10.0, started), Step(1.5, ev.ActionProgress("a1", "wait", 0.5)))
+    assert model.running is not None
+    assert model.running.elapsed(model.t) == pytest.approx(1.5)
+    assert model.moving
+    assert model.busy
+
+
+def test_a_finished_action_shows_the_robots_own_duration() -> None:
+    model = after(
+        ev.ActionStarted("a1", 1, 1, "wait", {"seconds": 3.0}),
+        Step(9.0, ev.ActionFinished("a1", "wait", {"seconds": 3.0}, "ok", None, "", 3.02)),
+    )
+    assert [(row.phase, row.elapsed(model.t)) for row in model.queue] == [("ok", 3.02)]
+    assert not model.moving
+
+
+def test_an_action_that_never_started_has_no_duration() -> None:
+    model = after(
+        ev.ActionQueued("a1", 1, 1, "wait", {"seconds": 3.0}),
+        ev.ActionFinished("a1", "wait", {"seconds": 3.0}, "interrupted", "not_started", "", 0.0),
+    )
+    assert [(row.phase, row.elapsed(model.t)) for row in model.queue] == [("interrupted", None)]
+
+
+def test_late_progress_does_not_bring_a_finished_action_back() -> None:
+    model = after(*scripted.done(), ev.ActionProgress("a2", "navigate_to", 0.9, "", scripted.PATH))
+    assert model.path == ()
+    assert model.running is None
+
+
+def test_the_path_is_kept_until_it_changes_and_goes_with_its_action() -> None:
+    assert after(*scripted.acting()).path == scripted.PATH
+    assert after(*scripted.failed()).path == ()
+
+
+def test_points_of_a_path_that_are_no_numbers_are_left_out() -> None:
+    model = after(
+        ev.ActionStarted("a1", 1, 1, "navigate_to", {"place": "A"}),
+        ev.ActionProgress("a1", "navigate_to", None, "", ((0.0, 0.0), (float("nan"), 1.0), (1.0, float("inf")))),
+    )
+    assert model.path == ((0.0, 0.0),)
+
+
+def test_the_actions_of_a_new_turn_replace_those_of_the_old() -> None:
+    engine, model = ScriptedEngine(), ConsoleModel()
+    for turn in ("T1", "T1", "T2"):
+        model = model.after(engine.publish(ev.ActionQueued(f"{turn}{engine.t}", 1, 1, "dance", {}), after=1, turn=turn))
+    assert [row.turn for row in model.queue] == ["T2"]
+
+
+def test_a_new_task_clears_plan_and_actions_and_counts_on() -> None:
+    model = after(*scripted.done(), ev.TaskEnded("key"))
+    assert (model.cycle, model.plan, model.queue) == (2, None, ())
+
+
+def test_an_interruption_is_marked_only_where_there_was_something_to_stop() -> None:
+    assert after(ev.InterruptRaised("interrupt", "key", "IDLE")).conversation == ()
+    assert after(ev.InterruptRaised("interrupt", "key", "ACTING")).conversation == (Line("mark", "stopped", "key"),)
+
+
+def test_questions_refusals_and_rejections_stand_where_the_plan_would() -> None:
+    asked = after(said("pick it up"), ev.ClarificationAsked("What shall I pick up?"))
+    refused = after(said("drive over the cat"), ev.RefusalMade("That could hurt someone."))
+    rejected = after(said("fly"), ev.PlanRejected("fly", "No skill does that.", "unknown_skill", ("dance",)))
+    stages = [(model.plan.stage, model.plan.message) for model in (asked, refused, rejected) if model.plan]
+    assert stages == [
+        ("question", "What shall I pick up?"),
+        ("refused", "That could hurt someone."),
+        ("rejected", "No skill does that."),
+    ]
+
+
+def test_the_reason_of_the_end_is_not_covered_by_what_comes_after() -> None:
+    model = after(ev.ErrorRaised("robot_lost", "first", fatal=True), ev.ErrorRaised("other", "second"))
+    assert model.problem is not None
+    assert model.problem.message == "first"
+    assert after(ev.ErrorRaised("other", "second"), said("go home")).problem is None
+
+
+def test_a_failed_turn_is_said_once() -> None:
+    texts = [line.text for line in after(*scripted.failed()).conversation]
+    assert len([text for text in texts if "in the way" in text]) == 1
+
+
+@pytest.mark.parametrize("text", ["\x1b[31mred\x1b[0m", "a\nb\r\tc", "\x9b2J", "a\u202egnp.exe", "\x00\x07\ud800"])
+def test_nothing_that_steers_a_terminal_gets_through(text: str) -> None:
+    clean = printable(text)
+    assert not any(char in clean for char in "\x1b\n\r\t\x9b\u202e\x00\x07\ud800")
+
+
+def test_very_long_texts_are_cut_and_lists_are_bounded() -> None:
+    assert len(printable("x" * 10**6)) == MAX_TEXT
+    model = after(*(ev.Log("info", "flood", str(number)) for number in range(10_000)))
+    assert len(model.log) == MAX_LINES
+    assert model.log[-1].message == "9999"
+
+
+def test_a_session_that_ended_says_why() -> None:
+    assert after(ev.SessionEnded("the robot was lost")).ended == "the robot was lost"

@@ -1,0 +1,72 @@
+"""The console looks as it looked: every picture of the README is compared here, character by character.
+
+After a change that is meant: ``pytest tests/tui/test_pictures.py --snapshot-update``, then
+``python -m tests.tui.pictures``, and look at what came out.
+"""
+
+from __future__ import annotations
+
+import pytest
+from syrupy.assertion import SnapshotAssertion
+
+from engine.handle import PartStatus
+from tests.tui import scripted
+from tests.tui.desk import console
+from tests.tui.scripted import PARTS_LOADING, PARTS_READY, PATH, ScriptedEngine, Step, flat, robot_at
+
+pytestmark = pytest.mark.filterwarnings("ignore:\\s*Can not relate snapshot")  # pictures are named by what they show
+
+SIZES = [(120, 40), (80, 24)]
+HOME = robot_at(*PATH[0], 0.9)
+UNDER_WAY = robot_at(-1.35, 0.05, 0.4, speed=0.5)
+IN_THE_KITCHEN = robot_at(0.2, 2.0, 3.14)
+SCENES = {
+    "start": (ScriptedEngine(parts=PARTS_LOADING, robot=HOME, floor=flat()), scripted.OPENING[:2]),
+    "listening": (ScriptedEngine(robot=HOME, floor=flat()), scripted.listening()),
+    "acting": (ScriptedEngine(robot=UNDER_WAY, floor=flat()), scripted.acting()),
+    "done": (ScriptedEngine(robot=IN_THE_KITCHEN, floor=flat()), scripted.done()),
+    "error": (
+        ScriptedEngine(
+            parts=(PartStatus("robot", "failed", "The robot process does not answer."), *PARTS_READY[1:]),
+            robot=robot_at(-1.35, 0.05, 0.4),
+            floor=flat(),
+        ),
+        scripted.failed(),
+    ),
+}
+
+
+@pytest.mark.parametrize("size", SIZES, ids=lambda size: "x".join(map(str, size)))
+@pytest.mark.parametrize("scene", SCENES)
+async def test_a_scene_looks_as_in_its_picture(
+    scene: str, size: tuple[int, int], screenshot: SnapshotAssertion
+) -> None:
+    prepared, steps = SCENES[scene]
+    engine = ScriptedEngine(parts=prepared.parts, robot=prepared.robot, floor=prepared.floor)
+    await _compare(engine, steps, size, scene, screenshot)
+
+
+async def test_a_terminal_that_is_too_small_says_so(screenshot: SnapshotAssertion) -> None:
+    await _compare(ScriptedEngine(), scripted.acting(), (40, 10), "too_small", screenshot)
+
+
+@pytest.mark.parametrize("size", SIZES, ids=lambda size: "x".join(map(str, size)))
+async def test_the_help_page_looks_as_in_its_picture(size: tuple[int, int], screenshot: SnapshotAssertion) -> None:
+    async with console(size=size) as desk:
+        await desk.press("question_mark")
+        assert await desk.picture() == screenshot(name=f"help_{size[0]}x{size[1]}")
+
+
+async def test_the_light_theme_looks_as_in_its_picture(screenshot: SnapshotAssertion) -> None:
+    engine = ScriptedEngine(robot=UNDER_WAY, floor=flat())
+    async with console(engine, theme="sayso-light") as desk:
+        engine.play(scripted.acting())
+        assert await desk.picture() == screenshot(name="acting_light_120x40")
+
+
+async def _compare(
+    engine: ScriptedEngine, steps: list[Step], size: tuple[int, int], name: str, screenshot: SnapshotAssertion
+) -> None:
+    async with console(engine, size=size) as desk:
+        engine.play(steps)
+        assert await desk.picture() == screenshot(name=f"{name}_{size[0]}x{size[1]}")

@@ -1,0 +1,401 @@
+"""Settings come from their layers in order, and every mistake is told with its place and its remedy."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from config import ConfigError, Problem, check, explain, load, paths, show
+from config.source import MAX_BYTES, Node, SourceError, parse
+from tui.commands.config import config_check, config_path, config_show
+
+NOWHERE = Path("no-such-folder")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return tmp_path
+
+
+@pytest.fixture
+def problems(tmp_path: Path) -> Callable[..., list[str]]:
+    """The problems of one user file, without its folder's name."""
+
+    def found(text: str | bytes, **environ: str) -> list[str]:
+        (tmp_path / "config.yaml").write_bytes(text.encode() if isinstance(text, str) else text)
+        told = check(environ=environ, user_folder=tmp_path)
+        return [str(problem).replace(f"{tmp_path}/", "") for problem in told]
+
+    return found
+
+
+# Layers
+
+
+def test_the_packaged_defaults_are_complete_and_right() -> None:
+    loaded = load(environ={}, user_folder=NOWHERE)
+    assert loaded.asr.model == "whisper-base"
+    assert loaded.places["A"].name == "kitchen"
+
+
+def test_each_layer_wins_over_the_one_before(tmp_path: Path) -> None:
+    (tmp_path / "config.yaml").write_text("endpoint: {start_s: 0.2, silence_s: 0.2, no_speech_s: 2, max_length_s: 2}")
+    given_file = tmp_path / "given.yaml"
+    given_file.write_text("endpoint: {silence_s: 0.3, no_speech_s: 3, max_length_s: 3}")
+    loaded = load(
+        files=[given_file],
+        overrides=["endpoint.max_length_s=5"],
+        environ={"SAYSO_ENDPOINT__NO_SPEECH_S": "4", "SAYSO_ENDPOINT__MAX_LENGTH_S": "4"},
+        user_folder=tmp_path,
+    ).endpoint
+    assert loaded.pre_roll_s == 0.3
+    assert (loaded.start_s, loaded.silence_s, loaded.no_speech_s, loaded.max_length_s) == (0.2, 0.3, 4, 5)
+
+
+def test_any_user_file_may_hold_any_section(tmp_path: Path) -> None:
+    (tmp_path / "map.yaml").write_text("audio: {device: 3}")
+    (tmp_path / "platforms.yaml").write_text("robot: {limits: {linear_speed: 0.2}}")
+    loaded = load(environ={"SAYSO_CONFIG_DIR": str(tmp_path)})
+    assert loaded.audio.device == 3
+    assert loaded.robot.limits.linear_speed == 0.2
+    assert loaded.robot.limits.angular_speed == 3.2
+
+
+def test_a_section_whose_lines_are_all_commented_out_changes_nothing(tmp_path: Path) -> None:
+    (tmp_path / "config.yaml").write_text("asr:\n#  model: other\nrobot:\n  limits:\nplaces:\n")
+    assert load(environ={}, user_folder=tmp_path) == load(environ={}, user_folder=NOWHERE)
+
+
+def test_a_place_that_is_set_to_null_is_gone(tmp_path: Path) -> None:
+    (tmp_path / "map.yaml").write_text("places: {A: null}")
+    assert "A" not in load(environ={}, user_folder=tmp_path).places
+    assert "B" not in load(environ={"SAYSO_PLACES__B": "null"}, user_folder=NOWHERE).places
+    assert "C" not in load(overrides=["places.C=null"], environ={}, user_folder=NOWHERE).places
+
+
+def test_a_whole_new_place_inherits_no_names_from_the_one_it_replaces(tmp_path: Path) -> None:
+    (tmp_path / "map.yaml").write_text("places: {B: {name: boat house, position: {x: 1, y: 2}}}")
+    place = load(environ={}, user_folder=tmp_path).places["B"]
+    assert (place.name, place.aliases, place.orientation.w) == ("boat house", (), 1)
+
+
+def test_a_part_of_a_place_amends_it(tmp_path: Path) -> None:
+    (tmp_path / "map.yaml").write_text("places: {B: {position: {x: -2}}}")
+    place = load(environ={"SAYSO_PLACES__b__NAME": "salon"}, user_folder=tmp_path).places["B"]
+    assert (place.name, place.position.x, place.position.y) == ("salon", -2, 0)
+    assert "lounge" in place.aliases
+
+
+def test_a_variable_can_name_a_new_place() -> None:
+    loaded = load(environ={"SAYSO_PLACES__shed": "{name: boat house, position: {x: 1, y: 2}}"}, user_folder=NOWHERE)
+    assert loaded.places["shed"].name == "boat house"
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("3", 3), ("USB: Mic #2", "USB: Mic #2"), ('"3"', "3"), ("no", "no"), ("", None), ("null", None)],
+)
+def test_a_variable_is_read_as_a_yaml_scalar(text: str, value: object) -> None:
+    assert load(environ={"SAYSO_AUDIO__DEVICE": text}, user_folder=NOWHERE).audio.device == value
+
+
+def test_folders_and_foreign_variables_are_no_settings(tmp_path: Path) -> None:
+    environ = {"SAYSO_CONFIG_DIR": str(tmp_path), "SAYSO_STATE_DIR": "s", "SAYSO_CACHE_DIR": "c", "SAYSO_DEBUG": "1"}
+    assert check(environ=environ) == ()
+    assert paths(environ).models == Path("c/models")
+    assert paths(environ).logs == Path("s/logs")
+    assert paths(environ).config == tmp_path
+
+
+def test_the_norwegian_language_is_a_language(tmp_path: Path) -> None:
+    (tmp_path / "config.yaml").write_text("asr: {language: no}")
+    assert load(environ={}, user_folder=tmp_path).asr.language == "no"
+
+
+def test_a_relative_path_in_a_file_is_relative_to_that_file(tmp_path: Path) -> None:
+    (tmp_path / "config.yaml").write_text("models: {folder: weights}")
+    assert load(environ={}, user_folder=tmp_path).models.folder == tmp_path / "weights"
+
+
+# Mistakes
+
+
+def test_an_unknown_key_is_told_with_its_line_the_keys_there_and_the_nearest(
+    problems: Callable[..., list[str]],
+) -> None:
+    [told] = problems("asr:\n  model: whisper-base\nendpoint:\n  silence: 1\n")
+    assert told.startswith("config.yaml:4: endpoint.silence: ")
+    assert "allowed: pre_roll_s, start_s, silence_s" in told
+    assert told.endswith("did you mean 'silence_s'?")
+
+
+def test_a_wrong_value_is_told_with_what_is_allowed(problems: Callable[..., list[str]]) -> None:
+    [told] = problems("endpoint:\n  silence_s: 9\n")
+    assert told.startswith(
+        "config.yaml:2: endpoint.silence_s: 9 is not allowed here; allowed: a number above 0 up to 5"
+    )
+    [told] = problems("robot:\n  speed: rael\n")
+    assert "allowed: real | max" in told
+    assert told.endswith("did you mean 'real'?")
+
+
+def test_all_mistakes_are_told_at_once_and_in_reading_order(problems: Callable[..., list[str]]) -> None:
+    told = problems("endpoint:\n  silence_s: x\n  start: 1\nrobt: 1\nasr: 3\n", SAYSO_ROBOT__SPEED="fast")
+    assert [line.split(": ")[0] for line in told] == [
+        "config.yaml:2",
+        "config.yaml:3",
+        "config.yaml:4",
+        "config.yaml:5",
+        "SAYSO_ROBOT__SPEED",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "reason"),
+    [
+        ("a: [1", "config.yaml:1", "YAML cannot be read"),
+        ("asr:\n\tmodel: x", "config.yaml:2", "not tabs"),
+        ("asr:\n  model: a\n  model: b", "config.yaml:3", "'model' is given twice, first on line 2"),
+        ("asr: {}\naudio: {}\nasr: {}", "config.yaml:3", "given twice"),
+        ("- a\n- b", "config.yaml:1", "a list where sections are expected"),
+        ("just words", "config.yaml:1", "'just words' where sections are expected"),
+        (b"asr:\n  model: \xff\xfe", "config.yaml:2", "not UTF-8"),
+        ("asr:\n  model: \x07", "config.yaml:2", "YAML cannot be read"),
+        ("asr: &a {model: x}\nvad: *a", "config.yaml:1", "anchors and aliases"),
+        ("asr: {model: !!python/object:os.system x}", "config.yaml:1", "tags"),
+        ("asr: {}\n---\nvad: {}", "config.yaml:2", "a second document"),
+        ("asr: " + "[" * 100_000, "config.yaml:1", "nested more than"),
+        ("? [a]\n: b", "config.yaml:1", "a key must be a word"),
+        ("#" * (MAX_BYTES + 1), "config.yaml", "larger than 1 MiB"),
+        ("k: 1\n" + "".join(f"k{n}: 1\n" for n in range(50_000)), "config.yaml:25000", "too many values"),
+        ("asr: 3", "config.yaml:1", "3 is not allowed here; allowed: a section with model"),
+        ("endpoint: {start_s: true}", "config.yaml:1", "true is not allowed here; allowed: a number"),
+        ("endpoint: {start_s: .nan}", "config.yaml:1", "nan is not allowed"),
+        ("places:\n  zero: {name: z, position: {x: 1, y: 1}}", "config.yaml:2", "get_current_pose"),
+        ("places:\n  shed: {name: kitchen, position: {x: 1, y: 1}}", "config.yaml:2", "names both A and shed"),
+        ("places:\n  shed:\n    name: q", "config.yaml:2", "places.shed.position: is missing"),
+        ("places: {A: {orientation: {w: 3}}}", "config.yaml:1", "length"),
+        ("places:\n  A:\n    aliases:\n      - a\n      - 3", "config.yaml:5", "places.A.aliases.1: 3 is not allowed"),
+    ],
+)
+def test_every_kind_of_mistake_is_told_with_its_line(
+    problems: Callable[..., list[str]], text: str | bytes, place: str, reason: str
+) -> None:
+    [told] = problems(text)
+    assert told.startswith(f"{place}: ")
+    assert reason in told
+
+
+def test_a_variable_between_braces_without_quotes_is_told_to_have_some(problems: Callable[..., list[str]]) -> None:
+    [told] = problems("platforms:\n  cloud: {api_key: ${KEY}, kind: openai}\n")
+    assert told.startswith("config.yaml:2: ")
+    assert 'needs quotes: "${NAME}"' in told
+
+
+def test_a_setting_in_the_wrong_section_names_the_right_one(problems: Callable[..., list[str]]) -> None:
+    [told] = problems("silence_s: 1")
+    assert told.endswith("did you mean 'endpoint.silence_s'?")
+
+
+def test_a_file_with_the_other_ending_is_not_silently_ignored(tmp_path: Path) -> None:
+    (tmp_path / "config.yml").write_text("asr: {}")
+    [problem] = check(environ={}, user_folder=tmp_path)
+    assert (problem.message, problem.nearest) == ("is not read", "config.yaml")
+
+
+def test_a_given_file_must_exist_and_be_a_file(tmp_path: Path) -> None:
+    told = [str(problem) for problem in check([tmp_path / "absent.yaml", tmp_path], environ={}, user_folder=NOWHERE)]
+    assert told == [
+        f"{tmp_path}/absent.yaml: does not exist",
+        f"{tmp_path}: cannot be read: Is a directory",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("variable", "nearest"),
+    [
+        ("SAYSO_ENDPONT__SILENCE_S", "SAYSO_ENDPOINT__SILENCE_S"),
+        ("SAYSO_ROBOT__LIMITS__LINEAR_SPED", "SAYSO_ROBOT__LIMITS__LINEAR_SPEED"),
+        ("SAYSO_ENDPOINT_SILENCE_S", "SAYSO_ENDPOINT__SILENCE_S"),
+        ("SAYSO_PLACES__A__NAM", "SAYSO_PLACES__A__NAME"),
+    ],
+)
+def test_a_misspelt_variable_is_told_with_the_nearest(variable: str, nearest: str) -> None:
+    [problem] = check(environ={variable: "1"}, user_folder=NOWHERE)
+    assert (problem.where.name, problem.nearest) == (variable, nearest)
+
+
+@pytest.mark.parametrize("flag", ["endpoint", "endpoint.=1", "=1", ""])
+def test_a_flag_that_sets_nothing_is_told(flag: str) -> None:
+    [problem] = check(overrides=[flag], environ={}, user_folder=NOWHERE)
+    assert "section.key=value" in problem.message
+
+
+def test_the_error_holds_all_problems_and_the_usage_exit_code() -> None:
+    with pytest.raises(ConfigError) as caught:
+        load(overrides=["asr.modl=x", "robot.speed=x"], environ={}, user_folder=NOWHERE)
+    assert caught.value.exit_code == 2
+    assert len(caught.value.problems) == 2
+    assert "--set asr.modl" in str(caught.value)
+    assert "sayso config" in caught.value.hint
+
+
+# Variables and secrets
+
+
+def test_a_variable_is_filled_in(tmp_path: Path) -> None:
+    (tmp_path / "config.yaml").write_text('asr: {model: "${FOLDER}/base"}\nconsole: {theme: "$${plain}"}')
+    loaded = load(environ={"FOLDER": "models"}, user_folder=tmp_path)
+    assert loaded.asr.model == "models/base"
+    assert loaded.console.theme == "${plain}"
+
+
+def test_a_variable_that_is_not_set_is_told_where_it_is_needed(problems: Callable[..., list[str]]) -> None:
+    assert problems("asr:\n  model: ${FOLDER}") == [
+        "config.yaml:2: asr.model: the environment variable FOLDER is not set"
+    ]
+
+
+def test_a_variable_in_a_value_that_is_overridden_is_not_needed(tmp_path: Path) -> None:
+    (tmp_path / "config.yaml").write_text("asr:\n  model: ${FOLDER}")
+    assert load(overrides=["asr.model=x"], environ={}, user_folder=tmp_path).asr.model == "x"
+
+
+def test_a_broken_variable_is_told(problems: Callable[..., list[str]]) -> None:
+    [told] = problems("asr:\n  model: ${FOLD ER}")
+    assert "${FOLD ER} is no variable" in told
+
+
+def test_a_key_that_is_not_set_does_not_keep_other_platforms_from_working(tmp_path: Path) -> None:
+    (tmp_path / "platforms.yaml").write_text("platforms:\n  cloud:\n    kind: openai\n    api_key: ${CLOUD_KEY}")
+    assert load(environ={}, user_folder=tmp_path).platforms["cloud"].api_key is None
+    key = load(environ={"CLOUD_KEY": "s3cret"}, user_folder=tmp_path).platforms["cloud"].api_key
+    assert key is not None
+    assert key.get_secret_value() == "s3cret"
+
+
+def test_secrets_are_never_shown(tmp_path: Path) -> None:
+    (tmp_path / "platforms.yaml").write_text(
+        "platforms:\n  cloud:\n    kind: openai\n    api_key: ${CLOUD_KEY}\n"
+        '    model: "m-${CLOUD_KEY}"\n    base_url: https://user:s3cret@models.invalid/v1\n'
+    )
+    environ = {"CLOUD_KEY": "s3cret"}
+    shown = {setting.key: setting.value for setting in explain(environ=environ, user_folder=tmp_path)}
+    assert "s3cret" not in str(shown)
+    assert shown["platforms.cloud.api_key"] == "********"
+    assert shown["platforms.cloud.model"] == "m-${CLOUD_KEY}"
+    assert show(load(environ=environ, user_folder=tmp_path))["platforms"]["cloud"]["api_key"] == "********"
+
+
+@pytest.mark.parametrize("mistake", ["api_key: [s3cret]", "api_key: 12345", 'timeout_s: "${CLOUD_KEY}"'])
+def test_secrets_are_not_in_messages(problems: Callable[..., list[str]], mistake: str) -> None:
+    [told] = problems(f"platforms: {{cloud: {{kind: openai, {mistake}}}}}", CLOUD_KEY="s3cret")
+    assert "s3cret" not in told
+    assert "12345" not in told
+
+
+# Where settings come from
+
+
+def test_every_setting_knows_where_it_was_written(tmp_path: Path) -> None:
+    (tmp_path / "config.yaml").write_text("endpoint:\n  silence_s: 0.8\n")
+    environ = {"SAYSO_ASR__MODEL": "x"}
+    origins = {
+        setting.key: setting.origin
+        for setting in explain(overrides=["vad.threshold=0.4"], environ=environ, user_folder=tmp_path)
+    }
+    assert origins["endpoint.silence_s"] == f"{tmp_path}/config.yaml:2"
+    assert origins["asr.model"] == "SAYSO_ASR__MODEL"
+    assert origins["vad.threshold"] == "--set vad.threshold"
+    assert origins["endpoint.start_s"].startswith("packaged engine.yaml:")
+    assert origins["places.A.position.z"] == "default"
+
+
+def test_what_show_prints_can_be_given_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("SAYSO_CONFIG_DIR", str(tmp_path))
+    (tmp_path / "map.yaml").write_text(
+        'places: {"no": {name: "true", aliases: ["a: b", "#1", 厨房], position: {x: 1, y: 2}}}'
+    )
+    assert config_show() == 0
+    copy = tmp_path / "copy.yaml"
+    copy.write_text(capsys.readouterr().out)
+    assert load([copy], environ={}, user_folder=NOWHERE) == load(environ={}, user_folder=tmp_path)
+
+
+def test_check_prints_one_problem_a_line_and_path_works_nevertheless(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("SAYSO_CONFIG_DIR", str(tmp_path))
+    assert config_check() == 0
+    (tmp_path / "config.yaml").write_text("asr: {modle: x}\nvad: {threshold: 2}")
+    capsys.readouterr()
+    assert config_check() == 2
+    assert len(capsys.readouterr().out.splitlines()) == 2
+    assert config_check(json=True) == 2
+    first = json.loads(capsys.readouterr().out.splitlines()[0])
+    assert (first["line"], first["key"], first["nearest"]) == (1, "asr.modle", "model")
+    assert config_path(json=True) == 0
+    assert json.loads(capsys.readouterr().out)["files"][0] == {"path": str(tmp_path / "config.yaml"), "exists": True}
+
+
+# Anything at all
+
+_TEXT = yaml.safe_dump(show(load(environ={}, user_folder=NOWHERE)), allow_unicode=True)
+_SNIPPETS = st.sampled_from(
+    [":", "\n", "  ", "{", "}", "[", "]", "- ", "${", "${X}", "null", "&a ", "*a", "!!t ", "'", "#"]
+)
+
+
+@st.composite
+def _mutated(draw: st.DrawFn) -> bytes:
+    data = bytearray(_TEXT.encode())
+    for _ in range(draw(st.integers(1, 6))):
+        at = draw(st.integers(0, len(data)))
+        length = draw(st.integers(0, 12))
+        data[at : at + length] = draw(st.one_of(_SNIPPETS.map(str.encode), st.binary(max_size=4)))
+    return bytes(data)
+
+
+@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=_mutated())
+def test_a_mutated_file_gives_settings_or_problems_and_nothing_else(tmp_path: Path, data: bytes) -> None:
+    (tmp_path / "config.yaml").write_bytes(data)
+    for problem in check(environ={}, user_folder=tmp_path):
+        assert isinstance(problem, Problem)
+        assert str(problem).startswith(problem.where.name)
+
+
+_KEYS = st.sampled_from(
+    ["asr", "places", "A", "name", "aliases", "position", "robot", "limits", "platforms", "x", "zero"]
+)
+_TREES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(_KEYS, inner, max_size=4),
+    max_leaves=12,
+)
+
+
+@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(tree=st.dictionaries(_KEYS, _TREES, max_size=4), text=st.text(max_size=20))
+def test_any_tree_and_any_variable_give_settings_or_problems(
+    tmp_path: Path, tree: dict[str, object], text: str
+) -> None:
+    (tmp_path / "config.yaml").write_text(yaml.safe_dump(tree), encoding="utf-8", errors="replace")
+    for problem in check(overrides=[f"places.A={text}"], environ={"SAYSO_AUDIO__DEVICE": text}, user_folder=tmp_path):
+        assert isinstance(problem, Problem)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.binary(max_size=200))
+def test_any_bytes_give_a_tree_or_a_source_error(data: bytes) -> None:
+    with contextlib.suppress(SourceError):
+        assert isinstance(parse(data, "x"), Node)

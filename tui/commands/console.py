@@ -1,0 +1,35 @@
+"""``sayso``: the console. Everything but the first picture happens behind it."""
+
+from __future__ import annotations
+
+import os
+import sys
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from engine.errors import UsageError
+from tui.commands.settings import load_settings
+from tui.terminal import why_not_usable
+
+if TYPE_CHECKING:
+    from engine.handle import EngineHandle
+
+
+def run(arguments: Namespace) -> int:
+    """Show the console until it is left. Exit code of the engine."""
+    if reason := why_not_usable(os.environ, sys.stdin.isatty(), sys.stdout.isatty(), sys.stderr.isatty()):
+        raise UsageError(reason)
+    settings = load_settings(arguments)
+    from tui.app import SaysoApp
+
+    def start() -> EngineHandle:
+        from engine.engine import Engine
+        from engine.loading import Sound
+
+        engine = Engine(settings, mode="console", sound=Sound("demo" if arguments.demo else "auto"))
+        engine.start()
+        return engine
+
+    app = SaysoApp(start, theme=settings.console.theme, fps=settings.console.fps)
+    app.run()
+    return app.return_code or 0

@@ -1,0 +1,78 @@
+"""``sayso engine``: no screen. JSON lines out on stdout, JSON commands in on stdin, one a line.
+
+The end of stdin means "no more commands": what was asked for is done, then the engine ends. SIGTERM, SIGHUP and
+SIGINT stop the robot and end it at once, and so does a reader of stdout who goes away. All of them exit with 0 but
+the last two, which exit with 130.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from argparse import Namespace
+from collections.abc import Iterator
+
+from engine.commands import MAX_LINE, Quit, parse_command
+from engine.engine import Engine
+from engine.errors import ExitCode, UsageError
+from engine.loading import Sound
+from tui.commands.headless import Printer, Terminated, signals_raise
+from tui.commands.settings import load_settings
+
+READ_BYTES = 65536
+
+
+def run(arguments: Namespace) -> int:
+    """Run until the commands end or a signal comes."""
+    engine = Engine(load_settings(arguments), mode="engine", sound=Sound(arguments.source))
+    printer = Printer(engine, json=arguments.json)
+    code = ExitCode.DONE
+    with signals_raise():
+        engine.start()
+        threading.Thread(target=_read_commands, args=(engine, sys.stdin.fileno()), name="stdin", daemon=True).start()
+        try:
+            while not engine.join(None):
+                pass
+        except Terminated:
+            pass
+        except KeyboardInterrupt:
+            code = ExitCode.INTERRUPTED
+        finally:
+            engine.send(Quit())
+            engine.join()
+            printer.close()
+    return int(ExitCode.INTERRUPTED if printer.reader_gone else code)
+
+
+def _read_commands(engine: Engine, fd: int) -> None:
+    """Read commands to the end of ``fd``; what is no command is acknowledged as such."""
+    for line in _lines(fd):
+        if not line.strip():
+            continue
+        try:
+            engine.send(parse_command(line))
+        except UsageError as error:
+            engine.reject("", str(error))
+    engine.send(Quit(drain=True))
+
+
+def _lines(fd: int) -> Iterator[bytes]:
+    """Lines of a file descriptor; one that is too long is cut, so that it is refused and costs no more memory.
+
+    Not through ``sys.stdin``: a thread that waits inside a buffered reader holds its lock, and the interpreter aborts
+    at exit over that.
+    """
+    rest, skipping = b"", False
+    while chunk := os.read(fd, READ_BYTES):
+        *whole, rest = (rest + chunk).split(b"\n")
+        for line in whole:
+            if not skipping:
+                yield line
+            skipping = False
+        if len(rest) > MAX_LINE:
+            if not skipping:
+                yield rest
+            rest, skipping = b"", True
+    if rest and not skipping:
+        yield rest

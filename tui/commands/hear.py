@@ -1,0 +1,28 @@
+"""``sayso hear``: a recording, or sound on stdin, is heard like a person at the microphone."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+
+from engine.audio.pipe import PcmSource
+from engine.audio.wav import WavSource
+from engine.commands import Wake
+from engine.loading import Sound
+from tui.commands.ask import report
+from tui.commands.headless import headless
+from tui.commands.settings import load_settings
+
+
+def run(arguments: Namespace) -> int:
+    """Hear the first utterance and do what it says."""
+    settings = load_settings(arguments)
+    if arguments.file == "-":
+        sound = Sound("source", PcmSource(sys.stdin.buffer, live=False))
+    else:
+        sound = Sound("source", WavSource(Path(arguments.file), pace=arguments.pace))
+    with headless(settings, mode="hear", json=arguments.json, sound=sound) as engine:
+        result = engine.perform(Wake(), arguments.timeout)
+    report(result, json=arguments.json)
+    return result.exit_code

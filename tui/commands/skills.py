@@ -1,0 +1,20 @@
+"""``sayso skills``: what the robot can do, as planners see it."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+from engine.errors import ExitCode
+from engine.planner.build import build_registry
+from tui.commands.output import data, json_line
+from tui.commands.settings import load_settings
+
+
+def run(arguments: Namespace) -> int:
+    """One line a skill, or one JSON object a skill."""
+    for skill in build_registry(load_settings(arguments)):
+        if arguments.json:
+            json_line(skill.describe())
+        else:
+            data(f"{skill.signature}\n    {skill.summary}")
+    return int(ExitCode.DONE)

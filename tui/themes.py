@@ -1,0 +1,36 @@
+"""sayso's own colours, dark and light; every theme of Textual works as well."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from textual.theme import Theme
+
+DARK: Final = Theme(
+    name="sayso-dark",
+    primary="#5aa9e6",
+    secondary="#7f9bb3",
+    accent="#e5c07b",
+    success="#7bc48f",
+    warning="#e0a458",
+    error="#e06c75",
+    foreground="#d5dbe3",
+    background="#0f1318",
+    surface="#171d25",
+    panel="#232b36",
+)
+
+LIGHT: Final = Theme(
+    name="sayso-light",
+    primary="#1f6fb2",
+    secondary="#557086",
+    accent="#8a5a00",
+    success="#2c7a45",
+    warning="#9a5b00",
+    error="#b3261e",
+    foreground="#1d252e",
+    background="#f7f8fa",
+    surface="#eceff3",
+    panel="#dde3ea",
+    dark=False,
+)

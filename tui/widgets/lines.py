@@ -1,0 +1,140 @@
+"""A pane of wrapped, styled lines that sends only the lines that changed.
+
+On a slow link bytes are what counts: a pane that repaints as a whole for one new figure costs kilobytes. This one keeps
+the drawn strips of every item, compares line by line, and marks the changed lines alone. It has no scroll bar; it shows
+the line that matters (the newest, or the one that runs) until somebody scrolls, and again after scrolling to the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from typing import Generic, NamedTuple, TypeVar
+
+from textual import events
+from textual.content import Content
+from textual.geometry import Region
+from textual.strip import Strip
+from textual.visual import Visual
+from textual.widget import Widget
+
+Item = TypeVar("Item", bound=Hashable)
+
+
+class Drawn(NamedTuple):
+    """How an item looks: ``body`` wraps, ``gutter`` stands before its first line, ``aside`` right-aligned in it."""
+
+    gutter: Content
+    body: Content
+    aside: Content = Content("")
+    nowrap: bool = False
+    """Cut the body with an ellipsis instead of wrapping it."""
+
+
+class Lines(Widget, Generic[Item], can_focus=False):
+    """Base of the panes of text. Subclasses say how an item is drawn."""
+
+    ALLOW_SELECT = False
+    DEFAULT_CSS = "Lines { height: 1fr; }"
+
+    def __init__(self, *, id: str | None = None, classes: str | None = None) -> None:
+        super().__init__(id=id, classes=classes)
+        self._items: tuple[Item, ...] = ()
+        self._matters: int | None = None
+        self._cache: dict[Item, list[Strip]] = {}
+        self._strips: list[Strip] = []
+        self._top = 0
+        self._held = False  # somebody scrolled away from what matters
+
+    @property
+    def items(self) -> tuple[Item, ...]:
+        """What is shown, from first to last."""
+        return self._items
+
+    def drawn(self, item: Item) -> Drawn:
+        """How ``item`` looks."""
+        raise NotImplementedError
+
+    def show(self, items: Sequence[Item], *, matters: int | None = None) -> None:
+        """Show these items; the one at index ``matters`` (default: the last) is kept in view."""
+        items = tuple(items)
+        if (items, matters) != (self._items, self._matters):
+            self._items, self._matters = items, matters
+            self._update()
+
+    def scroll_lines(self, lines: int) -> None:
+        """Scroll by that many lines, down when positive."""
+        top = max(0, min(self._top + lines, self._last_top))
+        self._held = top != self._last_top
+        if top != self._top:
+            self._top = top
+            self.refresh()
+
+    @property
+    def _last_top(self) -> int:
+        return max(0, len(self._strips) - self.size.height)
+
+    def _update(self) -> None:
+        """Draw what changed."""
+        width = self.size.width
+        if not width or not self.is_attached:
+            return
+        old, old_top = self._strips, self._top
+        cache = {item: self._cache.get(item) or self._wrap(item, width) for item in self._items}
+        self._cache = cache
+        self._strips = [strip for item in self._items for strip in cache[item]]
+        if not self._held:
+            self._top = self._top_for_what_matters()
+        self._top = min(self._top, self._last_top)
+        for y in range(self.size.height):
+            if _at(old, old_top + y) is not _at(self._strips, self._top + y):
+                self.refresh(Region(0, y, width, 1))
+
+    def _top_for_what_matters(self) -> int:
+        if self._matters is None:
+            return self._last_top
+        before = sum(len(self._cache[item]) for item in self._items[: self._matters])
+        after = before + len(self._cache[self._items[self._matters]])
+        return max(0, after - self.size.height)
+
+    def _wrap(self, item: Item, width: int) -> list[Strip]:
+        gutter, body, aside, nowrap = self.drawn(item)
+        room = max(1, width - gutter.cell_length)
+        first_room = max(1, room - aside.cell_length - 1) if aside else room
+        lines = [body.rstrip().truncate(first_room, ellipsis=True)] if nowrap else body.wrap(first_room) or [body]
+        indent = Content(" " * gutter.cell_length)
+        strips = []
+        for number, line in enumerate(lines):
+            parts = [indent if number else gutter, line]
+            if aside and not number:
+                parts += [Content(" " * (room - line.rstrip().cell_length - aside.cell_length)), aside]
+                parts[1] = line.rstrip()
+            whole = Content.assemble(*parts, strip_control_codes=False)
+            strips += Visual.to_strips(self, whole, width, 1, self.visual_style, pad=True)
+        return strips
+
+    def render_line(self, y: int) -> Strip:
+        strip = _at(self._strips, self._top + y)
+        return strip if strip is not None else Strip.blank(self.size.width, self.rich_style)
+
+    def on_resize(self, event: events.Resize) -> None:
+        self._redraw()
+
+    def notify_style_update(self) -> None:
+        """Colours changed (another theme): what was drawn is stale."""
+        super().notify_style_update()
+        self._redraw()
+
+    def _redraw(self) -> None:
+        self._cache = {}
+        self._update()
+        self.refresh()
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        self.scroll_lines(-3)
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        self.scroll_lines(3)
+
+
+def _at(strips: list[Strip], index: int) -> Strip | None:
+    return strips[index] if 0 <= index < len(strips) else None

@@ -1,0 +1,30 @@
+"""The log: what the engine's parts say about themselves."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from textual.content import Content
+
+from tui.model import ConsoleModel, LogLine
+from tui.widgets.lines import Drawn, Lines
+
+_SIGNS: Final = {
+    "debug": ("·", "$foreground 40%"),
+    "info": ("·", "$foreground 60%"),
+    "warning": ("▲", "$text-warning"),
+    "error": ("✗", "$text-error"),
+}
+
+
+class LogView(Lines[LogLine]):
+    """Log lines, oldest first."""
+
+    def update_from(self, model: ConsoleModel) -> None:
+        self.show(model.log)
+
+    def drawn(self, item: LogLine) -> Drawn:
+        sign, style = _SIGNS[item.level]
+        gutter = Content.assemble((f"{item.t:8.2f} ", "$foreground 40%"), (f"{sign} ", style))
+        body = Content.assemble((f"{item.source} ", "$foreground 60%"), (item.message, "$foreground 80%"))
+        return Drawn(gutter, body)
