@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 import msgspec
 
 from engine.errors import UsageError
+from engine.events import WakeSource
 
 MAX_LINE = 4 * 1024 * 1024
 """Longest command line that is read, bytes: two minutes of base64 PCM."""
@@ -36,9 +37,12 @@ class Say(Command):
 
 @dataclass(frozen=True, slots=True)
 class Wake(Command):
-    """Listen now; while speaking or acting this stops both first."""
+    """Listen now; while speaking or acting this stops both first. ``angle_deg`` is where the speaker stands."""
 
     do: ClassVar[str] = "wake"
+    source: WakeSource = "command"
+    phrase: str = ""
+    angle_deg: float | None = None
     id: str | None = None
 
 

@@ -10,6 +10,7 @@ import asyncio
 
 from config.schema import Settings
 from engine.audio.pipe import PushSource
+from engine.audio.simulated import SimulatedMicrophone
 from engine.audio.source import Source
 from engine.audio.vad import make_vad
 from engine.hearing import Hearing
@@ -26,6 +27,8 @@ class Ears:
         self._microphone = microphone
         self._hearing = hearing
         self._pushed: PushSource | None = None
+        self.simulated: SimulatedMicrophone | None = None
+        """The simulated microphone, in a demo."""
 
     def push(self, pcm: bytes) -> bool:
         """Take sound that came as a command; False where sound comes from elsewhere. Thread-safe."""
@@ -75,7 +78,8 @@ class Ears:
                 assert self._sound.source is not None
                 return self._sound.source
             case "demo":
-                return make_demo()
+                self.simulated = make_demo()
+                return self.simulated
             case "none":
                 self._pushed = PushSource()
                 return self._pushed

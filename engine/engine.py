@@ -19,6 +19,7 @@ from engine import __version__, events
 from engine.bus import Bus, Subscriber
 from engine.clock import Clock, SystemClock
 from engine.commands import Command
+from engine.demo import Demo
 from engine.dispatch import Dispatcher
 from engine.ears import Ears
 from engine.epoch import Epoch
@@ -33,15 +34,12 @@ from engine.planner.build import build_planner, build_registry
 from engine.planner.planner import Planner
 from engine.robot.robot import FloorMap, Robot, RobotState, Scan
 from engine.robot.watch import company
-from engine.session import Session, WakeSource
+from engine.session import Session
 from engine.skills.places import Places
 from engine.tts.voice import SilentVoice
 from engine.turn import Needs
 
 T = TypeVar("T")
-
-WAKE_SOURCES: Mapping[str, WakeSource] = {"console": "key", "hear": "file"}
-"""What a wake command stands for in each mode; elsewhere it is a command."""
 
 
 class Engine:
@@ -148,20 +146,14 @@ class Engine:
             voice=SilentVoice(),
         )
         ears = Ears(self._settings, self._sound, microphone, hearing)
-        self._session = Session(
-            self._settings.session,
-            self._bus,
-            self._epoch,
-            needs,
-            hear_audio=ears.push,
-            wake_source=WAKE_SOURCES.get(self._mode, "command"),
-        )
+        self._session = Session(self._settings.session, self._bus, self._epoch, needs, hear_audio=ears.push)
         background = [
             asyncio.create_task(work)
             for work in (
                 self._keep_robot(robot, places),
                 planner.load(lambda: asyncio.to_thread(build_planner, self._settings, registry)),
                 ears.keep(),
+                *([self._play_demo(ears, hearing)] if self._sound.kind == "demo" else []),
             )
         ]
         self._ready.set()
@@ -194,6 +186,18 @@ class Engine:
                     part.fail(error)
         finally:
             await robot.close()
+
+    async def _play_demo(self, ears: Ears, hearing: Part[Hearing]) -> None:
+        """Let the demo speak once the robot can hear."""
+        await hearing.get()
+        assert ears.simulated is not None
+        demo = Demo(ears.simulated, self.send)
+        unsubscribe = self._bus.subscribe(demo.see)
+        try:
+            await asyncio.Event().wait()
+        finally:
+            unsubscribe()
+            demo.close()
 
     def _part(self, name: PartName) -> Part[Any]:
         part: Part[Any] = Part(name, self._report)

@@ -35,6 +35,7 @@ State = Literal[
     "FEEDBACK",
     "WAITING",
 ]
+WakeSource = Literal["key", "serial", "word", "command", "demo", "file"]
 PlanSource = Literal["phrases", "local", "openai", "dify", "direct"]
 
 
@@ -157,7 +158,7 @@ class InterruptRaised(Body):
 class WakeHeard(Body):
     """Somebody wants the robot's attention."""
 
-    source: Literal["key", "serial", "word", "command", "demo", "file"]
+    source: WakeSource
     phrase: str = ""
     angle_deg: float | None = None  # direction of the speaker, when the module tells
 

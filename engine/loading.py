@@ -13,6 +13,7 @@ from config import paths
 from config.schema import Robot as RobotSettings
 from config.schema import Settings
 from engine.asr.recogniser import Recogniser
+from engine.audio.simulated import SimulatedMicrophone
 from engine.audio.source import Source
 from engine.models import ModelStore
 from engine.robot.robot import Robot
@@ -49,13 +50,11 @@ def make_recogniser(settings: Settings) -> Recogniser:
     return WhisperRecogniser(folder, settings.asr)
 
 
-def make_demo() -> Source:
-    """A simulated microphone at which somebody says the demo commands."""
-    from engine.audio.simulated import SimulatedMicrophone
-
+def make_demo() -> SimulatedMicrophone:
+    """A simulated microphone at which somebody says the next demo command when told to."""
     folder = Path(str(files("assets") / "speech"))
     index = yaml.safe_load((folder / "index.yaml").read_text(encoding="utf-8"))
-    return SimulatedMicrophone([folder / entry["file"] for entry in index])
+    return SimulatedMicrophone([folder / entry["file"] for entry in index], every_s=None)
 
 
 def vocabulary(settings: Settings) -> tuple[str, ...]:

@@ -32,7 +32,6 @@ from engine.robot.robot import ARM_INITIAL
 from engine.turn import Needs, Turn
 
 Scope = Literal["stop", "interrupt", "wake", "end_task", "replaced", "shutdown"]
-WakeSource = Literal["key", "serial", "word", "command", "demo", "file"]
 
 ARM_RETURN_SPEED = 0.5  # rad/s: after an interruption the arm goes home slowly, it may hold something
 
@@ -49,8 +48,7 @@ class Request:
 class Session:
     """One conversation with one robot. Create it in the engine's loop, then ``await run()``.
 
-    ``hear_audio`` takes sound that comes as commands and says whether it did; ``wake_source`` names what a wake
-    command stands for.
+    ``hear_audio`` takes sound that comes as commands and says whether it did.
     """
 
     def __init__(
@@ -61,14 +59,12 @@ class Session:
         needs: Needs,
         *,
         hear_audio: Callable[[bytes], bool] = lambda pcm: False,
-        wake_source: WakeSource = "command",
     ) -> None:
         self._settings = settings
         self._bus = bus
         self._epoch = epoch
         self._needs = needs
         self._hear_audio = hear_audio
-        self._wake_source = wake_source
         self._loop = asyncio.get_running_loop()
         self._inbox: asyncio.Queue[Request] = asyncio.Queue()
         self._state: State = "IDLE"
@@ -145,10 +141,11 @@ class Session:
             case Interrupt():
                 await self._end_turn("interrupt", request, "Interrupted.")
                 self._ack(request)
-            case Wake():
-                self._bus.publish(events.WakeHeard(self._wake_source), epoch=request.epoch)
+            case Wake(source, phrase, angle_deg):
+                self._bus.publish(events.WakeHeard(source, phrase, angle_deg), epoch=request.epoch)
+                again = self._state == "LISTENING"
                 await self._end_turn("wake", request, "Woken.")
-                self._start(request, Turn.listen)
+                self._start(request, lambda turn: turn.listen(restarted=again))
             case Say(text):
                 await self._say(request, text)
             case EndTask():

@@ -60,11 +60,11 @@ class Turn:
         self._cycle = cycle
         self._enter = enter
 
-    async def listen(self) -> TurnResult:
+    async def listen(self, *, restarted: bool) -> TurnResult:
         """Hear a request and act on it."""
         hearing = await self._needs.hearing.get()
         self._enter("LISTENING", "woken")
-        utterance = await hearing.listen(self.emit)
+        utterance = await hearing.listen(self.emit, restarted=restarted)
         if isinstance(utterance, NothingHeard):
             return TurnResult(ExitCode.FAILED, "unheard", utterance.message)
         self._enter("TRANSCRIBING", "the speaker has finished")

@@ -276,7 +276,7 @@ class SaysoApp(App[None]):
         self._frames.ask()
 
     def action_wake(self) -> None:
-        self._send(Wake())
+        self._send(Wake("key"))
 
     def action_end_task(self) -> None:
         self._send(EndTask())

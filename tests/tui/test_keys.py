@@ -25,7 +25,7 @@ from tui.widgets.log import LogView
 async def test_space_wakes_and_e_ends_the_task() -> None:
     async with console() as desk:
         await desk.press("space", "e")
-        assert desk.engine.sent == [Wake(), EndTask()]
+        assert desk.engine.sent == [Wake("key"), EndTask()]
 
 
 async def test_escape_interrupts_in_every_state() -> None:
@@ -93,7 +93,7 @@ async def test_up_and_down_recall_what_was_said() -> None:
 async def test_enter_on_an_empty_line_leaves_without_stopping_the_robot() -> None:
     async with console() as desk:
         await desk.press("slash", "enter", "space")
-        assert desk.engine.sent == [Wake()]
+        assert desk.engine.sent == [Wake("key")]
 
 
 async def test_question_mark_opens_help_and_keys_work_there() -> None:
@@ -101,7 +101,7 @@ async def test_question_mark_opens_help_and_keys_work_there() -> None:
         await desk.press("question_mark")
         assert isinstance(desk.app.screen, HelpScreen)
         await desk.press("space")
-        assert desk.engine.sent == [Wake()]
+        assert desk.engine.sent == [Wake("key")]
         await desk.press("question_mark")
         assert isinstance(desk.app.screen, ConsoleScreen)
 
@@ -158,7 +158,7 @@ async def test_an_action_can_have_another_key() -> None:
     async with console(keymap={"interrupt": "x", "wake": "w"}) as desk:
         assert "x stop" in desk.text
         await desk.press("x", "w", "escape", "space")
-        assert desk.engine.sent == [Interrupt(), Wake()]
+        assert desk.engine.sent == [Interrupt(), Wake("key")]
 
 
 async def test_an_engine_that_does_not_start_is_explained_and_decides_the_exit_code() -> None:

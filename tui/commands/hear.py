@@ -23,6 +23,6 @@ def run(arguments: Namespace) -> int:
     else:
         sound = Sound("source", WavSource(Path(arguments.file), pace=arguments.pace))
     with headless(settings, mode="hear", json=arguments.json, sound=sound) as engine:
-        result = engine.perform(Wake(), arguments.timeout)
+        result = engine.perform(Wake("file"), arguments.timeout)
     report(result, json=arguments.json)
     return result.exit_code

@@ -33,6 +33,6 @@ class HelpScreen(Screen[None]):
                 gutter = Content.styled(f"{self._keys[key.id]:>10}  ", "bold $text-accent")
                 yield Static(gutter, classes="key", markup=False)
                 yield Static(key.about, classes="about", markup=False)
-            signs = [part for sign, word in strings.SIGN_WORDS for part in ((f"{sign} ", "bold"), (f"{word}   ", ""))]
+            signs = [part for sign, word in strings.SIGN_WORDS for part in ((f"{sign} ", "bold"), (f"{word}  ", ""))]
             yield Static(strings.HELP_SIGNS.rjust(10), classes="key", markup=False)
             yield Static(Content.assemble(*signs), classes="about", markup=False)
