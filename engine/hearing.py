@@ -17,7 +17,7 @@ import asyncio
 import math
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from types import TracebackType
@@ -80,6 +80,7 @@ class Hearing:
         self._pump: asyncio.Task[None] | None = None
         self._ring = Ring(math.ceil(endpoint.pre_roll_s / FRAME_S))
         self._on_lost = on_lost
+        self._pending: set[asyncio.Future[Transcript | Rejected | SaysoError]] = set()
         self._closed = False
 
     async def __aenter__(self) -> Hearing:
@@ -92,6 +93,8 @@ class Hearing:
     ) -> None:
         self._closed = True
         await self._close_source()
+        for work in tuple(self._pending):
+            work.cancel()  # or its end would be reported to a loop that may be closed by then
         self._worker.shutdown(wait=False, cancel_futures=True)
 
     @property
@@ -106,7 +109,7 @@ class Hearing:
 
     async def load(self) -> None:
         """Load the recogniser in its thread. Raises ``ModelError``; :meth:`transcribe` would raise the same."""
-        await asyncio.wrap_future(self._worker.submit(self._recogniser.load))
+        await asyncio.get_running_loop().run_in_executor(self._worker, self._recogniser.load)
 
     def mark(self) -> None:
         """The wake is now: the next :meth:`listen` of a live source begins here, less the pre-roll, however long it
@@ -149,16 +152,21 @@ class Hearing:
         Cancelling returns at once. The worker stops at the next stretch of work, and what it found by then is
         published as ``transcript.rejected`` with the reason ``late``.
         """
-        cancelled = threading.Event()
         samples = utterance.samples * np.float32(1 / 32768)
-        work = self._worker.submit(self._recogniser.transcribe, samples, self._vocabulary, cancelled.is_set)
+        job = _Job(
+            lambda cancelled: self._recogniser.transcribe(samples, self._vocabulary, cancelled),
+            lambda late: self._report_late(late, emit),
+        )
+        work = asyncio.get_running_loop().run_in_executor(self._worker, job.run)
+        self._pending.add(work)
+        work.add_done_callback(self._pending.discard)
         try:
-            found = await asyncio.wrap_future(work)
+            found = await asyncio.shield(work)  # the work goes on; only the wait for it can be cancelled
         except asyncio.CancelledError:
-            cancelled.set()
-            work.cancel()  # if it still waits for the worker
-            work.add_done_callback(lambda late: self._report_late(late, emit))
+            job.cancel()
             raise
+        if isinstance(found, SaysoError):
+            raise found
         result = _as_event(found)
         emit(result)
         return result
@@ -202,12 +210,14 @@ class Hearing:
         return source
 
     async def _close_source(self) -> None:
-        if self._pump is not None:
-            self._pump.cancel()
-            await asyncio.gather(self._pump, return_exceptions=True)
-            self._pump = None
-        self._source = None
+        pump, self._pump, self._source = self._pump, None, None
+        outcome: object = None
+        if pump is not None:
+            pump.cancel()
+            (outcome,) = await asyncio.gather(pump, return_exceptions=True)
         await self._open.aclose()
+        if isinstance(outcome, Exception):  # a fault of ours, not of the device: those went to the listener
+            raise outcome
 
     async def _keep_reading(self, source: Source) -> None:
         """The task that reads a live source until it ends or is lost."""
@@ -223,16 +233,54 @@ class Hearing:
             self.level = SILENT
             self._ring.end(error)
 
-    def _report_late(self, work: Future[Transcript | Rejected], emit: Emit) -> None:
-        """A transcription that was cancelled has come to its end."""
+    def _report_late(self, found: Transcript | Rejected | SaysoError, emit: Emit) -> None:
+        """A transcription came to its end after it was cancelled; called in any thread."""
         if self._closed:
             return
-        text, outcome = "", "it was cancelled before it began"
-        if not work.cancelled():
-            failure = work.exception()
-            text = work.result().text if failure is None else ""
-            outcome = f"it failed: {failure}" if failure is not None else "it came after it was cancelled"
-        emit(events.TranscriptRejected("late", f"The transcription was not used: {outcome}.", text))
+        if isinstance(found, SaysoError):
+            emit(events.TranscriptRejected("late", f"The transcription was cancelled and failed: {found}"))
+        else:
+            emit(events.TranscriptRejected("late", "The transcription was cancelled before it ended.", found.text))
+
+
+class _Job:
+    """One transcription in the worker thread. Its result is either used or late: never both, never neither."""
+
+    def __init__(
+        self,
+        work: Callable[[Callable[[], bool]], Transcript | Rejected],
+        late: Callable[[Transcript | Rejected | SaysoError], None],
+    ) -> None:
+        self._work = work
+        self._late = late
+        self._lock = threading.Lock()
+        self._cancelled = False
+        self._found: Transcript | Rejected | SaysoError | None = None
+
+    def run(self) -> Transcript | Rejected | SaysoError:
+        """In the worker thread. An error is a result too: raised, nobody might be there to see it."""
+        found: Transcript | Rejected | SaysoError
+        if self._cancelled:
+            found = Rejected("empty", "It was cancelled before it began.")
+        else:
+            try:
+                found = self._work(lambda: self._cancelled)
+            except SaysoError as error:
+                found = error
+        with self._lock:
+            self._found = found
+            late = self._cancelled
+        if late:
+            self._late(found)
+        return found
+
+    def cancel(self) -> None:
+        """In the loop's thread: nobody waits for the result any more."""
+        with self._lock:
+            self._cancelled = True
+            found = self._found
+        if found is not None:
+            self._late(found)
 
 
 def _as_event(found: Transcript | Rejected) -> events.TranscriptFinal | events.TranscriptRejected:

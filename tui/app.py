@@ -28,8 +28,9 @@ from engine.errors import ExitCode, SaysoError
 from engine.events import ErrorRaised, Event, Log
 from tui import strings
 from tui.driver import listening_driver
+from tui.facts import Problem, printable
 from tui.keys import BINDINGS, KEYS, shown
-from tui.model import ConsoleModel, Problem, printable
+from tui.model import ConsoleModel
 from tui.pacing import Inbox, Pacer
 from tui.screens.console import ConsoleScreen, View
 from tui.screens.help import HelpScreen
@@ -206,7 +207,7 @@ class SaysoApp(App[None]):
             model=model,
             now=max(model.t, self._clock() - self._lag),
             started=self._handle is not None,
-            notice=strings.QUIT_QUESTION.format(key=self._shown_keys["leave"]) if self._quit_asked else "",
+            notice=self._notice(),
             hints=self._hints(),
             parts=self._parts,
             robot=robot,
@@ -231,6 +232,13 @@ class SaysoApp(App[None]):
         if parts != self._parts:
             self._parts = parts
             self._frames.ask()
+
+    def _notice(self) -> str:
+        """What must be read in the status line now."""
+        leave = self._shown_keys["leave"]
+        if self._model.ended is not None:
+            return strings.SESSION_ENDED.format(reason=self._model.ended, key=leave)
+        return strings.QUIT_QUESTION.format(key=leave) if self._quit_asked else ""
 
     def _hints(self) -> tuple[Hint, ...]:
         model, here = self._model, self._handle is not None

@@ -1,21 +1,19 @@
 """What the console shows, as one frozen value: :meth:`ConsoleModel.after` folds an event into the next one.
 
 Nothing here knows a terminal or a clock. Widgets draw from the model alone, so a test posts events and looks, and a
-recording shows the same screen as the session it was made from. Everything that came from outside is cleaned of
-control characters on its way in.
+recording shows the same screen as the session it was made from.
 """
 
 from __future__ import annotations
 
 import math
-import unicodedata
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import singledispatch
 from typing import Final, Literal
 
 from engine import events as ev
 from tui import strings
+from tui.facts import Level, Line, LogLine, Path, Plan, Problem, Row, call, printable
 
 MAX_LINES: Final = 300
 """Conversation and log lines that are kept."""
@@ -23,89 +21,9 @@ MAX_ROWS: Final = 100
 """Actions of one turn that are kept."""
 MAX_TRACE: Final = 240
 """Levels of the microphone that are kept: 24 s at ten a second."""
-MAX_TEXT: Final = 2000
-"""Characters of one text that are shown."""
-
-Speaker = Literal["you", "robot", "unheard", "mark", "done", "problem"]
-Phase = Literal["queued", "running", "ok", "failed", "interrupted", "uncertain"]
-Stage = Literal["thinking", "made", "rejected", "refused", "question"]
-Path = tuple[tuple[float, float], ...]
 
 BUSY: Final = frozenset({"TRANSCRIBING", "DECIDING", "PLANNING", "SPEAKING", "ACTING", "FEEDBACK"})
 """States in which the robot is at work on what was asked."""
-
-
-@dataclass(frozen=True, slots=True)
-class Line:
-    """One line of the conversation; ``note`` is a remark beside it."""
-
-    who: Speaker
-    text: str
-    note: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Plan:
-    """What the planner made of the last request."""
-
-    stage: Stage
-    goal: str = ""
-    steps: tuple[str, ...] = ()
-    actions: tuple[str, ...] = ()
-    source: str = ""
-    message: str = ""  # why not, or what is asked
-    suggestions: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """One action of the queue."""
-
-    action: str
-    turn: str | None
-    index: int
-    call: str  # ``navigate_to(place=A)``
-    phase: Phase
-    started: float | None = None  # s, event time
-    duration_s: float | None = None
-    fraction: float | None = None  # 0…1
-    message: str = ""
-    path: Path = ()  # the way that is left, map frame, m
-
-    def elapsed(self, now: float) -> float | None:
-        """Seconds so far at event time ``now``, or in all; None before the start."""
-        if self.duration_s is not None or self.started is None:
-            return self.duration_s
-        return max(0.0, now - self.started)
-
-
-@dataclass(frozen=True, slots=True)
-class LogLine:
-    """One line of the log."""
-
-    t: float  # s since the session began
-    level: Literal["debug", "info", "warning", "error"]
-    source: str
-    message: str
-
-
-@dataclass(frozen=True, slots=True)
-class Level:
-    """Loudness and voice activity at one moment."""
-
-    rms_db: float
-    speech_probability: float
-    in_speech: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Problem:
-    """Something that failed and wants to be read."""
-
-    message: str
-    hint: str = ""
-    title: str = strings.SOMETHING_FAILED
-    fatal: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,23 +82,6 @@ class ConsoleModel:
         if any(old.action == row.action for old in self.queue):
             return replace(self, queue=tuple(row if old.action == row.action else old for old in self.queue))
         return replace(self, queue=(*(old for old in self.queue if old.turn == row.turn), row)[-MAX_ROWS:])
-
-
-def printable(text: str) -> str:
-    """Text that cannot disturb a terminal: controls, escapes and direction overrides become spaces; cut when long."""
-    if len(text) > MAX_TEXT:
-        text = text[: MAX_TEXT - 1] + "…"
-    if text.isascii() and text.isprintable():
-        return text
-    return "".join(" " if unicodedata.category(char) in ("Cc", "Cf", "Zl", "Zp", "Cs") else char for char in text)
-
-
-def call(name: str, args: Mapping[str, ev.Value]) -> str:
-    """An action as people read it: ``navigate_to(A)``, with names once there is more than one argument."""
-    values = [f"{value:g}" if isinstance(value, float) else str(value) for value in args.values()]
-    if len(values) > 1:
-        values = [f"{key}={value}" for key, value in zip(args, values, strict=True)]
-    return printable(f"{name}({', '.join(values)})")
 
 
 # One function per kind of event; the envelope comes last

@@ -22,8 +22,8 @@ from engine.audio.vad import VadResult
 TAIL_S = 0.2
 """Silence that is left at an utterance's end, s: recognisers drop last consonants that touch the edge."""
 
-RESUME_FRAMES = 2
-"""Frames of speech in a row that break a silence: a single one is a click or a spike of the detector in noise."""
+RESUME_FRAMES = 3
+"""Frames of speech in a row (0.1 s) that break a silence: fewer are a click, or a spike of the detector in noise."""
 
 EndReason = Literal["silence", "max_length", "source_ended", "no_speech"]
 
@@ -62,8 +62,8 @@ class Endpointer:
     """Finds one utterance. Push frames until it answers ``Ended``; then make another one.
 
     Lengths of the settings are rounded to whole frames, up for the silence and the pre-roll, down for the greatest
-    length. A start, and with it the end of waiting, is only decided between runs of speech: a word that has begun when
-    ``no_speech_s`` runs out is heard.
+    length. ``silence_s`` and ``no_speech_s`` only run out in a frame without speech, so that a word that begins just
+    then is heard.
     """
 
     def __init__(self, settings: Endpoint) -> None:
@@ -126,7 +126,7 @@ class Endpointer:
             self._silence = 0
         else:
             self._silence += 1
-        if self._silence >= self._silence_frames:
+        if self._silence >= self._silence_frames and not vad.speech:  # a word that has just begun is heard first
             return self._end("silence", trim=True)
         if len(self._frames) - self._pre_roll >= self._max_frames:
             return self._end("max_length", trim=False)

@@ -166,8 +166,8 @@ async def test_an_engine_that_does_not_start_is_explained_and_decides_the_exit_c
         raise DeviceError("The robot on /dev/ttyUSB0 does not answer.", hint="Check its cable.")
 
     async with console(start=broken) as desk:
-        await desk.until(lambda: "does not answer" in desk.text)
-        assert "Check its cable." in desk.text
+        await desk.until(lambda: "Check its cable." in desk.text)
+        assert "does not answer" in desk.text
         assert "FAILED" in desk.text
         await desk.press("space", "escape")
         await desk.pilot.press("q")

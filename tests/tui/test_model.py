@@ -7,7 +7,8 @@ import pytest
 from engine import events as ev
 from tests.tui import scripted
 from tests.tui.scripted import ScriptedEngine, Step
-from tui.model import MAX_LINES, MAX_TEXT, ConsoleModel, Line, printable
+from tui.facts import MAX_TEXT, Line, printable
+from tui.model import MAX_LINES, ConsoleModel
 
 
 def after(*steps: Step | ev.Body) -> ConsoleModel:

@@ -33,8 +33,7 @@ async def test_markup_in_what_was_said_is_only_text(text: str) -> None:
         desk.engine.publish(ev.ActionStarted("a1", 1, 1, "say", {"text": text}))
         desk.engine.publish(ev.Log("info", text, text))
         desk.engine.publish(ev.ErrorRaised(text, text, text))
-        await desk.settled()
-        assert desk.text.count(text) >= 8
+        await desk.until(lambda: desk.text.count(text) >= 8)
 
 
 async def test_wide_characters_keep_every_line_as_wide_as_the_terminal() -> None:
@@ -123,6 +122,13 @@ async def test_a_part_that_fails_later_is_noticed() -> None:
         desk.engine.parts = (PartStatus("robot", "failed", "gone"), *PARTS_READY[1:])
         desk.engine.publish(ev.ErrorRaised("robot_lost", "The robot is gone."))
         await desk.until(lambda: "failed: robot" in desk.text)
+
+
+async def test_a_session_that_ends_by_itself_says_so_and_how_to_leave() -> None:
+    async with console() as desk:
+        desk.engine.publish(ev.SessionEnded("stopped from outside"))
+        await desk.until(lambda: "q quits; ended: stopped from outside" in desk.text)
+        assert "ENDED" in desk.text
 
 
 async def test_a_running_duration_follows_event_time() -> None:

@@ -79,4 +79,5 @@ class AskLine(Horizontal):
 
     def begin(self) -> None:
         """Put the focus where one types."""
-        self._ask.focus()
+        # At once, where focus() would wait for its turn: keys that were typed ahead must not be taken for commands.
+        self.screen.set_focus(self._ask)

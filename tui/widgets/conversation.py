@@ -7,7 +7,8 @@ from typing import Final
 from textual.content import Content
 
 from tui import strings
-from tui.model import ConsoleModel, Line
+from tui.facts import Line
+from tui.model import ConsoleModel
 from tui.widgets.lines import Drawn, Lines
 
 _GUTTER: Final = 7
@@ -38,7 +39,7 @@ class Conversation(Lines[tuple[str, str, str]]):
                 ("hint", f"{strings.TRY if not number else ' ' * len(strings.TRY)}  {example}", "")
                 for number, example in enumerate(strings.EXAMPLES)
             ]
-        self.show(items)
+        self.show(items, matters=None if model.conversation or model.partial else 0)
 
     def drawn(self, item: tuple[str, str, str]) -> Drawn:
         kind, text, note = item

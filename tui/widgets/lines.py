@@ -92,6 +92,8 @@ class Lines(Widget, Generic[Item], can_focus=False):
     def _top_for_what_matters(self) -> int:
         if self._matters is None:
             return self._last_top
+        if not self._items:
+            return 0
         before = sum(len(self._cache[item]) for item in self._items[: self._matters])
         after = before + len(self._cache[self._items[self._matters]])
         return max(0, after - self.size.height)

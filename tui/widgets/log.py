@@ -6,7 +6,8 @@ from typing import Final
 
 from textual.content import Content
 
-from tui.model import ConsoleModel, LogLine
+from tui.facts import LogLine
+from tui.model import ConsoleModel
 from tui.widgets.lines import Drawn, Lines
 
 _SIGNS: Final = {

@@ -12,7 +12,8 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from tui import strings
-from tui.model import ConsoleModel, Level
+from tui.facts import Level
+from tui.model import ConsoleModel
 
 _METER: Final = 16
 _FLOOR_DB: Final = -60.0

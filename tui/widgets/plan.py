@@ -7,7 +7,8 @@ from typing import Final
 from textual.content import Content
 
 from tui import strings
-from tui.model import ConsoleModel, Plan
+from tui.facts import Plan
+from tui.model import ConsoleModel
 from tui.widgets.lines import Drawn, Lines
 
 _MARKS: Final = {

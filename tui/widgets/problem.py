@@ -5,7 +5,7 @@ from __future__ import annotations
 from textual.content import Content
 from textual.widgets import Static
 
-from tui.model import Problem
+from tui.facts import Problem
 
 
 class ProblemPanel(Static):

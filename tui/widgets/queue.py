@@ -7,7 +7,8 @@ from typing import Final, NamedTuple
 from textual.content import Content
 
 from tui import strings
-from tui.model import ConsoleModel, Phase, Row
+from tui.facts import Phase, Row
+from tui.model import ConsoleModel
 from tui.widgets.lines import Drawn, Lines
 
 SIGNS: Final[dict[Phase, tuple[str, str]]] = {

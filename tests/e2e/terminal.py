@@ -1,0 +1,92 @@
+"""The real console in a real pseudo-terminal, with a terminal emulator that says what a person would see."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import pty
+import select
+import signal
+import struct
+import termios
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pyte
+
+from tests.e2e.sayso import command, environment
+
+LIMIT_S = 60
+
+
+class Terminal:
+    """A terminal with sayso running in it; its session log tells what happened inside."""
+
+    def __init__(self, fd: int, pid: int, columns: int, rows: int, state: Path) -> None:
+        self.fd = fd
+        self.pid = pid
+        self._screen = pyte.Screen(columns, rows)
+        self._stream = pyte.ByteStream(self._screen)
+        self._state = state
+
+    def type(self, keys: str) -> None:
+        os.write(self.fd, keys.encode())
+
+    @property
+    def text(self) -> str:
+        """The screen, line by line."""
+        return "\n".join(self._screen.display)
+
+    def events(self) -> list[dict[str, Any]]:
+        """Everything in the session log so far."""
+        lines = [line for log in (self._state / "logs").glob("*.jsonl") for line in log.read_bytes().splitlines()]
+        return [json.loads(line) for line in lines]
+
+    def until(self, seen: Callable[[], object]) -> None:
+        """Feed the screen until ``seen`` holds; fails with the screen after ``LIMIT_S``."""
+        end = time.monotonic() + LIMIT_S
+        while not seen():
+            if time.monotonic() > end:
+                raise AssertionError(f"not seen within {LIMIT_S} s:\n{self.text}")
+            ready, _, _ = select.select([self.fd], [], [], 0.05)
+            if ready:
+                try:
+                    self._stream.feed(os.read(self.fd, 65536))
+                except OSError:  # the program has ended and the terminal with it
+                    if not seen():
+                        raise AssertionError(f"ended before it was seen:\n{self.text}") from None
+                    return
+
+    def wait(self) -> int:
+        """Read to the end and return the exit code (negative: the signal)."""
+        while True:
+            try:
+                if not os.read(self.fd, 65536):
+                    break
+            except OSError:
+                break
+        return os.waitstatus_to_exitcode(os.waitpid(self.pid, 0)[1])
+
+
+@contextmanager
+def console(*arguments: str, state: Path, columns: int = 120, rows: int = 40) -> Iterator[Terminal]:
+    """Start ``sayso`` in a pseudo-terminal of this size; afterwards it is gone."""
+    argv = command(*arguments)
+    pid, fd = pty.fork()
+    if pid == 0:  # the child: nothing of pytest may run in it
+        os.execve(argv[0], argv, environment(state, {"TERM": "xterm-256color", "LANG": "C.UTF-8"}))
+    fcntl.ioctl(fd, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+    terminal = Terminal(fd, pid, columns, rows, state)
+    try:
+        yield terminal
+    finally:
+        try:
+            os.kill(pid, signal.SIGKILL)
+            os.waitpid(pid, 0)
+        except (ProcessLookupError, ChildProcessError):
+            pass
+        os.close(fd)

@@ -1,0 +1,513 @@
+"""Where sound comes from."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import os
+import subprocess
+import sys
+import threading
+import types
+from collections.abc import AsyncIterator, Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import soundfile
+from hypothesis import given
+from hypothesis import strategies as st
+
+from engine.audio.microphone import Microphone
+from engine.audio.pipe import PcmSource, PushSource
+from engine.audio.simulated import SimulatedMicrophone
+from engine.audio.source import FRAME_S, FRAME_SAMPLES, RATE, Frame, FrameQueue, Framer, Samples, Source
+from engine.audio.wav import WavSource
+from engine.errors import AudioFormatError, DeviceError, ExitCode
+from tests.virtual_time import run
+
+SPEECH = Path(__file__).parents[2] / "assets" / "speech"
+
+
+def tone(seconds: float, rate: int = RATE, hertz: float = 440.0) -> np.ndarray[Any, np.dtype[np.float32]]:
+    return (0.5 * np.sin(2 * np.pi * hertz * np.arange(round(seconds * rate)) / rate)).astype(np.float32)
+
+
+async def collected(source: Source) -> list[Frame]:
+    async with source:
+        return [frame async for frame in source]
+
+
+def joined(frames: list[Frame]) -> Samples:
+    return np.concatenate([frame.samples for frame in frames])
+
+
+def dominant(sound: Samples) -> float:
+    """The strongest frequency, Hz."""
+    spectrum = np.abs(np.fft.rfft(sound.astype(np.float64) * np.hanning(len(sound))))
+    return float(np.argmax(spectrum) * RATE / len(sound))
+
+
+# Frames
+
+
+@given(st.lists(st.integers(0, 2000), max_size=20))
+def test_a_framer_loses_and_reorders_nothing(sizes: list[int]) -> None:
+    sound = np.arange(sum(sizes), dtype=np.int64).astype(np.int16)
+    framer = Framer()
+    frames: list[Frame] = []
+    at = 0
+    for size in sizes:
+        frames += framer.push(sound[at : at + size])
+        at += size
+    frames += framer.flush()
+    assert all(frame.samples.shape == (FRAME_SAMPLES,) for frame in frames)
+    assert [frame.end for frame in frames] == pytest.approx([(i + 1) * FRAME_S for i in range(len(frames))])
+    whole = joined(frames) if frames else np.empty(0, np.int16)
+    assert np.array_equal(whole[: len(sound)], sound)
+    assert not whole[len(sound) :].any()
+
+
+def test_a_full_queue_drops_the_oldest_frames_and_counts_them() -> None:
+    queue = FrameQueue(2)
+    for number in range(5):
+        assert queue.put(Frame(np.full(FRAME_SAMPLES, number, np.int16), 0.0))
+    queue.end()
+
+    async def rest() -> list[int]:
+        return [int((await queue.get()).samples[0]) for _ in range(2)]
+
+    assert asyncio.run(rest()) == [3, 4]
+    assert queue.dropped == 3
+    assert not queue.put(Frame(np.zeros(FRAME_SAMPLES, np.int16), 0.0))
+
+
+# WAV files
+
+
+@pytest.mark.parametrize(
+    ("rate", "channels", "subtype", "kind"),
+    [
+        (16000, 1, "PCM_16", "WAV"),
+        (44100, 2, "PCM_16", "WAV"),
+        (8000, 1, "PCM_U8", "WAV"),
+        (48000, 6, "PCM_24", "WAVEX"),
+        (22050, 1, "PCM_32", "WAV"),
+        (96000, 2, "FLOAT", "WAV"),
+        (32000, 1, "DOUBLE", "WAVEX"),
+        (8000, 1, "ULAW", "WAV"),
+        (11025, 1, "PCM_16", "RF64"),
+    ],
+)
+def test_a_wav_file_of_any_shape_becomes_16_khz_mono(
+    tmp_path: Path, rate: int, channels: int, subtype: str, kind: str
+) -> None:
+    path = tmp_path / "tone.wav"
+    soundfile.write(path, np.tile(tone(1.5, rate)[:, None], channels), rate, subtype=subtype, format=kind)
+    source = WavSource(path, "fast")
+    sound = joined(asyncio.run(collected(source)))
+    assert len(sound) == pytest.approx(1.5 * RATE, abs=FRAME_SAMPLES)
+    assert dominant(sound[: round(1.4 * RATE)]) == pytest.approx(440, abs=2)
+    assert np.abs(sound).max() == pytest.approx(16384, rel=0.05)
+    assert source.warnings == ()
+
+
+def test_floats_beyond_full_scale_are_clipped_and_not_wrapped(tmp_path: Path) -> None:
+    path = tmp_path / "loud.wav"
+    sound = tone(0.5) * 10
+    sound[100] = np.nan
+    soundfile.write(path, sound, RATE, subtype="FLOAT")
+    heard = joined(asyncio.run(collected(WavSource(path, "fast"))))
+    assert heard.max() == 32767
+    assert heard.min() == -32768
+    assert heard[100] == 0
+
+
+def test_a_truncated_wav_file_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
+    path = tmp_path / "cut.wav"
+    soundfile.write(path, np.tile(tone(4, 44100)[:, None], 2), 44100)
+    path.write_bytes(path.read_bytes()[: 44 + 44100 * 4 + 1])
+    source = WavSource(path, "fast")
+    assert len(joined(asyncio.run(collected(source)))) == pytest.approx(RATE, abs=FRAME_SAMPLES)
+    assert len(source.warnings) == 1
+    assert "cut short: it promises 4.00 s of sound and holds 1.00 s" in source.warnings[0]
+
+
+def test_the_unknown_length_of_a_streaming_recorder_is_no_truncation(tmp_path: Path) -> None:
+    path = tmp_path / "streamed.wav"
+    soundfile.write(path, tone(1), RATE)
+    data = bytearray(path.read_bytes())
+    data[40:44] = b"\xff\xff\xff\xff"
+    path.write_bytes(data)
+    source = WavSource(path, "fast")
+    assert len(joined(asyncio.run(collected(source)))) == pytest.approx(RATE, abs=FRAME_SAMPLES)
+    assert source.warnings == ()
+
+
+def _header_only(path: Path) -> None:
+    soundfile.write(path, np.empty(0, np.int16), RATE)
+
+
+BAD: list[tuple[Callable[[Path], object], str]] = [
+    (lambda path: None, "There is no file"),
+    (lambda path: path.mkdir(), "no regular file"),
+    (lambda path: path.write_bytes(b""), "There is no sound in .*: the file is empty"),
+    (_header_only, "There is no sound in .*: it has a header and no samples"),
+    (lambda path: path.write_bytes(b"ID3\x04" + bytes(500)), "not a WAV file but an MP3 file"),
+    (lambda path: path.write_bytes(b"\xff\xfb\x90\x64" + bytes(500)), "not a WAV file but an MP3 file"),
+    (lambda path: path.write_bytes(b"OggS" + bytes(500)), "not a WAV file but an Ogg file"),
+    (lambda path: path.write_bytes(bytes(4) + b"ftypM4A " + bytes(500)), "not a WAV file but an MP4"),
+    (lambda path: path.write_text("turn left " * 30), "not a WAV file but text"),
+    (lambda path: path.write_bytes(bytes(range(1, 256))), "something unknown"),
+    (lambda path: path.write_bytes(b"RIFF\x10\x00\x00\x00WAVEjunk"), "damaged or unusual WAV file"),
+]
+
+
+@pytest.mark.parametrize(("make", "message"), BAD)
+def test_what_is_no_sound_is_refused_by_its_name(tmp_path: Path, make: Callable[[Path], object], message: str) -> None:
+    path = tmp_path / "speech.wav"
+    make(path)
+    with pytest.raises(AudioFormatError, match=message) as caught:
+        asyncio.run(collected(WavSource(path, "fast")))
+    assert caught.value.exit_code is ExitCode.USAGE
+    assert str(path) in caught.value.message
+    assert caught.value.hint
+
+
+def test_a_real_mp3_named_wav_is_called_an_mp3(tmp_path: Path) -> None:
+    path = tmp_path / "song.wav"
+    soundfile.write(path, tone(1, 44100), 44100, format="MP3")
+    with pytest.raises(AudioFormatError, match="not a WAV file but an MP3 file"):
+        asyncio.run(collected(WavSource(path, "fast")))
+
+
+@given(st.binary(max_size=200))
+def test_random_bytes_after_a_riff_header_never_crash(tmp_path_factory: pytest.TempPathFactory, junk: bytes) -> None:
+    path = tmp_path_factory.mktemp("junk") / "junk.wav"
+    path.write_bytes(b"RIFF" + len(junk).to_bytes(4, "little") + b"WAVEfmt " + junk)
+    with pytest.raises(AudioFormatError):
+        asyncio.run(collected(WavSource(path, "fast")))
+
+
+def test_a_file_in_real_time_takes_as_long_as_it_sounds() -> None:
+    async def seconds() -> tuple[float, float]:
+        loop = asyncio.get_running_loop()
+        began = loop.time()
+        frames = await collected(WavSource(SPEECH / "stop.wav"))
+        return loop.time() - began, frames[-1].end
+
+    took, length = run(seconds())
+    assert took == pytest.approx(length)
+
+
+def test_a_fast_file_takes_no_time() -> None:
+    async def seconds() -> float:
+        began = asyncio.get_running_loop().time()
+        await collected(WavSource(SPEECH / "stop.wav", "fast"))
+        return asyncio.get_running_loop().time() - began
+
+    assert run(seconds()) == 0
+
+
+def test_a_file_waits_for_its_reader_and_goes_on_in_pace() -> None:
+    async def gaps() -> list[float]:
+        loop = asyncio.get_running_loop()
+        times = []
+        async with WavSource(SPEECH / "go_to_the_kitchen.wav") as source:
+            for index in range(8):
+                if index == 4:
+                    await asyncio.sleep(10)  # virtual: the reader is busy
+                await anext(source)
+                times.append(loop.time())
+        return list(np.diff(times))
+
+    assert run(gaps()) == pytest.approx([FRAME_S] * 3 + [10 + FRAME_S] + [FRAME_S] * 3)
+
+
+# Pipes
+
+
+@pytest.fixture
+def pipe() -> Iterator[tuple[Any, Any]]:
+    """(read end, write end) as binary files."""
+    read, write = os.pipe()
+    with open(read, "rb", buffering=0) as reader, open(write, "wb", buffering=0) as writer:  # noqa: PTH123 - descriptors
+        yield reader, writer
+
+
+def test_pcm_from_a_pipe_survives_odd_pieces(pipe: tuple[Any, Any]) -> None:
+    reader, writer = pipe
+    sound = np.arange(3000, dtype=np.int16)
+    data = sound.tobytes()
+    source = PcmSource(reader)
+
+    async def heard() -> list[Frame]:
+        for size in itertools.cycle((1, 7, 301)):
+            nonlocal data
+            writer.write(data[:size])
+            data = data[size:]
+            if not data:
+                break
+        writer.close()
+        return await collected(source)
+
+    frames = asyncio.run(heard())
+    assert np.array_equal(joined(frames)[:3000], sound)
+    assert source.live
+    assert source.warnings == ()
+
+
+def test_half_a_sample_at_the_end_is_dropped_with_a_warning(pipe: tuple[Any, Any]) -> None:
+    reader, writer = pipe
+    writer.write(np.ones(FRAME_SAMPLES, np.int16).tobytes() + b"x")
+    writer.close()
+    source = PcmSource(reader)
+    assert len(asyncio.run(collected(source))) == 1
+    assert "ended within a sample" in source.warnings[0]
+
+
+def test_a_regular_file_on_stdin_is_not_live_and_is_read_whole(tmp_path: Path) -> None:
+    path = tmp_path / "long.raw"
+    sound = np.arange(FRAME_SAMPLES * 500, dtype=np.int64).astype(np.int16)
+    path.write_bytes(sound.tobytes())
+    with path.open("rb") as stream:
+        source = PcmSource(stream)
+        assert not source.live
+        assert np.array_equal(joined(asyncio.run(collected(source))), sound), "more than the queue holds"
+
+
+def test_a_pipe_that_never_delivers_is_closed_at_once(pipe: tuple[Any, Any]) -> None:
+    async def leave() -> None:
+        async with PcmSource(pipe[0]) as source:
+            reading = asyncio.ensure_future(anext(source, None))
+            await asyncio.sleep(0)
+            reading.cancel()
+
+    asyncio.run(leave())
+    assert not [thread for thread in threading.enumerate() if thread.name == "pcm-reader"]
+
+
+def test_closing_a_file_that_nobody_reads_does_not_wait_for_room_in_the_queue(tmp_path: Path) -> None:
+    path = tmp_path / "long.raw"
+    path.write_bytes(bytes(FRAME_SAMPLES * 2 * 1000))
+
+    async def leave() -> None:
+        with path.open("rb") as stream:
+            async with PcmSource(stream) as source:
+                await anext(source)
+
+    asyncio.run(leave())
+    assert not [thread for thread in threading.enumerate() if thread.name == "pcm-reader"]
+
+
+def test_a_process_ends_while_its_stdin_stays_open() -> None:
+    code = (
+        "import asyncio, sys\n"
+        "from engine.audio.pipe import PcmSource\n"
+        "async def main():\n"
+        "    source = PcmSource(sys.stdin.buffer)\n"
+        "    await source.__aenter__()\n"
+        "    asyncio.ensure_future(anext(source))\n"
+        "asyncio.run(main())\n"
+        "print('left')\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.wait(60) == 0, "not even an unclosed source holds the process"
+        assert process.stdout is not None
+        assert process.stdout.read() == "left\n"
+        assert process.stderr is not None
+        assert "Fatal" not in process.stderr.read()
+
+
+def test_pushed_sound_arrives_whole_from_several_threads() -> None:
+    source = PushSource()
+    pieces = [np.full(FRAME_SAMPLES, number, np.int16).tobytes() for number in range(1, 9)]
+    threads = [threading.Thread(target=source.push, args=(piece,)) for piece in pieces]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    source.finish()
+    frames = asyncio.run(collected(source))
+    assert sorted(int(frame.samples[0]) for frame in frames) == list(range(1, 9))
+    assert all(len(set(frame.samples.tolist())) == 1 for frame in frames)
+
+
+def test_a_push_wakes_a_waiting_reader() -> None:
+    async def first() -> Frame:
+        async with PushSource() as source:
+            waiting = asyncio.ensure_future(anext(source))
+            await asyncio.sleep(0)
+            await asyncio.to_thread(source.push, bytes(FRAME_SAMPLES * 2))
+            return await waiting
+
+    assert asyncio.run(first()).end == FRAME_S
+
+
+# The simulated microphone
+
+RECORDINGS = (SPEECH / "stop.wav", SPEECH / "where_are_you.wav")
+
+
+async def some(source: Source, count: int) -> list[Frame]:
+    async def first(frames: AsyncIterator[Frame]) -> list[Frame]:
+        return [await anext(frames) for _ in range(count)]
+
+    async with source:
+        return await first(source.__aiter__())
+
+
+def loud(frames: list[Frame]) -> int:
+    return sum(int(np.abs(frame.samples).max()) > 2000 for frame in frames)
+
+
+def test_the_simulated_microphone_says_the_same_at_every_run() -> None:
+    first, second, other = (
+        joined(run(some(SimulatedMicrophone(RECORDINGS, every_s=0.5, seed=seed), 200))) for seed in (1, 1, 2)
+    )
+    assert np.array_equal(first, second)
+    assert not np.array_equal(first, other)
+
+
+def test_the_simulated_microphone_keeps_time_and_speaks_again_and_again() -> None:
+    async def listen() -> tuple[list[Frame], float]:
+        began = asyncio.get_running_loop().time()
+        frames = await some(SimulatedMicrophone(RECORDINGS, every_s=2), 600)
+        return frames, asyncio.get_running_loop().time() - began
+
+    frames, took = run(listen())
+    assert took == pytest.approx(600 * FRAME_S)
+    assert loud(frames) > 60
+    assert all(frame.samples.any() for frame in frames), "there is always some noise"
+
+
+def test_the_simulated_microphone_speaks_when_told() -> None:
+    async def listen() -> tuple[list[Frame], Path, list[Frame]]:
+        async with SimulatedMicrophone(RECORDINGS, every_s=None) as source:
+            before = [await anext(source) for _ in range(100)]
+            said = source.speak()
+            return before, said, [await anext(source) for _ in range(30)]
+
+    before, said, after = run(listen())
+    assert loud(before) == 0
+    assert said == RECORDINGS[0]
+    assert loud(after) > 5
+
+
+# The microphone
+
+
+def test_nothing_touches_the_sound_system_before_it_is_opened() -> None:
+    code = "import sys, engine.audio.microphone, engine.hearing; assert 'sounddevice' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+def test_a_missing_portaudio_says_what_to_install() -> None:
+    code = (
+        "import asyncio, ctypes.util\n"
+        "ctypes.util.find_library = lambda name: None\n"  # what a machine without the library answers
+        "from engine.audio.microphone import Microphone\n"
+        "from engine.errors import DeviceError\n"
+        "async def main():\n"
+        "    async with Microphone(): pass\n"
+        "try:\n"
+        "    asyncio.run(main())\n"
+        "except DeviceError as error:\n"
+        "    print(error); raise SystemExit(error.exit_code)\n"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    assert found.returncode == ExitCode.MISSING, found.stderr
+    assert "PortAudio library is missing" in found.stdout
+    assert "libportaudio2" in found.stdout
+
+
+class SoundCard(types.ModuleType):
+    """A sound card for machines without one: what of sounddevice's interface the microphone uses."""
+
+    class PortAudioError(Exception):
+        pass
+
+    def __init__(self, rates: tuple[int, ...], *, default: int = 48000, channels: int = 2) -> None:
+        super().__init__("sounddevice")
+        self._rates = rates
+        self._default = default
+        self._channels = channels
+        self.stream: Any = None
+
+    def query_devices(self, device: str | int | None = None, kind: str | None = None) -> Any:
+        info = {"name": "Test card", "default_samplerate": float(self._default), "max_input_channels": self._channels}
+        if kind is None:
+            return [info]
+        if device is not None and str(device) not in "Test card":
+            raise ValueError(f"No input device matching {device!r}")
+        if not self._channels:
+            raise self.PortAudioError("Error querying device -1")
+        return info
+
+    def InputStream(self, **options: Any) -> Any:
+        if options["samplerate"] not in self._rates:
+            raise self.PortAudioError("Invalid sample rate [PaErrorCode -9997]")
+        self.stream = types.SimpleNamespace(**options, start=lambda: None, close=lambda: None)
+        return self.stream
+
+    def deliver(self, sound: np.ndarray[Any, Any], *, overflow: bool = False) -> None:
+        block = np.tile(sound[:, None], self.stream.channels).astype(np.float32)
+        self.stream.callback(block, len(block), None, types.SimpleNamespace(input_overflow=overflow))
+
+
+@pytest.mark.parametrize("rate", [16000, 48000, 44100])
+def test_a_microphone_is_resampled_when_it_cannot_do_16_khz(monkeypatch: pytest.MonkeyPatch, rate: int) -> None:
+    card = SoundCard((rate,), default=rate)
+    monkeypatch.setitem(sys.modules, "sounddevice", card)
+
+    async def listen() -> tuple[list[Frame], tuple[str, ...], str]:
+        async with Microphone("Test") as source:
+            card.deliver(tone(1, rate), overflow=True)
+            return [await anext(source) for _ in range(28)], source.warnings, source.name
+
+    frames, warnings, name = asyncio.run(listen())
+    assert dominant(joined(frames)) == pytest.approx(440, abs=2)
+    assert warnings == ("microphone (Test card): the device lost sound 1 times.",)
+    assert name == "microphone (Test card)"
+
+
+def test_a_microphone_that_is_unplugged_ends_with_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    card = SoundCard((RATE,))
+    monkeypatch.setitem(sys.modules, "sounddevice", card)
+
+    async def listen() -> None:
+        async with Microphone() as source:
+            card.deliver(tone(FRAME_S))
+            await anext(source)
+            card.stream.finished_callback()
+            await anext(source)
+
+    with pytest.raises(DeviceError, match="Test card.* is gone"):
+        asyncio.run(listen())
+
+
+def test_a_microphone_that_falls_silent_for_ever_is_gone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "sounddevice", SoundCard((RATE,)))
+    with pytest.raises(DeviceError, match="delivers no sound"):
+        run(some(Microphone(), 1))
+
+
+@pytest.mark.parametrize(
+    ("card", "device", "message", "hint"),
+    [
+        (SoundCard((RATE,), channels=0), None, "There is no microphone.", "--audio stdin"),
+        (SoundCard((RATE,)), "Blue Yeti", "no microphone 'Blue Yeti'", "0: Test card"),
+        (SoundCard(()), None, "cannot be opened: Invalid sample rate", "Another program"),
+    ],
+)
+def test_a_microphone_that_cannot_be_had_says_why(
+    monkeypatch: pytest.MonkeyPatch, card: SoundCard, device: str | None, message: str, hint: str
+) -> None:
+    monkeypatch.setitem(sys.modules, "sounddevice", card)
+    with pytest.raises(DeviceError, match=message) as caught:
+        asyncio.run(some(Microphone(device), 1))
+    assert caught.value.exit_code is ExitCode.MISSING
+    assert hint in caught.value.hint

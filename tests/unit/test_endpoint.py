@@ -1,0 +1,153 @@
+"""When an utterance starts and ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from config.schema import Endpoint
+from engine.audio.endpoint import Ended, Endpointer, Started
+from engine.audio.source import FRAME_S, FRAME_SAMPLES, Frame
+from engine.audio.vad import VadResult
+
+SETTINGS = Endpoint(pre_roll_s=0.3, start_s=0.1, silence_s=0.6, max_length_s=3, no_speech_s=2)
+START, SILENCE, LONGEST, NO_SPEECH, PRE_ROLL = 4, 19, 93, 63, 10  # the settings, in frames of 32 ms
+
+
+def hear(pattern: Sequence[bool], settings: Endpoint = SETTINGS) -> tuple[Started | None, Ended | None, int]:
+    """Push one frame per entry (is it speech?); frame ``i`` holds the number ``i``. Until the end, or all of them."""
+    machine = Endpointer(settings)
+    started = None
+    for index, speech in enumerate(pattern):
+        frame = Frame(np.full(FRAME_SAMPLES, index, np.int16), (index + 1) * FRAME_S)
+        found = machine.push(frame, VadResult(float(speech), speech))
+        if isinstance(found, Started):
+            assert started is None, "an utterance starts once"
+            started = found
+        elif found is not None:
+            return started, found, index + 1
+    return started, None, len(pattern)
+
+
+def numbers(ended: Ended) -> list[int]:
+    """Which frames the utterance holds."""
+    assert ended.utterance is not None
+    return [int(n) for n in ended.utterance.samples[::FRAME_SAMPLES]]
+
+
+def test_an_utterance_has_a_pre_roll_and_a_short_tail() -> None:
+    started, ended, count = hear([False] * 30 + [True] * 20 + [False] * 40)
+    assert started is not None
+    assert started.at == pytest.approx(30 * FRAME_S)
+    assert ended is not None
+    assert ended.reason == "silence"
+    assert count == 30 + 20 + SILENCE
+    assert numbers(ended) == list(range(20, 50 + 7)), "10 frames of pre-roll, the speech, 0.2 s of silence"
+    assert ended.utterance is not None
+    assert ended.utterance.start == pytest.approx(20 * FRAME_S)
+    assert ended.utterance.end == pytest.approx(57 * FRAME_S)
+    assert ended.utterance.speech_s == pytest.approx(20 * FRAME_S)
+
+
+def test_a_blip_shorter_than_the_start_never_starts() -> None:
+    started, ended, count = hear(([True] * (START - 1) + [False]) * 30)
+    assert started is None
+    assert ended == Ended("no_speech", None)
+    assert count == NO_SPEECH + 1, "the wait is over at the first frame without speech"
+
+
+def test_nobody_speaking_ends_exactly_at_the_limit() -> None:
+    assert hear([False] * 500)[1:] == (Ended("no_speech", None), NO_SPEECH)
+
+
+def test_a_word_that_begins_as_the_wait_runs_out_is_heard() -> None:
+    started, ended, _ = hear([False] * (NO_SPEECH - 1) + [True] * 10 + [False] * 40)
+    assert started is not None
+    assert ended is not None
+    assert ended.reason == "silence"
+
+
+def test_a_pause_shorter_than_the_silence_does_not_end() -> None:
+    _, ended, _ = hear([True] * 10 + [False] * (SILENCE - 3) + [True] * 10 + [False] * 40)
+    assert ended is not None
+    assert ended.utterance is not None
+    assert ended.utterance.speech_s == pytest.approx(20 * FRAME_S)
+
+
+def test_a_word_that_begins_as_the_silence_runs_out_is_heard() -> None:
+    _, ended, _ = hear([True] * 10 + [False] * (SILENCE - 1) + [True] * 10 + [False] * 40)
+    assert ended is not None
+    assert ended.utterance is not None
+    assert ended.utterance.speech_s == pytest.approx(20 * FRAME_S)
+
+
+def test_a_click_in_the_silence_does_not_put_off_the_end() -> None:
+    _, ended, count = hear([True] * 10 + [False] * 10 + [True, True] + [False] * 60)
+    assert ended is not None
+    assert count == 10 + SILENCE
+
+
+def test_noise_that_sounds_like_speech_ends_at_the_greatest_length() -> None:
+    _, ended, count = hear([True] * 1000)
+    assert ended is not None
+    assert ended.reason == "max_length"
+    assert count == LONGEST
+
+
+def test_the_end_of_the_source_ends_the_utterance() -> None:
+    machine = Endpointer(SETTINGS)
+    for index in range(8):
+        machine.push(Frame(np.zeros(FRAME_SAMPLES, np.int16), (index + 1) * FRAME_S), VadResult(1.0, True))
+    ended = machine.finish()
+    assert ended.reason == "source_ended"
+    assert ended.utterance is not None
+    assert Endpointer(SETTINGS).finish() == Ended("source_ended", None)
+
+
+def test_an_ended_machine_takes_no_more_frames() -> None:
+    machine = Endpointer(SETTINGS)
+    machine.finish()
+    with pytest.raises(RuntimeError, match="has ended"):
+        machine.push(Frame(np.zeros(FRAME_SAMPLES, np.int16), FRAME_S), VadResult(0.0, False))
+
+
+runs = st.lists(st.tuples(st.booleans(), st.integers(1, 60)), min_size=1, max_size=30)
+
+
+@given(runs)
+def test_an_utterance_is_a_gapless_stretch_of_bounded_length(pattern: list[tuple[bool, int]]) -> None:
+    frames = [speech for speech, count in pattern for _ in range(count)]
+    started, ended, count = hear(frames)
+    if ended is None:
+        assert count < NO_SPEECH + LONGEST + START, "it always ends"
+        return
+    if ended.utterance is None:
+        assert started is None
+        assert NO_SPEECH <= count < NO_SPEECH + START
+        return
+    held = numbers(ended)
+    assert held == list(range(held[0], held[0] + len(held))), "no frame is lost, doubled or moved"
+    assert len(held) <= LONGEST + PRE_ROLL
+    assert started is not None
+    first_speech = round(started.at / FRAME_S)
+    assert held[0] == max(0, first_speech - PRE_ROLL)
+    assert all(frames[first_speech : first_speech + START])
+    for index in range(first_speech + 2, count):
+        if all(frames[index - 2 : index + 1]):
+            assert index <= held[-1], "speech is never trimmed"
+
+
+@given(runs, st.floats(0.033, 2), st.floats(0.033, 1), st.floats(0, 2))
+def test_any_settings_end_every_utterance(
+    pattern: list[tuple[bool, int]], silence_s: float, start_s: float, pre_roll_s: float
+) -> None:
+    settings = Endpoint(pre_roll_s=pre_roll_s, start_s=start_s, silence_s=silence_s, max_length_s=1.5, no_speech_s=0.5)
+    frames = [speech for speech, count in pattern for _ in range(count)] + [False] * 80
+    _, ended, _ = hear(frames, settings)
+    assert ended is not None
+    if ended.utterance is not None:
+        assert ended.utterance.duration <= 1.5 + pre_roll_s + FRAME_S
