@@ -28,6 +28,8 @@ class _JumpingSelector(selectors.DefaultSelector):
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
         if ready := super().select(0):
             return ready
+        if timeout is not None and timeout <= 0:  # there is work in the loop itself
+            return []
         if self.busy():
             if ready := super().select(STUCK_S):
                 return ready
@@ -59,6 +61,13 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         self._threads += 1
         future.add_done_callback(self._thread_done)
         return future
+
+    async def shutdown_default_executor(self, *args: Any) -> None:
+        self._threads += 1  # it joins the workers in a thread of its own
+        try:
+            await super().shutdown_default_executor(*args)
+        finally:
+            self._threads -= 1
 
     def _thread_done(self, future: asyncio.Future[Any]) -> None:
         del future

@@ -289,7 +289,12 @@ class SaysoApp(App[None]):
     def action_end_task(self) -> None:
         self._send(EndTask())
 
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """A slash that is being typed is a slash."""
+        return False if action == "type" and self._main.typing else super().check_action(action, parameters)
+
     def action_type(self) -> None:
+        """Acts before the keys behind it are dealt out: what was typed ahead goes into the line."""
         if self.screen is not self._main:
             self.pop_screen()
         self._main.type()

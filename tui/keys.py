@@ -34,7 +34,7 @@ KEYS: Final = (
     Key("interrupt", "escape", strings.KEY_STOP, strings.ABOUT_STOP, everywhere=True),
     Key("wake", "space", strings.KEY_WAKE, strings.ABOUT_WAKE),
     Key("end_task", "e", strings.KEY_END, strings.ABOUT_END),
-    Key("type", "slash", strings.KEY_TYPE, strings.ABOUT_TYPE),
+    Key("type", "slash", strings.KEY_TYPE, strings.ABOUT_TYPE, everywhere=True),
     Key("help", "question_mark", strings.KEY_HELP, strings.ABOUT_HELP),
     Key("leave", "q", strings.KEY_QUIT, strings.ABOUT_QUIT),
     Key("leave_now", "ctrl+c", "", strings.ABOUT_QUIT_NOW, everywhere=True),

@@ -44,8 +44,8 @@ def test_quitting_in_mid_drive_asks_first_and_leaves_nothing_behind(tmp_path: Pa
         terminal.type("go to the bedroom\r")
         terminal.until(lambda: driving(terminal))
         children = psutil.Process(terminal.pid).children(recursive=True)
-        terminal.type("q")
-        terminal.type("q")
+        terminal.type("\r")  # an empty line leaves the line
+        terminal.type("qq")
         assert terminal.wait() == 0
         assert last(terminal, "action.finished")["outcome"] == "interrupted"
         assert terminal.events()[-1]["kind"] == "session.ended"

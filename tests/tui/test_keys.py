@@ -258,3 +258,12 @@ async def test_the_log_is_there_on_a_large_terminal() -> None:
         await desk.settled()
         assert desk.app.screen.query_one(LogView).items == desk.app.shown.model.log
         assert "whisper-base loaded" in desk.text
+
+
+async def test_keys_typed_ahead_of_the_line_go_into_it_and_are_no_commands() -> None:
+    async with console() as desk:
+        for key, character in (("slash", "/"), ("e", "e"), ("space", " "), ("q", "q")):  # as a slow link delivers them
+            desk.app.post_message(events.Key(key, character))
+        await desk.pilot.pause()
+        assert desk.app.screen.query_one(Ask).value == "e q"
+        assert desk.engine.sent == []

@@ -15,7 +15,7 @@ FOLDER = Path(__file__).resolve().parents[2] / "tests" / "bench"
 
 def run(arguments: Namespace) -> int:
     """Run one benchmark, or list them."""
-    names = sorted(file.stem for file in FOLDER.glob("*.py") if file.stem not in ("__init__", "report"))
+    names = sorted(file.stem for file in FOLDER.glob("*.py") if "__main__" in file.read_text(encoding="utf-8"))
     if not names:
         raise UsageError("There are no benchmarks here.", hint="Run sayso from a checkout of its repository.")
     if arguments.name is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from argparse import Namespace
@@ -19,8 +20,10 @@ def run(arguments: Namespace) -> int:
     """Show the console until it is left. Exit code of the engine."""
     if reason := why_not_usable(os.environ, sys.stdin.isatty(), sys.stdout.isatty(), sys.stderr.isatty()):
         raise UsageError(reason)
+    gc.disable()  # imports make no garbage worth looking for; the console enables it after the first picture
+    os.environ.setdefault("ESCDELAY", "25")  # ms that Textual waits to tell the key from the start of a sequence
     settings = load_settings(arguments)
-    from tui.app import SaysoApp
+    from tui.app import run_console
 
     def start() -> EngineHandle:
         from engine.engine import Engine
@@ -30,6 +33,4 @@ def run(arguments: Namespace) -> int:
         engine.start()
         return engine
 
-    app = SaysoApp(start, theme=settings.console.theme, fps=settings.console.fps)
-    app.run()
-    return app.return_code or 0
+    return run_console(start, theme=settings.console.theme, fps=settings.console.fps)

@@ -1,0 +1,187 @@
+"""What Whisper makes of speech, of silence, and of a broken model."""
+
+from __future__ import annotations
+
+import functools
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from numpy.typing import NDArray
+
+from config.folders import paths
+from config.schema import Asr
+from engine.asr.recogniser import Decoding, Rejected, RejectReason, Transcript
+from engine.asr.whisper import FILES, WhisperRecogniser, judge
+from engine.audio.source import RATE
+from engine.audio.wav import read_wav
+from engine.errors import ExitCode, ModelError
+from engine.models import ModelStore
+from tests.bench.wer import errors, normalised
+
+SPEECH = Path(__file__).parents[2] / "assets" / "speech"
+NOUNS = ("kitchen", "living room", "bedroom", "study", "hall", "charging dock")
+SETTINGS = Asr(model="whisper-base", language="en", threads=2, window_s=10, min_logprob=-1.1, max_no_speech=0.5)
+
+
+@functools.cache
+def model_folder() -> Path:
+    """Where whisper-base is; skips the test when it is not on this machine."""
+    try:
+        return ModelStore(paths().models).find("whisper-base")
+    except ModelError as error:
+        pytest.skip(f"whisper-base is needed: {error}")
+
+
+@functools.cache
+def recogniser() -> WhisperRecogniser:
+    loaded = WhisperRecogniser(model_folder(), SETTINGS)
+    loaded.load()
+    return loaded
+
+
+def spoken(*names: str) -> NDArray[np.float32]:
+    return np.concatenate([read_wav(SPEECH / name) for name in names]).astype(np.float32) / np.float32(32768)
+
+
+# Speech
+
+
+@pytest.mark.model
+def test_the_demo_commands_are_understood() -> None:
+    index = yaml.safe_load((SPEECH / "index.yaml").read_text(encoding="utf-8"))
+    wrong = words = 0
+    for row in index:
+        heard = recogniser().transcribe(spoken(row["file"]), NOUNS)
+        assert isinstance(heard, Transcript), (row["text"], heard)
+        assert heard.decoding.language == "en"
+        assert 0 < heard.confidence <= 1
+        wrong += errors(normalised(row["text"]), normalised(heard.text))
+        words += len(normalised(row["text"]))
+    assert wrong / words <= 0.1
+
+
+@pytest.mark.model
+def test_a_short_command_takes_the_short_window_and_says_the_same_as_with_the_long_one() -> None:
+    full = WhisperRecogniser(model_folder(), SETTINGS.model_copy(update={"window_s": 30.0}))
+    sound = spoken("go_to_the_kitchen.wav")
+    short, long = recogniser().transcribe(sound), full.transcribe(sound)
+    assert short.decoding is not None
+    assert long.decoding is not None
+    assert (short.decoding.window_s, long.decoding.window_s) == (10.0, 30.0)
+    assert normalised(short.text) == normalised(long.text)
+    assert short.decoding.decode_s < long.decoding.decode_s
+
+
+@pytest.mark.model
+def test_speech_longer_than_the_window_is_heard_to_its_end() -> None:
+    names = ("go_to_the_bedroom_then_turn_around", "move_forward_one_metre", "turn_left_ninety_degrees") * 2
+    heard = recogniser().transcribe(spoken(*(f"{name}.wav" for name in names)), NOUNS)
+    assert isinstance(heard, Transcript)
+    assert heard.decoding.audio_s > 11
+    assert heard.decoding.window_s > heard.decoding.audio_s
+    assert "degrees" in " ".join(normalised(heard.text)[-3:])
+
+
+# What is no speech
+
+
+@pytest.mark.model
+@pytest.mark.parametrize("vocabulary", [(), NOUNS])
+def test_silence_and_noise_become_no_command(vocabulary: tuple[str, ...]) -> None:
+    random = np.random.default_rng(5)
+    time = np.arange(2 * RATE) / RATE
+    sounds: list[NDArray[np.float32]] = [np.zeros(round(seconds * RATE), np.float32) for seconds in (0.5, 2, 5)]
+    sounds += [random.normal(0, level, 2 * RATE).astype(np.float32) for level in (0.0005, 0.01, 0.1)]
+    sounds.append((0.1 * np.sin(2 * np.pi * 50 * time)).astype(np.float32))
+    for sound in sounds:
+        assert isinstance(recogniser().transcribe(sound, vocabulary), Rejected)
+
+
+@pytest.mark.model
+def test_sound_too_short_for_a_word_is_not_even_decoded() -> None:
+    answer = recogniser().transcribe(np.zeros(RATE // 10, np.float32))
+    assert isinstance(answer, Rejected)
+    assert answer.reason == "too_short"
+    assert answer.decoding is None
+
+
+def decoding(logprob: float = -0.2, no_speech: float = 0.02) -> Decoding:
+    return Decoding("en", logprob, no_speech, audio_s=2.0, decode_s=0.2, window_s=10.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "logprob", "no_speech", "reason"),
+    [
+        ("", -0.2, 0.02, "empty"),
+        (" ... ", -0.2, 0.02, "empty"),
+        ("[Music]", -0.2, 0.02, "empty"),
+        ("♪ la la la ♪", -0.2, 0.02, "empty"),
+        ("Go to the kitchen.", -1.2, 0.02, "low_confidence"),
+        ("Go to the kitchen.", -0.2, 0.7, "no_speech"),
+        ("Thanks for watching!", -0.2, 0.02, "artefact"),
+        ("You", -0.2, 0.02, "artefact"),
+        ("The kitchen, living room, bedroom.", -0.2, 0.02, "artefact"),
+        ("kitchen, living room, bedroom, study, hall", -0.2, 0.02, "artefact"),
+    ],
+)
+def test_a_text_that_is_no_command_is_turned_down_with_the_reason(
+    text: str, logprob: float, no_speech: float, reason: RejectReason
+) -> None:
+    answer = judge(text, decoding(logprob, no_speech), SETTINGS, NOUNS)
+    assert isinstance(answer, Rejected)
+    assert answer.reason == reason
+    assert answer.text == text
+    assert answer.detail
+
+
+@pytest.mark.parametrize(
+    "text", ["Stop.", "The kitchen.", "The bedroom, then the hall.", "Thank you, now stop.", "Turn left 90°.", "停下"]
+)
+def test_a_command_passes_however_short(text: str) -> None:
+    answer = judge(text, decoding(-1.0, 0.3), SETTINGS, NOUNS)
+    assert isinstance(answer, Transcript)
+    assert answer.text == text
+
+
+@pytest.mark.model
+def test_a_cancelled_recogniser_does_not_try_the_long_window() -> None:
+    noise = np.random.default_rng(0).normal(0, 0.05, 3 * RATE).astype(np.float32)
+    strict = WhisperRecogniser(model_folder(), SETTINGS.model_copy(update={"max_no_speech": 1.0}))
+    assert (kept := strict.transcribe(noise).decoding) is not None
+    assert (cancelled := strict.transcribe(noise, cancelled=lambda: True).decoding) is not None
+    assert (kept.window_s, cancelled.window_s) == (30.0, 10.0)
+
+
+# Broken models
+
+
+def test_an_incomplete_model_says_which_file_is_missing(tmp_path: Path) -> None:
+    (tmp_path / "model.bin").write_bytes(b"")
+    with pytest.raises(ModelError, match=r"config\.json is missing") as caught:
+        WhisperRecogniser(tmp_path, SETTINGS).load()
+    assert caught.value.exit_code is ExitCode.MISSING
+    assert "sayso models pull" in caught.value.hint
+
+
+@pytest.mark.model
+@pytest.mark.parametrize("damaged", FILES)
+def test_a_damaged_model_is_an_error_with_a_way_out(tmp_path: Path, damaged: str) -> None:
+    for path in model_folder().iterdir():
+        if path.name != damaged:
+            (tmp_path / path.name).symlink_to(path)
+    shutil.copyfile(model_folder() / damaged, tmp_path / damaged)
+    with (tmp_path / damaged).open("r+b") as file:
+        file.truncate(1000)
+    with pytest.raises(ModelError, match="cannot be loaded") as caught:
+        WhisperRecogniser(tmp_path, SETTINGS).load()
+    assert str(tmp_path) in caught.value.message
+    assert "sayso models verify" in caught.value.hint
+
+
+@pytest.mark.model
+def test_a_language_that_the_model_does_not_know_is_an_error() -> None:
+    with pytest.raises(ModelError, match="does not know the language 'tlh'"):
+        WhisperRecogniser(model_folder(), SETTINGS.model_copy(update={"language": "tlh"})).load()
