@@ -58,6 +58,7 @@ class Ears:
             recogniser,
             vocabulary=vocabulary(settings),
             gain_db=settings.audio.gain_db,
+            on_lost=self._microphone.fail,
         )
         await hearing.load()
         await self._microphone.load(lambda: self._open(hearing))

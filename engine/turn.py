@@ -65,6 +65,8 @@ class Turn:
         hearing = await self._needs.hearing.get()
         self._enter("LISTENING", "woken")
         utterance = await hearing.listen(self.emit, restarted=restarted)
+        for warning in hearing.warnings:
+            self.emit(events.Log("warning", "microphone", warning))
         if isinstance(utterance, NothingHeard):
             return TurnResult(ExitCode.FAILED, "unheard", utterance.message)
         self._enter("TRANSCRIBING", "the speaker has finished")

@@ -23,6 +23,7 @@ from textual.keys import _character_to_key
 from textual.message import Message
 from textual.screen import Screen
 
+from config.errors import ConfigError
 from engine.commands import Command, EndTask, Interrupt, Quit, Say, Wake
 from engine.errors import ExitCode, SaysoError
 from engine.events import ErrorRaised, Event, Log
@@ -68,6 +69,14 @@ class SaysoApp(App[None]):
             super().__init__()
             self.handle = handle
 
+    class Dressed(Message):
+        """The settings are read: how the console is to look."""
+
+        def __init__(self, theme: str, fps: float) -> None:
+            super().__init__()
+            self.theme = theme
+            self.fps = fps
+
     class Failed(Message):
         """The engine did not start, or did not take a command."""
 
@@ -90,8 +99,7 @@ class SaysoApp(App[None]):
         super().__init__()
         self.register_theme(DARK)
         self.register_theme(LIGHT)
-        self._unknown_theme = "" if theme in self.available_themes else theme
-        self.theme = DARK.name if self._unknown_theme else theme
+        self.theme = theme
         keys = {key.id: key.key for key in KEYS} | {
             action: ",".join(_character_to_key(key) if len(key) == 1 else key for key in chosen.split(","))
             for action, chosen in (keymap or {}).items()
@@ -133,8 +141,6 @@ class SaysoApp(App[None]):
         self._frames = Pacer(self, self._interval, self._draw)
         self._logs = Pacer(self, LOG_FRAMES * self._interval, self._draw_log)
         self._parts_timer = self.set_interval(PARTS_INTERVAL_S, self._ask_parts, pause=True)
-        if self._unknown_theme:
-            self._model = self._model.with_log("warning", "console", strings.UNKNOWN_THEME.format(self._unknown_theme))
         if not self.is_headless and threading.current_thread() is threading.main_thread():
             loop = asyncio.get_running_loop()
             for number in (signal.SIGHUP, signal.SIGTERM):
@@ -159,6 +165,19 @@ class SaysoApp(App[None]):
         if not self.post_message(self.Started(handle)):  # the console was left in the meantime
             handle.send(Quit())
 
+    def dress(self, theme: str, fps: float) -> None:
+        """Look as the settings say. Thread-safe: settings are read behind the first picture."""
+        self.post_message(self.Dressed(theme, fps))
+
+    def on_sayso_app_dressed(self, message: Dressed) -> None:
+        if message.theme in self.available_themes:
+            self.theme = message.theme
+        else:
+            self._model = self._model.with_log("warning", "console", strings.UNKNOWN_THEME.format(message.theme))
+        self._frames.pace(1 / message.fps)
+        self._logs.pace(LOG_FRAMES / message.fps)
+        self._frames.ask()
+
     def on_sayso_app_started(self, message: Started) -> None:
         self._handle = message.handle
         self._unsubscribe = message.handle.subscribe(lambda event: self._inbox.put((event, self._clock())))
@@ -170,8 +189,8 @@ class SaysoApp(App[None]):
 
     def on_sayso_app_failed(self, message: Failed) -> None:
         error = message.error
-        if isinstance(error, SaysoError):
-            problem, code = Problem(error.message, error.hint, message.title, message.fatal), error.exit_code
+        if isinstance(error, SaysoError | ConfigError):
+            problem, code = Problem(error.message, error.hint, message.title, message.fatal), ExitCode(error.exit_code)
         else:
             problem, code = Problem(repr(error), strings.CRASH_HINT, message.title, message.fatal), ExitCode.FAILED
         problem = replace(problem, message=printable(problem.message), hint=printable(problem.hint))
@@ -357,14 +376,12 @@ class SaysoApp(App[None]):
         self.action_leave_now()
 
 
-def run_console(
-    start_engine: Callable[[], EngineHandle],
-    *,
-    theme: str = DARK.name,
-    fps: float = 8.0,
-    keymap: Mapping[str, str] | None = None,
-) -> int:
-    """Run the console until somebody leaves it, and return the exit code of the process."""
-    app = SaysoApp(start_engine, theme=theme, fps=fps, keymap=keymap)
+def run_console(start_engine: Callable[[Callable[[str, float], None]], EngineHandle]) -> int:
+    """Run the console until somebody leaves it, and return the exit code of the process.
+
+    ``start_engine`` runs in a thread behind the first picture and returns the engine. It is given
+    :meth:`SaysoApp.dress`, to tell theme and frames per second once it has read the settings.
+    """
+    app = SaysoApp(lambda: start_engine(app.dress))
     app.run()
     return app.return_code or 0

@@ -11,13 +11,11 @@ import importlib
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
-
-import shtab
+from typing import Any, NoReturn
 
 from engine import __version__
 from engine.errors import ExitCode, SaysoError
-from tui.commands.output import say, silence_stdout
+from tui.commands.output import data, say, silence_stdout
 
 DESCRIPTION = """\
 Say it, and a robot does it. Without a command: the console, with a robot in a simulated flat.
@@ -26,6 +24,13 @@ EPILOG = """\
 exit codes: 0 done · 1 the robot could not do it · 2 usage or configuration · 3 a device or model is missing
             4 timed out · 5 needs clarification · 6 refused · 130 interrupted
 """
+COMPLETE_FILE = {
+    "bash": "_shtab_compgen_files",
+    "zsh": "_files",
+    "tcsh": "f",
+    "fish": "(__fish_complete_path (commandline -ct))",
+}
+"""What shtab calls ``FILE``: complete the names of files."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -60,7 +65,12 @@ def build_parser() -> argparse.ArgumentParser:
         prog="sayso", description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--version", action="version", version=f"sayso {__version__}")
-    shtab.add_argument_to(parser, ["--print-completion"], help="print a completion script for a shell and exit")
+    parser.add_argument(
+        "--print-completion",
+        action=_PrintCompletion,
+        choices=["bash", "zsh", "tcsh", "fish"],
+        help="print a completion script for a shell and exit",
+    )
     parser.add_argument("--demo", action="store_true", help="play demo speech through a simulated microphone")
     settings = _settings_options()
     _add_settings(parser)
@@ -113,6 +123,16 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
+class _PrintCompletion(argparse.Action):
+    """Prints the completion script that shtab makes of the parser; shtab is imported for nothing else."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *values: Any) -> None:
+        import shtab
+
+        data(shtab.complete(parser, shell=values[1]))
+        parser.exit()
+
+
 class _Parser(argparse.ArgumentParser):
     """Errors go the way of all errors of sayso: one line for people and exit code 2."""
 
@@ -132,7 +152,7 @@ def _add_settings(parser: argparse.ArgumentParser, default: object = None) -> No
     file = group.add_argument(
         "--config", metavar="FILE", type=Path, action="append", default=default, help="read settings from FILE too"
     )
-    file.complete = shtab.FILE  # type: ignore[attr-defined]
+    file.complete = COMPLETE_FILE  # type: ignore[attr-defined]
     group.add_argument(
         "--set", metavar="KEY=VALUE", action="append", default=default, help="e.g. --set endpoint.silence_s=0.8"
     )
@@ -149,4 +169,4 @@ def _add_timeout(parser: argparse.ArgumentParser) -> None:
 
 def _file(parser: argparse.ArgumentParser, name: str, text: str, nargs: str | None = None) -> None:
     argument = parser.add_argument(name, metavar="FILE", help=text, nargs=nargs)
-    argument.complete = shtab.FILE  # type: ignore[attr-defined]
+    argument.complete = COMPLETE_FILE  # type: ignore[attr-defined]

@@ -50,7 +50,13 @@ class Pacer:
         self._asked = False  # somebody asked since the last drawing
         self._wanted = False  # the last drawing wants another
         self.ticking = False
+        self._owner = owner
         self._timer = owner.set_interval(interval, self._tick, pause=True)
+
+    def pace(self, interval: float) -> None:
+        """Draw every ``interval`` seconds at most from now on."""
+        self._timer.stop()
+        self._timer = self._owner.set_interval(interval, self._tick, pause=not self.ticking)
 
     def ask(self) -> None:
         """Draw as soon as the pace allows. In the UI thread only."""

@@ -219,10 +219,12 @@ def _normalised(text: str) -> str:
 
 
 def _echoes(words: str, vocabulary: Sequence[str]) -> bool:
-    """Whether ``words`` are three or more of the expected ones in the order in which the prompt lists them."""
-    listed = _normalised(" ".join(vocabulary[:VOCABULARY_WORDS]))
-    runs = sum(_normalised(noun) in words for noun in vocabulary)
-    return runs >= 3 and f" {words} " in f" {listed} "
+    """Whether ``words`` are three or more of the expected ones with nothing but articles between them."""
+    nouns = sorted((_normalised(noun) for noun in vocabulary), key=len, reverse=True)
+    if not nouns:
+        return False
+    left, count = re.subn(rf"\b(?:{'|'.join(map(re.escape, nouns))})\b", " ", words)
+    return count >= 3 and not set(left.split()) - {"the", "a", "and"}
 
 
 def _prompt(vocabulary: Sequence[str]) -> str | None:

@@ -91,7 +91,8 @@ class Microphone:
                 f"There is no microphone {self._device!r}: {str(error).splitlines()[0]}.", hint=_choices(sounddevice)
             ) from error
         except sounddevice.PortAudioError as error:
-            raise DeviceError("There is no microphone.", hint=NO_MICROPHONE) from error
+            which = "" if self._device is None else f" {self._device!r}"
+            raise DeviceError(f"There is no microphone{which}.", hint=_choices(sounddevice)) from error
         self.name = f"microphone ({info['name']})"
         native, channels = round(info["default_samplerate"]), int(info["max_input_channels"])
         failure: Exception | None = None

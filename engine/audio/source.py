@@ -193,6 +193,6 @@ class Pacer:
 
 def to_int16(sound: NDArray[np.float32]) -> Samples:
     """Samples of ±1 as 16-bit integers; louder ones are clipped, NaN becomes silence."""
-    scaled = np.nan_to_num(sound * 32768.0, nan=0.0, posinf=32767.0, neginf=-32768.0)
-    integers: Samples = np.clip(np.rint(scaled), -32768, 32767).astype(np.int16)
+    bounded = np.clip(np.nan_to_num(sound, posinf=1.0, neginf=-1.0), -1.0, 1.0)
+    integers: Samples = np.clip(np.rint(bounded * 32768.0), -32768, 32767).astype(np.int16)
     return integers

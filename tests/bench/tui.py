@@ -32,7 +32,7 @@ import gc, sys
 gc.disable()  # as the command line does; the console enables it after the first paint
 from tui.app import run_console
 
-def start():
+def start(dress):
     from tests.tui.scripted import engine_for  # behind the first picture, as the real engine
     return engine_for(sys.argv[1:])
 
@@ -53,6 +53,8 @@ class Terminal:
     def read(self, seconds: float, until: Callable[[bytes], bool] = lambda seen: False) -> float | None:
         """Read for so long, or until the condition holds for everything read; then the time since the start, s."""
         end = time.monotonic() + seconds
+        if until(bytes(self.seen)):
+            return time.monotonic() - self.began
         while (left := end - time.monotonic()) > 0:
             if select.select([self.master], [], [], left)[0]:
                 data = os.read(self.master, 65536)
@@ -64,13 +66,13 @@ class Terminal:
 
 
 @contextmanager
-def console(columns: int, rows: int, *arguments: str) -> Iterator[Terminal]:
-    """The console with the scripted engine, on a terminal of this size; quits at the end."""
+def console(columns: int, rows: int, *arguments: str, program: str = CONSOLE) -> Iterator[Terminal]:
+    """The console, with the scripted engine unless told, on a terminal of this size; quits at the end."""
     began = time.monotonic()
     pid, master = pty.fork()
     if pid == 0:
         environ = {**os.environ, "TERM": "xterm-256color", "COLORTERM": "truecolor"}
-        os.execve(sys.executable, [sys.executable, "-c", CONSOLE, *arguments], environ)
+        os.execve(sys.executable, [sys.executable, "-c", program, *arguments], environ)
     fcntl.ioctl(master, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
     terminal = Terminal(pid, master, began)
     try:

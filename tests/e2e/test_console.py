@@ -45,7 +45,10 @@ def test_quitting_in_mid_drive_asks_first_and_leaves_nothing_behind(tmp_path: Pa
         terminal.until(lambda: driving(terminal))
         children = psutil.Process(terminal.pid).children(recursive=True)
         terminal.type("\r")  # an empty line leaves the line
-        terminal.type("qq")
+        terminal.until(lambda: "Press /" in terminal.text)
+        terminal.type("q")
+        terminal.until(lambda: "again" in terminal.text)
+        terminal.type("q")
         assert terminal.wait() == 0
         assert last(terminal, "action.finished")["outcome"] == "interrupted"
         assert terminal.events()[-1]["kind"] == "session.ended"

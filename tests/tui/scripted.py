@@ -358,4 +358,4 @@ def engine_for(arguments: Sequence[str]) -> ScriptedEngine:
 if __name__ == "__main__":
     from tui.app import run_console
 
-    sys.exit(run_console(lambda: engine_for(sys.argv[1:])))
+    sys.exit(run_console(lambda dress: engine_for(sys.argv[1:])))

@@ -179,9 +179,18 @@ async def test_an_idle_console_has_nothing_to_draw(monkeypatch: pytest.MonkeyPat
 
 
 async def test_an_unknown_theme_is_reported_and_replaced() -> None:
-    async with console(theme="no-such-theme") as desk:
+    async with console() as desk:
+        desk.app.dress("no-such-theme", 8)
+        await desk.settled()
         assert "no-such-theme" in desk.text
         assert desk.app.theme == "sayso-dark"
+
+
+async def test_the_settings_dress_the_console_after_its_first_picture() -> None:
+    async with console() as desk:
+        desk.app.dress("sayso-light", 8)
+        await desk.settled()
+        assert desk.app.theme == "sayso-light"
 
 
 def test_the_meter_is_linear_in_decibels_and_never_leaves_its_cells() -> None:

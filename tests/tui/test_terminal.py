@@ -29,7 +29,8 @@ class Engine(LiveEngine):
         os.write(told, b"frame\\n")  # asked once for every frame: a sign of life of the user interface
         return super().robot_state()
 
-def start():
+def start(dress):
+    dress("sayso-dark", 30)
     engine = Engine()
     commanded = engine.on_command
     def tell(command):
@@ -41,7 +42,7 @@ def start():
     os.write(told, b"started\\n")
     return engine
 
-sys.exit(run_console(start, fps=30))
+sys.exit(run_console(start))
 """
 PATIENCE_S = 30
 

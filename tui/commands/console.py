@@ -6,6 +6,7 @@ import gc
 import os
 import sys
 from argparse import Namespace
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from engine.errors import UsageError
@@ -22,10 +23,12 @@ def run(arguments: Namespace) -> int:
         raise UsageError(reason)
     gc.disable()  # imports make no garbage worth looking for; the console enables it after the first picture
     os.environ.setdefault("ESCDELAY", "25")  # ms that Textual waits to tell the key from the start of a sequence
-    settings = load_settings(arguments)
     from tui.app import run_console
 
-    def start() -> EngineHandle:
+    def start(dress: Callable[[str, float], None]) -> EngineHandle:
+        """Everything that takes long: behind the first picture."""
+        settings = load_settings(arguments)
+        dress(settings.console.theme, settings.console.fps)
         from engine.engine import Engine
         from engine.loading import Sound
 
@@ -33,4 +36,4 @@ def run(arguments: Namespace) -> int:
         engine.start()
         return engine
 
-    return run_console(start, theme=settings.console.theme, fps=settings.console.fps)
+    return run_console(start)

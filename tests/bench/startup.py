@@ -1,0 +1,61 @@
+"""How long sayso takes to be there: the console with the real engine on a pseudo-terminal, and the commands.
+
+``python -m tests.bench.startup [--json] [--n 5]``. *First paint* is the first pane on the terminal, *usable* the whole
+status line, *robot* the robot ready behind it, all from the start of the process.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import time
+
+from tests.bench.report import figures, print_report, report
+from tests.bench.tui import USABLE, console
+
+CONSOLE = "import sys; from tui.cli import main; sys.exit(main(sys.argv[1:]))"
+COMMANDS = {
+    "version": ["--version"],
+    "skills": ["skills"],
+    "plan": ["plan", "go to the kitchen"],
+    "ask, simulated time at full speed": ["--set", "robot.speed=max", "ask", "go to the kitchen"],
+}
+
+
+def console_times() -> tuple[float, float, float]:
+    """Seconds to the first paint, to a usable screen, and to a robot that can be driven."""
+    with console(120, 40, program=CONSOLE) as terminal:
+        found = []
+        for wanted in ("╭".encode(), USABLE, b"at rest"):
+            when = terminal.read(30, lambda seen, wanted=wanted: wanted in seen)  # type: ignore[misc]
+            if when is None:
+                raise SystemExit(f"{wanted.decode()} did not appear within 30 s.")
+            found.append(when)
+        return found[0], found[1], found[2]
+
+
+def command_time(arguments: list[str]) -> float:
+    """Seconds that a command takes from start to end."""
+    began = time.monotonic()
+    subprocess.run([sys.executable, "-c", CONSOLE, *arguments], check=True, capture_output=True)
+    return time.monotonic() - began
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Start-up times.")
+    parser.add_argument("--n", type=int, default=5)
+    parser.add_argument("--json", action="store_true")
+    arguments = parser.parse_args()
+    starts = [console_times() for _ in range(arguments.n)]
+    found = {
+        name: figures([start[place] for start in starts], "s")
+        for place, name in enumerate(("first paint", "usable", "robot"))
+    }
+    for name, command in COMMANDS.items():
+        found[name] = figures([command_time(command) for _ in range(arguments.n)], "s")
+    print_report(report("startup", arguments.n, found), arguments.json)
+
+
+if __name__ == "__main__":
+    main()
