@@ -26,7 +26,7 @@ check: $(INSTALLED)
 	$(BIN)/lint-imports
 
 pictures: $(INSTALLED)
-	$(BIN)/python -m tests.tui.make_pictures
+	$(BIN)/python -m tests.tui.pictures
 
 $(INSTALLED): pyproject.toml constraints.txt
 	@test -n "$(PYTHON)" || { echo "sayso needs Python 3.11 or later: make PYTHON=/path/to/python3.11 …" >&2; exit 2; }

@@ -41,7 +41,7 @@ class Ears:
         """Load the recogniser, open the source, and close both when cancelled."""
         hearing: Hearing | None = None
         try:
-            await self._hearing.load(self._load)
+            await self._hearing.load(self._load, lambda ears: ears.recogniser_name)
             hearing = self._hearing.value
             await asyncio.Event().wait()
         finally:
@@ -61,7 +61,7 @@ class Ears:
             on_lost=self._microphone.fail,
         )
         await hearing.load()
-        await self._microphone.load(lambda: self._open(hearing))
+        await self._microphone.load(lambda: self._open(hearing), str)
         if self._microphone.value is None:  # said by now; sound can still come as commands
             self._sound = Sound("none")
             await hearing.__aenter__()

@@ -178,7 +178,7 @@ class Engine:
             return robot
 
         try:
-            await part.load(started)
+            await part.load(started, lambda up: up.name)
             if part.value is not None:
                 try:
                     await company(robot, self._emit)
@@ -207,7 +207,7 @@ class Engine:
     def _report(self, status: PartStatus) -> None:
         """Say how a part is doing; only the loss of the robot leaves nothing to do."""
         if status.state == "ready":
-            self._emit(events.Log("info", status.name, status.detail or "ready"))
+            self._emit(events.Log("info", status.name, f"ready: {status.detail}" if status.detail else "ready"))
         elif status.name == "robot":
             self._emit(events.ErrorRaised("robot_lost", status.detail, fatal=True))
         else:

@@ -18,7 +18,7 @@ PartState = Literal["loading", "ready", "missing", "failed"]
 
 @dataclass(frozen=True, slots=True)
 class PartStatus:
-    """How one part of the engine is doing; ``detail`` is a sentence for people, empty when all is well."""
+    """How one part of the engine is doing; ``detail`` says what it is, or what is wrong with it."""
 
     name: PartName
     state: PartState

@@ -98,6 +98,11 @@ class Hearing:
         self._worker.shutdown(wait=False, cancel_futures=True)
 
     @property
+    def recogniser_name(self) -> str:
+        """The recogniser, for people."""
+        return self._recogniser.name
+
+    @property
     def source_name(self) -> str:
         """The source, for people."""
         return self._source.name if self._source is not None else "no sound source"

@@ -26,17 +26,17 @@ class Part(Generic[T]):
         self._error: SaysoError | None = None
         self.status = PartStatus(name, "loading")
 
-    async def load(self, loader: Callable[[], Awaitable[T]], *, detail: str = "") -> None:
+    async def load(self, loader: Callable[[], Awaitable[T]], describe: Callable[[T], str] = lambda part: "") -> None:
         """Run ``loader`` and keep its result, or what went wrong. Raises nothing but cancellation."""
         try:
-            self._value = await loader()
+            self._value = value = await loader()
         except SaysoError as error:
             self.fail(error)
         except Exception as error:  # noqa: BLE001 - a part that has a fault must not take the others with it
             name = self.status.name
             self.fail(SaysoError(f"The {name} has a fault: {error!r}.", hint="Please report it."))
         else:
-            self._change("ready", detail)
+            self._change("ready", describe(value))
             self._done.set()
 
     def fail(self, error: SaysoError) -> None:

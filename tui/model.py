@@ -108,12 +108,20 @@ def _(body: ev.StateChanged, model: ConsoleModel, event: ev.Event) -> ConsoleMod
     result = body.result
     over = result is not None and model.plan is not None and model.plan.stage == "thinking"
     model = replace(model, state=body.state, plan=None if over else model.plan)
+    if result is not None:  # the turn is over: what still waits in it will not start
+        model = replace(model, queue=tuple(_never_started(row, event.turn) for row in model.queue))
     if result is None or not result.message or result.outcome in ("clarify", "refused", "unheard", "interrupted"):
         return model
     text = printable(result.message)
     if model.conversation and model.conversation[-1].text == text:  # the robot has just said so
         return model
     return model.with_line(Line("done" if result.outcome == "done" else "problem", text))
+
+
+def _never_started(row: Row, turn: str | None) -> Row:
+    if row.phase != "queued" or row.turn != turn:
+        return row
+    return replace(row, phase="interrupted", message=strings.NOT_STARTED)
 
 
 @_fold.register
@@ -225,9 +233,10 @@ def _(body: ev.ActionProgress, model: ConsoleModel, event: ev.Event) -> ConsoleM
 def _(body: ev.ActionFinished, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
     row = _row(model, body.action) or Row(body.action, event.turn, 0, call(body.name, body.args), "queued")
     message = "" if body.outcome == "ok" else printable(body.message)
-    duration = None if body.error_code == "not_started" else body.duration_s
     return model.with_row(
-        replace(row, phase=body.outcome, duration_s=duration, started=None, fraction=None, message=message, path=())
+        replace(
+            row, phase=body.outcome, duration_s=body.duration_s, started=None, fraction=None, message=message, path=()
+        )
     )
 
 

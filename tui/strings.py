@@ -124,6 +124,7 @@ PLACEHOLDER: Final = "Press / and type what the robot should do"
 PLACEHOLDER_TYPING: Final = "enter sends · up and down recall · esc stops and leaves"
 
 # Quitting and failing
+NOT_STARTED: Final = "not started"
 QUIT_QUESTION: Final = "A task is running: {key} again quits, esc stays"
 ENGINE_STARTING: Final = "The engine is starting…"
 ENGINE_FAILED: Final = "The engine did not start"

@@ -156,9 +156,9 @@ PATH = ((-3.0, -1.6), (-2.2, -0.6), (-1.5, 0.0), (-0.6, 0.1), (0.1, 0.5), (0.15,
 
 OPENING = (
     Step(0.0, ev.SessionStarted("0.1.0", "voice", "simulated robot (flat)", 4242)),
-    Step(0.9, ev.Log("info", "robot", "simulated robot (flat) is ready")),
-    Step(0.8, ev.Log("info", "recogniser", "whisper-base loaded in 0.8 s")),
-    Step(0.1, ev.Log("info", "planner", "29 phrases, 14 skills")),
+    Step(0.9, ev.Log("info", "robot", "ready: simulated robot (flat)")),
+    Step(0.8, ev.Log("info", "recogniser", "ready: whisper-base (int8, 1 thread)")),
+    Step(0.1, ev.Log("info", "planner", "ready")),
 )
 
 
@@ -181,8 +181,8 @@ def acting() -> list[Step]:
     """The robot is on its way, with more to do."""
     calls = (
         ("get_current_pose", {}),
-        ("navigate_to", {"place": "A"}),
-        ("turn_left", {"degrees": 90.0}),
+        ("navigation", {"place": "A"}),
+        ("move_left", {"angle": 90.0, "angular_speed": 1.0}),
         ("wait", {"seconds": 2.0}),
     )
     return [
@@ -201,10 +201,10 @@ def acting() -> list[Step]:
             ev.PlanMade(
                 "go to the kitchen and turn left 90 degrees",
                 (
-                    "remember where the robot stands",
-                    "drive to the kitchen",
-                    "turn left by 90 degrees",
-                    "wait for two seconds",
+                    "Remember this place.",
+                    "Go to the kitchen.",
+                    "Turn left 90 degrees.",
+                    "Wait 2 seconds.",
                 ),
                 tuple(ev.ActionView(name, args) for name, args in calls),
                 "Going to the kitchen.",
@@ -215,21 +215,19 @@ def acting() -> list[Step]:
         Step(0.0, ev.SpeechStarted("Going to the kitchen.", False)),
         Step(0.0, ev.SpeechEnded("Going to the kitchen.", "Going to the kitchen.", "ok")),
         Step(0.0, ev.StateChanged("PLANNING", "ACTING", "plan")),
-        Step(0.0, ev.Log("info", "planner", "plan of 4 actions, by phrases, 0.2 ms")),
         Step(0.0, ev.ActionStarted("a1", 1, 4, *calls[0])),
         Step(0.1, ev.ActionFinished("a1", *calls[0], "ok", None, "", 0.1, {"x": -3.0, "y": -1.6})),
         Step(0.0, ev.ActionStarted("a2", 2, 4, *calls[1])),
-        Step(0.1, ev.ActionProgress("a2", "navigate_to", 0.0, "", PATH)),
-        Step(0.0, ev.Log("info", "robot", "path of 5.1 m to A (kitchen)")),
-        Step(4.6, ev.ActionProgress("a2", "navigate_to", 0.42, "2.9 m to go")),
+        Step(0.1, ev.ActionProgress("a2", "navigation", 0.0, "", PATH)),
+        Step(4.6, ev.ActionProgress("a2", "navigation", 0.42, "2.9 m to the kitchen")),
     ]
 
 
 def done() -> list[Step]:
     """Everything asked for is done."""
     calls = {
-        "a2": ("navigate_to", {"place": "A"}),
-        "a3": ("turn_left", {"degrees": 90.0}),
+        "a2": ("navigation", {"place": "A"}),
+        "a3": ("move_left", {"angle": 90.0, "angular_speed": 1.0}),
         "a4": ("wait", {"seconds": 2.0}),
     }
     steps = [*acting(), Step(4.1, ev.ActionFinished("a2", *calls["a2"], "ok", None, "", 8.8))]
@@ -249,13 +247,21 @@ def done() -> list[Step]:
 
 def failed() -> list[Step]:
     """An action failed, and then the robot was lost."""
-    action = ("navigate_to", {"place": "A"})
-    message = "Something stands in the way: obstacle 0.05 m ahead."
+    action = ("navigation", {"place": "A"})
+    message = "I stopped 2.9 m before the kitchen: obstacle 0.05 m ahead."
     return [
         *acting(),
-        Step(1.4, ev.ActionFinished("a2", *action, "failed", "blocked", "blocked by an obstacle 0.05 m ahead", 6.1)),
-        Step(0.0, ev.ActionFinished("a3", "turn_left", {"degrees": 90.0}, "interrupted", "not_started", "", 0.0)),
-        Step(0.0, ev.ActionFinished("a4", "wait", {"seconds": 2.0}, "interrupted", "not_started", "", 0.0)),
+        Step(
+            1.4,
+            ev.ActionFinished(
+                "a2",
+                *action,
+                "failed",
+                "path_blocked",
+                "I stopped 2.9 m before the kitchen: obstacle 0.05 m ahead.",
+                6.1,
+            ),
+        ),
         Step(0.0, ev.SpeechStarted(message, False)),
         Step(0.0, ev.SpeechEnded(message, message, "ok")),
         Step(0.0, ev.StateChanged("ACTING", "WAITING", "failed", ev.TurnResult(1, "failed", message))),
@@ -338,9 +344,9 @@ class LiveEngine(ScriptedEngine):
                 )
             )
             if int(leg * 28) % 10 == 0:
-                self.publish(ev.ActionProgress("a2", "navigate_to", leg % 20 / 20, "on the way"))
+                self.publish(ev.ActionProgress("a2", "navigation", leg % 20 / 20, "on the way"))
         self.robot = replace(self.robot, twist=ZERO, command=ZERO) if self.robot else None
-        self.publish(ev.ActionFinished("a2", "navigate_to", {"place": "A"}, "interrupted", "interrupted", "", leg))
+        self.publish(ev.ActionFinished("a2", "navigation", {"place": "A"}, "interrupted", "interrupted", "", leg))
 
 
 def engine_for(arguments: Sequence[str]) -> ScriptedEngine:

@@ -147,11 +147,11 @@ async def test_l_shows_the_log_on_a_small_terminal() -> None:
     async with console(size=(80, 24)) as desk:
         desk.engine.play(scripted.OPENING)
         await desk.settled()
-        assert "whisper-base loaded" not in desk.text
+        assert "ready: whisper-base" not in desk.text
         await desk.press("l")
-        await desk.until(lambda: "whisper-base loaded" in desk.text)
+        await desk.until(lambda: "ready: whisper-base" in desk.text)
         await desk.press("l")
-        await desk.until(lambda: "whisper-base loaded" not in desk.text)
+        await desk.until(lambda: "ready: whisper-base" not in desk.text)
 
 
 async def test_an_action_can_have_another_key() -> None:
@@ -257,7 +257,7 @@ async def test_the_log_is_there_on_a_large_terminal() -> None:
         desk.engine.play(scripted.OPENING)
         await desk.settled()
         assert desk.app.screen.query_one(LogView).items == desk.app.shown.model.log
-        assert "whisper-base loaded" in desk.text
+        assert "ready: whisper-base" in desk.text
 
 
 async def test_keys_typed_ahead_of_the_line_go_into_it_and_are_no_commands() -> None:

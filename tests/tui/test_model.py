@@ -73,13 +73,14 @@ def test_a_finished_action_shows_the_robots_own_duration() -> None:
 def test_an_action_that_never_started_has_no_duration() -> None:
     model = after(
         ev.ActionQueued("a1", 1, 1, "wait", {"seconds": 3.0}),
-        ev.ActionFinished("a1", "wait", {"seconds": 3.0}, "interrupted", "not_started", "", 0.0),
+        ev.StateChanged("ACTING", "WAITING", "interrupted", ev.TurnResult(130, "interrupted", "Interrupted.")),
     )
     assert [(row.phase, row.elapsed(model.t)) for row in model.queue] == [("interrupted", None)]
+    assert "not started" in model.queue[0].message
 
 
 def test_late_progress_does_not_bring_a_finished_action_back() -> None:
-    model = after(*scripted.done(), ev.ActionProgress("a2", "navigate_to", 0.9, "", scripted.PATH))
+    model = after(*scripted.done(), ev.ActionProgress("a2", "navigation", 0.9, "", scripted.PATH))
     assert model.path == ()
     assert model.running is None
 
@@ -91,8 +92,8 @@ def test_the_path_is_kept_until_it_changes_and_goes_with_its_action() -> None:
 
 def test_points_of_a_path_that_are_no_numbers_are_left_out() -> None:
     model = after(
-        ev.ActionStarted("a1", 1, 1, "navigate_to", {"place": "A"}),
-        ev.ActionProgress("a1", "navigate_to", None, "", ((0.0, 0.0), (float("nan"), 1.0), (1.0, float("inf")))),
+        ev.ActionStarted("a1", 1, 1, "navigation", {"place": "A"}),
+        ev.ActionProgress("a1", "navigation", None, "", ((0.0, 0.0), (float("nan"), 1.0), (1.0, float("inf")))),
     )
     assert model.path == ((0.0, 0.0),)
 
@@ -135,7 +136,7 @@ def test_the_reason_of_the_end_is_not_covered_by_what_comes_after() -> None:
 
 def test_a_failed_turn_is_said_once() -> None:
     texts = [line.text for line in after(*scripted.failed()).conversation]
-    assert len([text for text in texts if "in the way" in text]) == 1
+    assert len([text for text in texts if "I stopped 2.9 m before" in text]) == 1
 
 
 @pytest.mark.parametrize("text", ["\x1b[31mred\x1b[0m", "a\nb\r\tc", "\x9b2J", "a\u202egnp.exe", "\x00\x07\ud800"])

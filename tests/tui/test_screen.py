@@ -78,7 +78,7 @@ async def test_a_storm_of_resizes_ends_in_the_right_arrangement() -> None:
             await desk.pilot.resize_terminal(sizes.randint(1, 200), sizes.randint(1, 70))
         await desk.pilot.resize_terminal(80, 24)
         await desk.settled()
-        assert "navigate_to(A)" in desk.text
+        assert "navigation(A)" in desk.text
         assert "Log" not in desk.text
         await desk.pilot.resize_terminal(120, 40)
         await desk.settled()
@@ -90,7 +90,7 @@ async def test_every_usable_size_shows_state_stop_key_and_input(size: tuple[int,
     async with console(size=size) as desk:
         desk.engine.play(scripted.acting())
         await desk.settled()
-        for words in ("ACTING", "esc stop", "navigate_to(A)", "Going to the kitchen.", "Press / and type"):
+        for words in ("ACTING", "esc stop", "navigation(A)", "Going to the kitchen.", "Press / and type"):
             assert words in desk.text
 
 
@@ -136,7 +136,7 @@ async def test_a_running_duration_follows_event_time() -> None:
         desk.engine.play(scripted.acting())
         await desk.settled()
         assert [item.seconds for item in desk.app.query_one(ActionQueue).items[:2]] == ["0.1 s", "4.7 s"]
-        desk.engine.publish(ev.ActionProgress("a2", "navigate_to", 0.5), after=10)
+        desk.engine.publish(ev.ActionProgress("a2", "navigation", 0.5), after=10)
         await desk.settled()
         assert desk.app.query_one(ActionQueue).items[1].seconds == "14.7 s"
 
