@@ -1,7 +1,6 @@
 """The ears of an engine: which source they have, the recogniser behind it, and what to say where something is missing.
 
-Without a microphone (``auto``) or on request (``none``) sound comes as commands, so there is always something to
-listen to, and a wake is never an error of its own.
+Without a microphone, sound can come as commands (``auto``), or a wake says what is missing and tries again (``mic``).
 """
 
 from __future__ import annotations
@@ -62,7 +61,7 @@ class Ears:
         )
         await hearing.load()
         await self._microphone.load(lambda: self._open(hearing), str)
-        if self._microphone.value is None:  # said by now; sound can still come as commands
+        if self._microphone.value is None and self._sound.kind == "auto":  # said by now; sound can come as commands
             self._sound = Sound("none")
             await hearing.__aenter__()
         return hearing

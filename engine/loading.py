@@ -21,10 +21,14 @@ from engine.robot.robot import Robot
 
 @dataclass(frozen=True, slots=True)
 class Sound:
-    """Where sound comes from. auto: the microphone, or sound that is sent as commands where there is none."""
+    """Where sound comes from.
+
+    mic: the microphone; auto: the microphone, or sound that is sent as commands where there is none; none: sound that
+    is sent as commands; demo: a simulated microphone; source: ``source``.
+    """
 
     kind: Literal["auto", "mic", "demo", "none", "source"]
-    source: Source | None = None  # with ``source``: this one
+    source: Source | None = None
 
 
 def make_robot(settings: RobotSettings) -> Robot:

@@ -85,3 +85,15 @@ def test_a_closed_terminal_stops_the_robot_and_ends_everything(tmp_path: Path) -
         terminal.wait()
         assert psutil.wait_procs(family[1:], timeout=10)[1] == []
         assert last(terminal, "action.finished")["outcome"] == "interrupted"
+
+
+def test_waking_without_a_microphone_says_what_is_missing_at_once(tmp_path: Path) -> None:
+    with console("--set", "audio.device=no such device", state=tmp_path) as terminal:
+        terminal.until(lambda: any(e["body"].get("source") == "microphone" for e in terminal.events()))
+        terminal.until(lambda: any("recogniser" in str(e["body"].get("source")) for e in terminal.events()))
+        terminal.type(" ")
+        terminal.until(lambda: last(terminal, "error").get("code") == "device_missing")
+        terminal.until(lambda: "microphone" in terminal.text)
+        assert last(terminal, "error")["hint"]
+        terminal.type("q")
+        assert terminal.wait() == 0

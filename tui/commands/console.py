@@ -32,7 +32,7 @@ def run(arguments: Namespace) -> int:
         from engine.engine import Engine
         from engine.loading import Sound
 
-        engine = Engine(settings, mode="console", sound=Sound("demo" if arguments.demo else "auto"))
+        engine = Engine(settings, mode="console", sound=Sound("demo" if arguments.demo else "mic"))
         engine.start()
         return engine
 
