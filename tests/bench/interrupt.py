@@ -2,9 +2,9 @@
 
 The robot drives; at a random moment a thread of its own (as a key handler or the wake reader would be) calls
 ``stop()``. Both ends are stamped with the system's monotonic clock, the second by the robot process at the moment
-the motors are told. Beside it run: matrix multiplication in other processes, two threads of the same process that
-do numpy and pure Python work (they hold the interpreter's lock as a recogniser and a screen would), and the engine's
-loop with its heartbeat. ``rest`` is when the base has come to rest.
+the motors are told. Beside it run: matrix multiplication in other processes, and in threads of the same process the
+recogniser, decoding all the time, the console, drawing a robot on its way, and the engine's loop with its heartbeat.
+``rest`` is when the base has come to rest.
 """
 
 from __future__ import annotations
@@ -13,12 +13,16 @@ import argparse
 import asyncio
 import random
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 
+from config import load
+from engine.audio.wav import read_wav
+from engine.loading import make_recogniser
 from engine.robot.robot import Twist
 from engine.robot.sim.memory import REST_TIME, SCHEDULING, STOP_TIME, STOPPED_EPOCH, ZERO_TIME
 from engine.robot.sim.robot import SimRobot
@@ -26,6 +30,8 @@ from engine.robot.sim.scheduling import from_word
 from tests.bench.load import busy_machine
 from tests.bench.report import Figure, figures, print_report, report
 from tests.sim.rig import running
+from tests.tui.scripted import engine_for
+from tui.app import SaysoApp
 
 SPEED = 0.3
 LONGEST_DRIVE = 0.12  # s before a stop comes
@@ -79,28 +85,29 @@ async def _beat(robot: SimRobot) -> None:
 
 @contextmanager
 def _busy_threads() -> Iterator[None]:
-    """Two threads of this process that never rest."""
+    """A recogniser that never stops decoding and a console that never stops drawing, in threads of this process."""
+    recogniser = make_recogniser(load())
+    recogniser.load()
+    speech = read_wav(Path(str(files("assets") / "speech" / "go_to_the_bedroom_then_turn_around.wav")))
+    samples = (speech / 32768).astype(np.float32)
     done = threading.Event()
 
     def recognise() -> None:
-        a = np.random.default_rng(0).random((512, 512), dtype=np.float32)
         while not done.is_set():
-            a = a @ a
-            a /= np.abs(a).max()
+            recogniser.transcribe(samples)
 
-    def draw() -> None:
-        while not done.is_set():
-            cells = [f"{row}:{column}" for row in range(40) for column in range(60)]
-            "".join(sorted(cells))
-            time.sleep(0.002)
-
-    threads = [threading.Thread(target=work) for work in (recognise, draw)]
+    console = SaysoApp(lambda: engine_for(["--act"]))
+    threads = [
+        threading.Thread(target=recognise),
+        threading.Thread(target=console.run, kwargs={"headless": True, "size": (120, 40)}),
+    ]
     for thread in threads:
         thread.start()
     try:
         yield
     finally:
         done.set()
+        console.call_from_thread(console.exit)
         for thread in threads:
             thread.join()
 
