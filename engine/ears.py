@@ -25,7 +25,8 @@ class Ears:
         self._sound = sound
         self._microphone = microphone
         self._hearing = hearing
-        self._pushed: PushSource | None = None
+        self._pushed = PushSource() if sound.kind == "none" else None
+        self._woken_early = False
         self.simulated: SimulatedMicrophone | None = None
         """The simulated microphone, in a demo."""
 
@@ -35,6 +36,13 @@ class Ears:
             return False
         self._pushed.push(pcm)
         return True
+
+    def mark(self) -> None:
+        """The wake is now: what is said from here on counts, however late somebody listens. Thread-safe."""
+        if (hearing := self._hearing.value) is not None:
+            hearing.mark()
+        else:
+            self._woken_early = True
 
     async def keep(self) -> None:
         """Load the recogniser, open the source, and close both when cancelled."""
@@ -60,9 +68,11 @@ class Ears:
             on_lost=self._microphone.fail,
         )
         await hearing.load()
+        if self._woken_early:
+            hearing.mark()
         await self._microphone.load(lambda: self._open(hearing), str)
         if self._microphone.value is None and self._sound.kind == "auto":  # said by now; sound can come as commands
-            self._sound = Sound("none")
+            self._sound, self._pushed = Sound("none"), PushSource()
             await hearing.__aenter__()
         return hearing
 
@@ -81,7 +91,7 @@ class Ears:
                 self.simulated = make_demo()
                 return self.simulated
             case "none":
-                self._pushed = PushSource()
+                assert self._pushed is not None
                 return self._pushed
             case _:
                 from engine.audio.microphone import Microphone

@@ -146,7 +146,9 @@ class Engine:
             voice=SilentVoice(),
         )
         ears = Ears(self._settings, self._sound, microphone, hearing)
-        self._session = Session(self._settings.session, self._bus, self._epoch, needs, hear_audio=ears.push)
+        self._session = Session(
+            self._settings.session, self._bus, self._epoch, needs, hear_audio=ears.push, mark_wake=ears.mark
+        )
         background = [
             asyncio.create_task(work)
             for work in (

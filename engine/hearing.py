@@ -191,8 +191,13 @@ class Hearing:
         return endpointer.finish()
 
     async def _next_frame(self, source: Source) -> Frame | None:
+        """The next frame, or None at the end: of the source, or of patience with a live one that delivers nothing."""
         if source.live:
-            return await self._ring.get()
+            try:
+                async with asyncio.timeout(self._endpoint.no_speech_s):
+                    return await self._ring.get()
+            except TimeoutError:
+                return None
         frame = await anext(source, None)
         return self._taken(frame) if frame is not None else None
 

@@ -48,7 +48,8 @@ class Request:
 class Session:
     """One conversation with one robot. Create it in the engine's loop, then ``await run()``.
 
-    ``hear_audio`` takes sound that comes as commands and says whether it did.
+    ``hear_audio`` takes sound that comes as commands and says whether it did; ``mark_wake`` is told of a wake in the
+    thread it comes from, so that nothing said after it is lost.
     """
 
     def __init__(
@@ -59,12 +60,14 @@ class Session:
         needs: Needs,
         *,
         hear_audio: Callable[[bytes], bool] = lambda pcm: False,
+        mark_wake: Callable[[], None] = lambda: None,
     ) -> None:
         self._settings = settings
         self._bus = bus
         self._epoch = epoch
         self._needs = needs
         self._hear_audio = hear_audio
+        self._mark_wake = mark_wake
         self._loop = asyncio.get_running_loop()
         self._inbox: asyncio.Queue[Request] = asyncio.Queue()
         self._state: State = "IDLE"
@@ -79,8 +82,8 @@ class Session:
 
     def request(self, command: Command) -> None:
         """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot."""
-        if isinstance(command, Wake) and (hearing := self._needs.hearing.value) is not None:
-            hearing.mark()  # what is said from now on counts, however long the old turn takes to end
+        if isinstance(command, Wake):
+            self._mark_wake()
         scope = self._scope_of(command)
         epoch = self._epoch.current if scope is None else self._epoch.advance()
         with contextlib.suppress(RuntimeError):  # the loop has ended: there is nothing left to ask, and it stands

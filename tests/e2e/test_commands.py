@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import wave
+from base64 import b64encode
 from pathlib import Path
 
 import pytest
@@ -310,3 +311,23 @@ def test_bad_sound_files_are_clear_errors(tmp_path: Path) -> None:
             assert done.returncode == ExitCode.USAGE, (verb, name, done.stderr)
             assert name.encode() in done.stderr
             assert b"Traceback" not in done.stderr
+
+
+@pytest.mark.model
+def test_a_wake_to_which_no_sound_comes_ends_by_itself(tmp_path: Path) -> None:
+    quick = {"SAYSO_ENDPOINT__NO_SPEECH_S": "0.5"}
+    done = sayso("engine", "--json", "--source", "none", state=tmp_path, stdin=b'{"do":"wake"}\n', environ=quick)
+    assert done.returncode == ExitCode.DONE
+    (result,) = [event["body"]["result"] for event in events(done, "state.changed") if event["body"]["result"]]
+    assert result["outcome"] == "unheard"
+
+
+@pytest.mark.model
+@needs_recordings
+def test_sound_that_is_sent_as_commands_is_heard_and_driven(tmp_path: Path) -> None:
+    with wave.open(str(SHARED / "speech_synth" / "joe_04_clean.wav")) as file:
+        pcm = file.readframes(file.getnframes()) + bytes(2 * 16000)  # a second of silence ends the utterance
+    lines = b'{"do":"wake"}\n' + json.dumps({"do": "audio", "pcm": b64encode(pcm).decode()}).encode() + b"\n"
+    done = sayso("engine", "--json", "--source", "none", state=tmp_path, stdin=lines)
+    assert "kitchen" in events(done, "transcript.final")[0]["body"]["text"].lower()
+    assert [event["body"]["outcome"] for event in events(done, "action.finished")] == ["ok"]
