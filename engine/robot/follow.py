@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from engine.robot.robot import ZERO, Pose, Twist
+from engine.robot.robot import ZERO, Pose, Twist, wrap
 
 LOOKAHEAD = 0.18
 """m ahead on the path that the robot aims at."""
@@ -82,8 +82,8 @@ class Follower:
             return self._close_in(pose, off)
         aim = self._point(self._done + LOOKAHEAD)
         bearing = math.atan2(aim[1] - pose.y, aim[0] - pose.x)
-        heading_error = _wrap(bearing - pose.yaw)
-        wz = self._turn(heading_error if self._turns_along else _wrap(self._goal_yaw - pose.yaw))
+        heading_error = wrap(bearing - pose.yaw)
+        wz = self._turn(heading_error if self._turns_along else wrap(self._goal_yaw - pose.yaw))
         speed = min(self._speed, self._braking_speed(remaining), self._corner_speed())
         if self._turns_along:
             speed *= max(0.0, math.cos(heading_error)) if abs(heading_error) < _FACING else 0.0
@@ -93,11 +93,11 @@ class Follower:
     def _close_in(self, pose: Pose, off: float) -> Guidance:
         """The last stretch: straight to the goal in any direction, turning to the goal's yaw meanwhile."""
         goal = self._path[-1]
-        yaw_error = _wrap(self._goal_yaw - pose.yaw)
+        yaw_error = wrap(self._goal_yaw - pose.yaw)
         if off <= POSITION_TOLERANCE and abs(yaw_error) <= YAW_TOLERANCE:
             self._done = self.length
             return Guidance(ZERO, 0.0, arrived=True)
-        bearing = _wrap(math.atan2(goal[1] - pose.y, goal[0] - pose.x) - pose.yaw)
+        bearing = wrap(math.atan2(goal[1] - pose.y, goal[0] - pose.x) - pose.yaw)
         speed = min(self._speed, _POSITION_GAIN * off, self._braking_speed(off))
         twist = Twist(speed * math.cos(bearing), speed * math.sin(bearing), self._turn(yaw_error))
         return Guidance(twist, off, arrived=False)
@@ -143,7 +143,7 @@ class Follower:
             if before < -LOOKAHEAD / 2:
                 continue
             (ax, ay), (bx, by), (cx, cy) = self._path[i - 1 : i + 2]
-            bend = abs(_wrap(math.atan2(cy - by, cx - bx) - math.atan2(by - ay, bx - ax)))
+            bend = abs(wrap(math.atan2(cy - by, cx - bx) - math.atan2(by - ay, bx - ax)))
             through = _CORNER_SPEED / max(math.sin(min(bend, math.pi / 2)), 1e-3)
             distance = max(0.0, before - LOOKAHEAD)
             fastest = min(fastest, math.sqrt(through**2 + 2 * _BRAKING * distance))
@@ -152,8 +152,3 @@ class Follower:
     @staticmethod
     def _braking_speed(distance: float) -> float:
         return math.sqrt(2 * _BRAKING * max(distance, 0.0))
-
-
-def _wrap(angle: float) -> float:
-    """Into (−π, π]."""
-    return math.pi - (math.pi - angle) % (2 * math.pi)

@@ -35,6 +35,11 @@ ARM_DOWN: Joints = (0.0, 0.88, 1.5, 0.76, 0.0)
 """Reaching down in front of the hull, the gripper pointing at the floor."""
 
 
+def wrap(angle: float) -> float:
+    """``angle`` in (-π, π], rad."""
+    return math.pi - (math.pi - angle) % (2 * math.pi)
+
+
 @dataclass(frozen=True, slots=True)
 class Pose:
     """Where the robot stands, map frame."""

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from engine.robot.robot import ZERO, Pose, RobotState, Twist
+from engine.robot.robot import ZERO, Pose, RobotState, Twist, wrap
 from engine.skills.context import SkillContext
 from engine.skills.outcome import ErrorCode
 
@@ -34,11 +34,6 @@ class Driven:
     amount: float
     error: ErrorCode | None = None
     reason: str = ""
-
-
-def wrap(angle: float) -> float:
-    """``angle`` in (-π, π]."""
-    return math.pi - (math.pi - angle) % (2 * math.pi)
 
 
 def why_held(state: RobotState) -> tuple[ErrorCode, str]:

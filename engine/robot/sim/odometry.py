@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from engine.robot.robot import Pose
+from engine.robot.robot import Pose, wrap
 
 
 class Odometry:
@@ -40,8 +40,3 @@ class Odometry:
         c, s = math.cos(yaw), math.sin(yaw)
         self.pose = Pose(self.pose.x + c * forward - s * left, self.pose.y + s * forward + c * left, wrap(yaw + turned))
         return self.pose
-
-
-def wrap(angle: float) -> float:
-    """Into (−π, π]."""
-    return math.pi - (math.pi - angle) % (2 * math.pi)

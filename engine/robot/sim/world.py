@@ -19,14 +19,14 @@ from config.schema import Robot as RobotSettings
 from engine.errors import SceneError
 from engine.robot.clearance import Points
 from engine.robot.envelope import SCAN_LIFETIME, Envelope, fence, into_base_frame, into_map_frame
-from engine.robot.robot import ZERO, Pose, Twist
+from engine.robot.robot import ZERO, Pose, Twist, wrap
 from engine.robot.sim.arm import Arm
 from engine.robot.sim.body import BASE_JOINTS, LIGHT_GEOM, initial_qpos
 from engine.robot.sim.build import TIMESTEP, build
 from engine.robot.sim.dimensions import FOOTPRINT
 from engine.robot.sim.lidar import Lidar, points
 from engine.robot.sim.memory import MAX_QPOS, Record
-from engine.robot.sim.odometry import Odometry, wrap
+from engine.robot.sim.odometry import Odometry
 from engine.robot.sim.scene import Scene
 
 CONTROL_STEPS = 5
