@@ -8,6 +8,7 @@ that is not ok. What never started is in the report too, so that nobody has to g
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -19,6 +20,7 @@ from engine.errors import RobotError
 from engine.events import ActionFinished, ActionProgress, ActionQueued, ActionStarted, ErrorRaised
 from engine.plan import Action, Plan
 from engine.robot.robot import Robot
+from engine.robot.watch import view
 from engine.skills.context import Progress, Say, SkillContext
 from engine.skills.outcome import Result, fail
 from engine.skills.places import Places
@@ -117,6 +119,7 @@ class Dispatcher:
         except Exception as error:  # noqa: BLE001 - a fault in one skill ends that action, not the session
             result = fail("crashed", f"{action.name} has a fault: {error!r}.")
             emit(ErrorRaised("skill_crashed", f"The skill {action.name} has a fault: {error!r}.", "Please report it."))
+        self._report_robot(emit)
         duration = max(0.0, self._robot_time() - began)
         ran.append(Ran(action, result, duration))
         emit(
@@ -149,6 +152,11 @@ class Dispatcher:
             emit(ActionProgress(key, name, None if fraction is None else round(fraction, 3), message, path))
 
         return progress
+
+    def _report_robot(self, emit: Emit) -> None:
+        """Where the action left the robot; the periodic reports may come too late for that."""
+        with contextlib.suppress(RobotError):  # its loss is the outcome of the action
+            emit(view(self._robot.state()))
 
     def _robot_time(self) -> float:
         try:
