@@ -331,3 +331,32 @@ def test_sound_that_is_sent_as_commands_is_heard_and_driven(tmp_path: Path) -> N
     done = sayso("engine", "--json", "--source", "none", state=tmp_path, stdin=lines)
     assert "kitchen" in events(done, "transcript.final")[0]["body"]["text"].lower()
     assert [event["body"]["outcome"] for event in events(done, "action.finished")] == ["ok"]
+
+
+@pytest.mark.model
+def test_a_wake_while_listening_restarts_the_recording(tmp_path: Path) -> None:
+    with subprocess.Popen(
+        command("engine", "--json", "--source", "none"),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env=environment(tmp_path),
+    ) as engine:
+        assert engine.stdin is not None
+        assert engine.stdout is not None
+        seen = []
+        for wake in range(2):
+            engine.stdin.write(b'{"do":"wake"}\n')
+            engine.stdin.flush()
+            for line in engine.stdout:
+                seen.append(json.loads(line))
+                if seen[-1]["kind"] == "listen.started":
+                    assert seen[-1]["body"]["restarted"] is bool(wake)
+                    break
+        engine.stdin.write(b'{"do":"quit"}\n')
+        engine.stdin.flush()
+        seen += [json.loads(line) for line in engine.stdout]
+    assert [event["body"]["reason"] for event in seen if event["kind"] == "listen.ended"] == ["cancelled"] * 2
+    results = [
+        event["body"]["result"] for event in seen if event["kind"] == "state.changed" and event["body"]["result"]
+    ]
+    assert [result["outcome"] for result in results] == ["interrupted"] * 2
