@@ -7,9 +7,9 @@ import sys
 from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
 
-from config import paths
 from config.schema import Settings
 from engine.errors import ExitCode, SaysoError
+from engine.loading import model_store
 from engine.models import ModelStore, Progress
 from tui.commands.output import data, json_line, say
 from tui.commands.settings import load_settings
@@ -20,7 +20,7 @@ VERBS = {"wait": "waiting for another download of", "download": "fetching", "joi
 def run(arguments: Namespace) -> int:
     """The command as the command line gives it."""
     settings = load_settings(arguments)
-    store = ModelStore(settings.models.folder or paths().models)
+    store = model_store(settings)
     names = arguments.names or needed(store, settings)
     match arguments.action:
         case "list":
