@@ -88,6 +88,25 @@ class Quit(Command):
     id: str | None = None
 
 
+# What the engine's own parts tell the session. It interrupts like a command, but nobody can send it from outside.
+
+
+@dataclass(frozen=True, slots=True)
+class Heard(Command):
+    """Words overheard without a wake while the robot moves or speaks; only a stop among them is acted on."""
+
+    do: ClassVar[str] = "heard"
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Halted(Command):
+    """The robot has stopped by itself: what runs cannot go on. ``reason`` is the robot's own word for why."""
+
+    do: ClassVar[str] = "halted"
+    reason: str
+
+
 COMMANDS: dict[str, type[Command]] = {cls.do: cls for cls in (Say, Wake, Interrupt, EndTask, Audio, Snapshot, Quit)}
 
 

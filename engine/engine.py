@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import os
 import threading
+import time
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
@@ -41,6 +42,9 @@ from engine.turn import Needs
 
 T = TypeVar("T")
 
+PULSE_S = 0.05
+"""Between two signs of life of the engine's loop, s."""
+
 
 class Engine:
     """A running engine. ``start`` it once; it ends by a ``Quit`` command, and ``join`` waits for that.
@@ -60,6 +64,7 @@ class Engine:
         self._ready = threading.Event()
         self._ended = threading.Event()
         self._failure: BaseException | None = None
+        self._beaten = time.monotonic()
         self._thread = threading.Thread(target=self._run, name="engine", daemon=True)
 
     # What holders call, from any thread
@@ -90,6 +95,9 @@ class Engine:
 
     def status(self) -> tuple[PartStatus, ...]:
         return tuple(part.status for part in self._parts.values())
+
+    def pulse(self) -> float:
+        return 0.0 if self._ended.is_set() else time.monotonic() - self._beaten
 
     def robot_state(self) -> RobotState | None:
         return self._when_robot_is_up(self._robot.state)
@@ -152,6 +160,7 @@ class Engine:
         background = [
             asyncio.create_task(work)
             for work in (
+                self._beat(),
                 self._keep_robot(robot, places),
                 planner.load(lambda: asyncio.to_thread(build_planner, self._settings, registry)),
                 ears.keep(),
@@ -168,6 +177,11 @@ class Engine:
             self._emit(events.SessionEnded("asked to"))
             if log is not None:
                 log.close()
+
+    async def _beat(self) -> None:
+        while True:
+            self._beaten = time.monotonic()
+            await asyncio.sleep(PULSE_S)
 
     async def _keep_robot(self, part: Part[Robot], places: Places) -> None:
         """Start the robot, keep it company until it is lost or this is cancelled, and close it."""

@@ -35,6 +35,8 @@ State = Literal[
     "FEEDBACK",
     "WAITING",
 ]
+Scope = Literal["stop", "interrupt", "wake", "end_task", "replaced", "halted", "shutdown"]
+"""Kinds of interruption; ``engine.states`` says what each one does. ``halted``: the robot stopped by itself."""
 WakeSource = Literal["key", "serial", "word", "command", "demo", "file"]
 PlanSource = Literal["phrases", "local", "openai", "dify", "direct"]
 
@@ -70,6 +72,7 @@ class ActionView:
 
     name: str
     args: Mapping[str, Value]
+    alongside: bool = False  # it starts together with the action before it
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +148,7 @@ class TaskEnded(Body):
 class InterruptRaised(Body):
     """Something was interrupted. The envelope's epoch is the new one."""
 
-    scope: Literal["stop", "interrupt", "wake", "end_task", "replaced", "shutdown"]
+    scope: Scope
     source: str
     state: State
 

@@ -40,6 +40,10 @@ class EngineHandle(Protocol):
         """The engine's parts and how they are doing."""
         ...
 
+    def pulse(self) -> float:
+        """Seconds since the engine's loop last showed that it lives; it beats about twenty times a second."""
+        ...
+
     def robot_state(self) -> RobotState | None:
         """Newest snapshot of the robot; None while it starts or is gone."""
         ...

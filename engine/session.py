@@ -17,7 +17,7 @@ import contextlib
 from collections import deque
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Any
 
 from config.schema import Session as SessionSettings
 from engine import events
@@ -25,13 +25,11 @@ from engine.bus import Bus
 from engine.commands import Audio, Command, EndTask, Interrupt, Quit, Say, Snapshot, Wake
 from engine.epoch import Epoch
 from engine.errors import ExitCode, RobotError, SaysoError
-from engine.events import State, TurnResult
+from engine.events import Scope, State, TurnResult
 from engine.history import TaskCycle
 from engine.planner.phrases import is_end_task, is_stop
 from engine.robot.robot import ARM_INITIAL
 from engine.turn import Needs, Turn
-
-Scope = Literal["stop", "interrupt", "wake", "end_task", "replaced", "shutdown"]
 
 ARM_RETURN_SPEED = 0.5  # rad/s: after an interruption the arm goes home slowly, it may hold something
 

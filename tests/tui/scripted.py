@@ -123,6 +123,9 @@ class ScriptedEngine:
     def status(self) -> tuple[PartStatus, ...]:
         return self.parts
 
+    def pulse(self) -> float:
+        return 0.0
+
     def robot_state(self) -> RobotState | None:
         return self.robot
 
