@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-FILES = ("config.yaml", "robot.yaml", "map.yaml", "platforms.yaml")
+FILES = ("config.yaml", "robot.yaml", "map.yaml", "skills.yaml", "platforms.yaml")
 """Files of the configuration folder, in reading order; all are optional and a later one wins."""
 
 RESERVED = ("SAYSO_CONFIG_DIR", "SAYSO_CACHE_DIR", "SAYSO_STATE_DIR")

@@ -27,7 +27,7 @@ from config.mistakes import PACKAGED, as_written, explained, misplaced, wrong_bo
 from config.schema import Settings
 from config.source import Node, SourceError, parse, parse_value, read
 
-DEFAULTS = ("engine.yaml", "robot.yaml", "map.yaml", "platforms.yaml")
+DEFAULTS = ("engine.yaml", "robot.yaml", "map.yaml", "skills.yaml", "platforms.yaml")
 PREFIX = "SAYSO_"
 FLAG = "--set"
 MASK = "********"

@@ -7,13 +7,15 @@ says what is allowed. Every model forbids unknown keys. Settings are frozen: not
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
 
 Seconds = Annotated[float, Field(ge=0)]
 Metres = Annotated[float, Field(ge=0)]
+T = TypeVar("T")
 
 
 class Section(BaseModel):
@@ -160,12 +162,74 @@ class Models(Section):
     folder: Path | None = Field(description="null: the user's cache folder.")
 
 
-class AmbiguousPlace(ValueError):
-    """A word that names two places, or one that no place may have. ``symbols`` are the places concerned."""
+class Misnamed(ValueError):
+    """A word that names two entries, or one that none may have. ``symbols`` are the entries concerned."""
 
     def __init__(self, message: str, *symbols: str) -> None:
         super().__init__(message)
         self.symbols = symbols
+
+
+class ExternalParameter(Section):
+    """One parameter of an external skill: a number with a unit and limits, or words of a kind."""
+
+    unit: Literal["m", "deg", "s", "m/s", "rad/s", ""] | None = Field(
+        default=None, description="Of a number; empty for a bare number."
+    )
+    min: float | None = Field(default=None, description="Smallest number allowed.")
+    max: float | None = Field(default=None, description="Largest number allowed.")
+    kind: Literal["place", "places", "colour", "sentence"] | None = Field(
+        default=None, description="Of words; places are separated by commas or and."
+    )
+    default: float | str | None = Field(default=None, description="null: an argument is required.")
+
+    @model_validator(mode="after")
+    def _number_or_words(self) -> ExternalParameter:
+        if (self.unit is None) == (self.kind is None):
+            raise ValueError("a parameter is a number (unit, min, max) or words (kind)")
+        if self.kind is not None:
+            if self.min is not None or self.max is not None:
+                raise ValueError("min and max are limits of a number, not of words")
+            if isinstance(self.default, float):
+                raise ValueError("the default of words is text")
+            return self
+        if self.min is None or self.max is None or self.min > self.max:
+            raise ValueError("a number needs limits: min, and max that is not below it")
+        if isinstance(self.default, str) or (self.default is not None and not self.min <= self.default <= self.max):
+            raise ValueError(f"the default is a number from {self.min:g} to {self.max:g}")
+        return self
+
+
+class ExternalSkill(Section):
+    """A skill that is a program of its own (the protocol is in engine/skills/external/protocol.py)."""
+
+    does: str = Field(min_length=1, description="One sentence about what it does; planners read it.")
+    external: tuple[Annotated[str, Field(min_length=1)], ...] = Field(
+        min_length=1, description="The program and its arguments; python stands for the one that runs sayso."
+    )
+    occupies: tuple[Literal["base", "arm", "camera", "voice"], ...] = Field(
+        default=(), description="What it may use, and nobody else meanwhile."
+    )
+    parameters: dict[str, ExternalParameter] = {}
+    silence_s: float | None = Field(
+        default=5, gt=0, le=3600, description="The action fails when the program says nothing for so long; null: never."
+    )
+    endless: bool = Field(
+        default=False, description="It goes on until told otherwise: session.turn_limit_s does not end it."
+    )
+
+    @field_validator("parameters")
+    @classmethod
+    def _names(cls, parameters: dict[str, ExternalParameter]) -> dict[str, ExternalParameter]:
+        return _named(parameters, "parameter")
+
+
+def _named(entries: dict[str, T], what: str) -> dict[str, T]:
+    for name in entries:
+        if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+            message = f"{name!r} is no name for a {what}: small letters, digits and _, beginning with a letter"
+            raise Misnamed(message, name)
+    return entries
 
 
 class Settings(Section):
@@ -181,7 +245,13 @@ class Settings(Section):
     models: Models
     robot: Robot
     places: dict[str, Place]
+    skills: dict[str, ExternalSkill]
     platforms: dict[str, Platform]
+
+    @field_validator("skills")
+    @classmethod
+    def _names(cls, skills: dict[str, ExternalSkill]) -> dict[str, ExternalSkill]:
+        return _named(skills, "skill")
 
     @field_validator("places")
     @classmethod
@@ -190,9 +260,9 @@ class Settings(Section):
         for symbol, place in places.items():
             if symbol.casefold() == "zero":
                 message = "zero is the pose that get_current_pose() remembers and cannot be set here"
-                raise AmbiguousPlace(message, symbol)
+                raise Misnamed(message, symbol)
             for word in {symbol.casefold(), place.name.casefold(), *(alias.casefold() for alias in place.aliases)}:
                 if taken.setdefault(word, symbol) != symbol:
                     message = f"{word!r} names both {taken[word]} and {symbol}; a place's words are its own"
-                    raise AmbiguousPlace(message, taken[word], symbol)
+                    raise Misnamed(message, taken[word], symbol)
         return places

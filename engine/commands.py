@@ -101,10 +101,13 @@ class Heard(Command):
 
 @dataclass(frozen=True, slots=True)
 class Halted(Command):
-    """The robot has stopped by itself: what runs cannot go on. ``reason`` is the robot's own word for why."""
+    """The robot has stopped by itself in ``epoch``, or is ``lost``: what moves cannot go on. ``reason``: why, for
+    people."""
 
     do: ClassVar[str] = "halted"
     reason: str
+    epoch: int = 0
+    lost: bool = False
 
 
 COMMANDS: dict[str, type[Command]] = {cls.do: cls for cls in (Say, Wake, Interrupt, EndTask, Audio, Snapshot, Quit)}

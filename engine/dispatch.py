@@ -1,8 +1,10 @@
-"""The dispatcher runs a validated plan, one action after the other, and keeps the books.
+"""The dispatcher runs a validated plan and keeps the books.
 
-Every action that starts ends exactly once, and its end is on the bus (and so in the event log) before anything else
-happens: also when it is cancelled, when its skill has a fault, or when the robot is lost. It stops at the first action
-that is not ok. What never started is in the report too, so that nobody has to guess.
+Actions run one after the other; those that the plan lets start together overlap as far as they occupy different
+capabilities. Every action that starts ends exactly once, and its end is on the bus (and so in the event log) before
+anything else happens: also when it is cancelled, when its skill has a fault or does not let go, and when the robot is
+lost. The plan ends at the first action that is not ok, which cuts those beside it. What never started is in the report
+too, so that nobody has to guess.
 """
 
 from __future__ import annotations
@@ -10,19 +12,21 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ulid import ULID
 
 from engine.bus import Emit
+from engine.cancellation import GRACE_S, Remains, bounded
 from engine.epoch import Epoch
 from engine.errors import RobotError
-from engine.events import ActionFinished, ActionProgress, ActionQueued, ActionStarted, ErrorRaised
+from engine.events import ActionFinished, ActionProgress, ActionQueued, ActionStarted, ErrorRaised, Log
+from engine.holds import Holds
 from engine.plan import Action, Plan
-from engine.robot.robot import Robot
+from engine.robot.robot import ZERO, Robot
 from engine.robot.watch import view
 from engine.skills.context import Progress, Say, SkillContext
-from engine.skills.outcome import Result, fail
+from engine.skills.outcome import ErrorCode, Result, fail
 from engine.skills.places import Places
 from engine.skills.registry import SkillRegistry
 
@@ -41,33 +45,57 @@ class Ran:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What became of a plan: the actions that ran, in order, and those that never started."""
+    """What became of a plan: the actions that ran, in the order of their ends, and those that never started."""
 
     ran: tuple[Ran, ...]
     never_started: tuple[Action, ...]
+    failure: Ran | None = None
+    """The action that ended the plan early, unless that was an interruption."""
 
     @property
     def ok(self) -> bool:
         return not self.never_started and all(ran.result.ok for ran in self.ran)
 
     @property
-    def failure(self) -> Ran | None:
-        """The action that ended the plan early."""
-        return next((ran for ran in self.ran if not ran.result.ok), None)
-
-    @property
     def message(self) -> str:
         """What happened, for people: the failure first, else what each action reports."""
-        if (failure := self.failure) is None:
+        if self.failure is None:
             return " ".join(ran.result.message for ran in self.ran if ran.result.message)
-        text = failure.result.message
+        text = self.failure.result.message
         if self.never_started:
             text += f" I did not start: {', '.join(str(action) for action in self.never_started)}."
         return text
 
 
+@dataclass(slots=True)
+class Run:
+    """One plan on its way: what it may use, and its books, which are true at every moment."""
+
+    plan: Plan
+    epoch: int
+    emit: Emit
+    say: Say
+    record: Callable[[Ran], None]
+    """Gets every action that ran, at its end, before anybody else can run."""
+    cut_by: Callable[[], ErrorCode] = lambda: "cancelled"
+    """Why it is being cancelled; asked when that happens."""
+    ran: list[Ran] = field(default_factory=list)
+    started: set[int] = field(default_factory=set)
+    running: set[str] = field(default_factory=set)  # keys of the actions that have started and not ended
+    failure: Ran | None = None
+
+    def report(self) -> Report:
+        """The books as of now."""
+        never = tuple(action for index, action in enumerate(self.plan.actions) if index not in self.started)
+        return Report(tuple(self.ran), never, self.failure)
+
+
+class _Failed(Exception):
+    """An action was not ok: what runs beside it is cut."""
+
+
 class Dispatcher:
-    """Runs plans on one robot. One plan at a time."""
+    """Runs plans on one robot, one plan at a time. ``holds`` outlives plans and dispatchers."""
 
     def __init__(
         self,
@@ -75,54 +103,93 @@ class Dispatcher:
         robot: Robot,
         places: Places,
         epoch: Epoch,
+        holds: Holds,
         describe_skills: Callable[[], str],
     ) -> None:
         self._registry = registry
         self._robot = robot
         self._places = places
         self._epoch = epoch
+        self._holds = holds
         self._describe_skills = describe_skills
 
-    async def run(self, plan: Plan, epoch: int, emit: Emit, say: Say, ran: list[Ran]) -> Report:
-        """Run ``plan`` in ``epoch``. ``ran`` collects what ran, also when this is cancelled half-way."""
-        ids = [str(ULID()) for _ in plan.actions]
-        total = len(plan.actions)
-        for index, (action, key) in enumerate(zip(plan.actions, ids, strict=True), 1):
-            emit(ActionQueued(key, index, total, action.name, action.args))
-        for index, (action, key) in enumerate(zip(plan.actions, ids, strict=True), 1):
-            if not self._epoch.is_current(epoch):
-                break
-            emit(ActionStarted(key, index, total, action.name, action.args))
-            result = await self._run_action(action, key, epoch, emit, say, ran)
-            if not result.ok:
-                break
-        return Report(tuple(ran), plan.actions[len(ran) :])
+    def is_endless(self, plan: Plan) -> bool:
+        """Whether an action of the plan goes on until somebody interrupts it."""
+        return any(self._registry[action.name].endless for action in plan.actions)
 
-    async def _run_action(self, action: Action, key: str, epoch: int, emit: Emit, say: Say, ran: list[Ran]) -> Result:
+    async def run(self, run: Run) -> Report:
+        """Run the plan. ``run`` is up to date at every moment, also when this is cancelled half-way."""
+        actions, keys = run.plan.actions, [str(ULID()) for _ in run.plan.actions]
+        for index, (action, key) in enumerate(zip(actions, keys, strict=True), 1):
+            run.emit(ActionQueued(key, index, len(actions), action.name, action.args))
+        for group in run.plan.groups():
+            if run.failure is not None or not self._epoch.is_current(run.epoch):
+                break
+            with contextlib.suppress(ExceptionGroup):  # of _Failed: run.failure tells
+                async with asyncio.TaskGroup() as beside:
+                    for index in group:
+                        beside.create_task(self._act(run, index, keys[index]))
+        return run.report()
+
+    async def _act(self, run: Run, index: int, key: str) -> None:
+        """One action, from waiting for what it occupies to its outcome. Raises :class:`_Failed` unless it is ok."""
+        action = run.plan.actions[index]
+        skill = self._registry[action.name]
+        hold = await self._holds.acquire(skill.occupies, run.epoch)
+        try:
+            if not self._epoch.is_current(run.epoch):
+                raise _Failed
+            run.started.add(index)
+            run.running.add(key)
+            run.emit(ActionStarted(key, index + 1, len(run.plan.actions), action.name, action.args))
+            result = await self._perform(run, action, key)
+            if not result.ok:
+                raise _Failed
+        finally:
+            self._holds.release(hold)
+
+    async def _perform(self, run: Run, action: Action, key: str) -> Result:
+        """Run a started action to its end and write that down, whatever it is."""
         began = self._robot_time()
         context = SkillContext(
             robot=self._robot,
-            epoch=epoch,
+            epoch=run.epoch,
             places=self._places,
-            say=say,
-            progress=self._progress(key, action.name, emit),
+            say=run.say,
+            progress=self._progress(run, key, action.name),
             describe_skills=self._describe_skills,
         )
-        cancelled: asyncio.CancelledError | None = None
+        remains: Remains[Result] = Remains(lambda found: self._drop(run, action, found))
         try:
-            result = await self._registry[action.name].run(context, **action.args)
-        except asyncio.CancelledError as error:
-            cancelled = error
-            result = Result("interrupted", "cancelled", f"{action} was interrupted{self._where()}.")
+            result = await bounded(self._registry[action.name].run(context, **action.args), remains)
+            if not self._epoch.is_current(run.epoch):  # it ended by itself, but after the stop
+                result = self._interrupted(run, action, result)
+        except asyncio.CancelledError:
+            if self._epoch.is_current(run.epoch):  # by the failure of one beside it: nobody has stopped the base
+                with contextlib.suppress(RobotError):
+                    self._robot.drive(ZERO, run.epoch)
+            self._write(run, action, key, self._cut(run, action, remains), began)
+            raise
         except RobotError as error:
             result = Result("uncertain", "robot_lost", f"{error} How far {action} got is not known.")
         except Exception as error:  # noqa: BLE001 - a fault in one skill ends that action, not the session
             result = fail("crashed", f"{action.name} has a fault: {error!r}.")
-            emit(ErrorRaised("skill_crashed", f"The skill {action.name} has a fault: {error!r}.", "Please report it."))
-        self._report_robot(emit)
+            message = f"The skill {action.name} has a fault: {error!r}."
+            run.emit(ErrorRaised("skill_crashed", message, "Please report it."))
+        self._write(run, action, key, result, began)
+        return result
+
+    def _write(self, run: Run, action: Action, key: str, result: Result, began: float) -> None:
+        """The one end of an action, in the books and on the bus, before anybody else can run."""
+        run.running.discard(key)
+        self._report_robot(run.emit)
         duration = max(0.0, self._robot_time() - began)
-        ran.append(Ran(action, result, duration))
-        emit(
+        ran = Ran(action, result, duration)
+        run.ran.append(ran)
+        run.record(ran)
+        if run.failure is None and result.outcome in ("failed", "uncertain") and self._epoch.is_current(run.epoch):
+            run.failure = ran
+        run.emit(
             ActionFinished(
                 action=key,
                 name=action.name,
@@ -134,11 +201,29 @@ class Dispatcher:
                 data=dict(result.data) or None,
             )
         )
-        if cancelled is not None:
-            raise cancelled
-        return result
 
-    def _progress(self, key: str, name: str, emit: Emit) -> Progress:
+    def _cut(self, run: Run, action: Action, remains: Remains[Result]) -> Result:
+        """The outcome of an action that was cancelled."""
+        if run.cut_by() == "robot_lost":
+            return Result("uncertain", "robot_lost", f"The robot was lost. How far {action} got is not known.")
+        if remains.let_go:
+            return self._interrupted(run, action, remains.found)
+        message = f"{action} did not let go within {GRACE_S:g} s of its interruption{self._where()}."
+        return Result("uncertain", run.cut_by(), message)
+
+    def _interrupted(self, run: Run, action: Action, said: object) -> Result:
+        why = "" if run.failure is None else f" because {run.failure.action} failed"
+        message = f"{action} was interrupted{why}{self._where()}."
+        if isinstance(said, Result) and said.message:
+            message += f" It had just reported: {said.message}"
+        return Result("interrupted", run.cut_by(), message)
+
+    @staticmethod
+    def _drop(run: Run, action: Action, found: Result | BaseException) -> None:
+        """An action ended long after its outcome was written: for the record, and without any effect."""
+        run.emit(Log("warning", "dispatch", f"{action} ended late, after it was given up: {found!r}."))
+
+    def _progress(self, run: Run, key: str, name: str) -> Progress:
         last = -PROGRESS_PERIOD_S
 
         def progress(
@@ -146,10 +231,10 @@ class Dispatcher:
         ) -> None:
             nonlocal last
             now = self._robot_time()
-            if path is None and now - last < PROGRESS_PERIOD_S:
+            if key not in run.running or (path is None and now - last < PROGRESS_PERIOD_S):
                 return
             last = now
-            emit(ActionProgress(key, name, None if fraction is None else round(fraction, 3), message, path))
+            run.emit(ActionProgress(key, name, None if fraction is None else round(fraction, 3), message, path))
 
         return progress
 

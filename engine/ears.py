@@ -6,6 +6,7 @@ Without a microphone, sound can come as commands (``auto``), or a wake says what
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 
 from config.schema import Settings
 from engine.audio.pipe import PushSource
@@ -14,14 +15,28 @@ from engine.audio.source import Source
 from engine.audio.vad import make_vad
 from engine.hearing import Hearing
 from engine.loading import Sound, make_demo, make_recogniser, vocabulary
+from engine.overhearing import Alert
 from engine.parts import Part
+from engine.planner.stopping import is_stop
 
 
 class Ears:
-    """Opens the ears and keeps them open until cancelled; ``microphone`` and ``hearing`` tell how they are."""
+    """Opens the ears and keeps them open until cancelled; ``microphone`` and ``hearing`` tell how they are.
 
-    def __init__(self, settings: Settings, sound: Sound, microphone: Part[str], hearing: Part[Hearing]) -> None:
+    ``on_words`` is called with the words of a stop that ``Hearing.overhear`` overheard, in the recogniser's thread.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        sound: Sound,
+        microphone: Part[str],
+        hearing: Part[Hearing],
+        *,
+        on_words: Callable[[str], None] | None = None,
+    ) -> None:
         self._settings = settings
+        self._on_words = on_words
         self._sound = sound
         self._microphone = microphone
         self._hearing = hearing
@@ -66,6 +81,7 @@ class Ears:
             vocabulary=vocabulary(settings),
             gain_db=settings.audio.gain_db,
             on_lost=self._microphone.fail,
+            alert=Alert(make_vad(settings.vad), is_stop, self._on_words) if self._on_words is not None else None,
         )
         await hearing.load()
         if self._woken_early:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -19,7 +20,7 @@ from config.schema import Place, Settings
 from engine import __version__, events
 from engine.bus import Bus, Subscriber
 from engine.clock import Clock, SystemClock
-from engine.commands import Command
+from engine.commands import Command, Heard
 from engine.demo import Demo
 from engine.dispatch import Dispatcher
 from engine.ears import Ears
@@ -29,12 +30,13 @@ from engine.event_log import EventLog
 from engine.events import Body, Event
 from engine.handle import PartName, PartStatus
 from engine.hearing import Hearing
+from engine.holds import Holds
+from engine.keeper import Keeper
 from engine.loading import Sound, make_robot
 from engine.parts import Part
 from engine.planner.build import build_planner, build_registry
 from engine.planner.planner import Planner
 from engine.robot.robot import FloorMap, Robot, RobotState, Scan
-from engine.robot.watch import company
 from engine.session import Session
 from engine.skills.places import Places
 from engine.tts.voice import SilentVoice
@@ -44,6 +46,10 @@ T = TypeVar("T")
 
 PULSE_S = 0.05
 """Between two signs of life of the engine's loop, s."""
+SWITCH_S = 0.0005
+"""How long a thread that stops the robot may have to wait for one that computes in Python, s (Python: 5 ms)."""
+PAUSE_S = 1.0
+"""From this long without one, the loop itself says that it was away, once it is back."""
 
 
 class Engine:
@@ -71,6 +77,7 @@ class Engine:
 
     def start(self) -> None:
         """Start the engine thread; returns when it takes commands. Raises what kept it from starting."""
+        sys.setswitchinterval(SWITCH_S)
         self._thread.start()
         self._ready.wait()
         if self._failure is not None:
@@ -95,6 +102,11 @@ class Engine:
 
     def status(self) -> tuple[PartStatus, ...]:
         return tuple(part.status for part in self._parts.values())
+
+    @property
+    def failure(self) -> BaseException | None:
+        """The fault that the engine ended by, if it was one."""
+        return self._failure
 
     def pulse(self) -> float:
         return 0.0 if self._ended.is_set() else time.monotonic() - self._beaten
@@ -143,17 +155,19 @@ class Engine:
         hearing: Part[Hearing] = self._part("recogniser")
         microphone: Part[str] = self._part("microphone")
 
+        holds = Holds()
+
         def understood() -> str:
             return planner.value.understood if planner.value else ""
 
         needs = Needs(
             robot=robot,
             planner=planner,
-            dispatcher=lambda up: Dispatcher(registry, up, places, self._epoch, understood),
+            dispatcher=lambda up: Dispatcher(registry, up, places, self._epoch, holds, understood),
             hearing=hearing,
             voice=SilentVoice(),
         )
-        ears = Ears(self._settings, self._sound, microphone, hearing)
+        ears = Ears(self._settings, self._sound, microphone, hearing, on_words=lambda words: self.send(Heard(words)))
         self._session = Session(
             self._settings.session, self._bus, self._epoch, needs, hear_audio=ears.push, mark_wake=ears.mark
         )
@@ -168,40 +182,34 @@ class Engine:
             )
         ]
         self._ready.set()
+        reason = "a fault"
         try:
             await self._session.run()
+            reason = "asked to"
         finally:
             for task in background:
                 task.cancel()
             await asyncio.gather(*background, return_exceptions=True)
-            self._emit(events.SessionEnded("asked to"))
+            self._emit(events.SessionEnded(reason))
             if log is not None:
                 log.close()
 
     async def _beat(self) -> None:
+        """Show that the loop lives; when it did not (paused, or held up), say for how long."""
+        self._beaten = time.monotonic()
         while True:
-            self._beaten = time.monotonic()
+            away, self._beaten = time.monotonic() - self._beaten, time.monotonic()
+            if away > PAUSE_S:
+                message = f"The engine was away for {away:.1f} s. A robot that was moving has stopped by itself."
+                self._emit(events.Log("warning", "engine", message))
+                self._emit(events.Timing("paused", round(away, 3)))
             await asyncio.sleep(PULSE_S)
 
     async def _keep_robot(self, part: Part[Robot], places: Places) -> None:
-        """Start the robot, keep it company until it is lost or this is cancelled, and close it."""
-        robot = self._robot
-
-        async def started() -> Robot:
-            await robot.start()
-            robot.stop(self._epoch.current)  # an interruption may have come before the robot could hear of it
-            places.remember(robot.state().pose)
-            return robot
-
-        try:
-            await part.load(started, lambda up: up.name)
-            if part.value is not None:
-                try:
-                    await company(robot, self._emit)
-                except RobotError as error:
-                    part.fail(error)
-        finally:
-            await robot.close()
+        """Keep the robot until this is cancelled, and close it."""
+        assert self._session is not None, "made before"
+        keeper = Keeper(self._robot, part, self._epoch, self._emit, self._session.request)
+        await keeper.keep(lambda robot: places.remember(robot.state().pose))
 
     async def _play_demo(self, ears: Ears, hearing: Part[Hearing]) -> None:
         """Let the demo speak once the robot can hear."""
@@ -221,12 +229,10 @@ class Engine:
         return part
 
     def _report(self, status: PartStatus) -> None:
-        """Say how a part is doing; only the loss of the robot leaves nothing to do."""
+        """Say how a part is doing; how the robot is lost is its keeper's to say."""
         if status.state == "ready":
             self._emit(events.Log("info", status.name, f"ready: {status.detail}" if status.detail else "ready"))
-        elif status.name == "robot":
-            self._emit(events.ErrorRaised("robot_lost", status.detail, fatal=True))
-        else:
+        elif status.name != "robot":
             self._emit(events.Log("warning", status.name, status.detail))
 
     def _emit(self, body: Body, /) -> Event:

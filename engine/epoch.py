@@ -32,5 +32,10 @@ class Epoch:
             self._current = epoch
             return epoch
 
+    def tell_again(self) -> None:
+        """Tell the epoch in force to whoever could not hear of it when it began."""
+        with self._lock:
+            self._on_advance(self._current)
+
     def is_current(self, epoch: int) -> bool:
         return epoch == self._current

@@ -95,6 +95,13 @@ class RobotError(SaysoError):
     exit_code = ExitCode.MISSING
 
 
+class ProcessError(SaysoError):
+    """A program that the engine runs cannot be started."""
+
+    code = "process"
+    exit_code = ExitCode.MISSING
+
+
 class PlanError(SaysoError):
     """A plan or an action string cannot be read or is not allowed; nothing of it may run."""
 

@@ -208,10 +208,10 @@ class TranscriptPartial(Body):
 @kind("transcript.final")
 @dataclass(frozen=True, slots=True)
 class TranscriptFinal(Body):
-    """What was said (or typed: ``source`` tells)."""
+    """What was said (or typed, or overheard without a wake: ``source`` tells; only speech has all the figures)."""
 
     text: str
-    source: Literal["speech", "text"]
+    source: Literal["speech", "text", "overheard"]
     language: str
     confidence: float  # 0…1, mean token probability; 1 for typed text
     avg_logprob: float

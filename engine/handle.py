@@ -26,10 +26,14 @@ class PartStatus:
 
 
 class EngineHandle(Protocol):
-    """A running engine. All calls are thread-safe and return at once."""
+    """A running engine. All calls are thread-safe and, but for ``join``, return at once."""
 
     def send(self, command: Command) -> None:
         """Give a command. Interrupting ones stop the robot before this returns."""
+        ...
+
+    def join(self, timeout: float | None = None) -> bool:
+        """Wait for an engine that has been asked to end; False if it has not by then."""
         ...
 
     def subscribe(self, subscriber: Subscriber) -> Callable[[], None]:

@@ -35,6 +35,7 @@ from engine.audio.source import FRAME_S, Frame, Source
 from engine.audio.vad import VoiceActivity
 from engine.bus import Emit
 from engine.errors import SaysoError
+from engine.overhearing import Alert, Overhearing
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +52,7 @@ class Hearing:
 
     ``open_source`` makes the source; it is called again when a live one was lost and somebody listens. ``vocabulary``:
     nouns and names to expect. ``gain_db`` is applied before anything else. ``on_lost`` is called, in the loop's
-    thread, at the moment a live source is lost.
+    thread, at the moment a live source is lost. ``alert`` is told of a stop that is overheard (see :meth:`overhear`).
     """
 
     def __init__(
@@ -64,6 +65,7 @@ class Hearing:
         vocabulary: Sequence[str] = (),
         gain_db: float = 0.0,
         on_lost: Callable[[SaysoError], None] | None = None,
+        alert: Alert | None = None,
     ) -> None:
         self.level = SILENT
         """Newest loudness, for idle display; a frozen value that is replaced, so any thread may read it."""
@@ -80,6 +82,7 @@ class Hearing:
         self._pump: asyncio.Task[None] | None = None
         self._ring = Ring(math.ceil(endpoint.pre_roll_s / FRAME_S))
         self._on_lost = on_lost
+        self._overhearing = Overhearing(alert, recogniser, self._worker)
         self._pending: set[asyncio.Future[Transcript | Rejected | SaysoError]] = set()
         self._closed = False
 
@@ -92,6 +95,7 @@ class Hearing:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._closed = True
+        self._overhearing.drop()
         await self._close_source()
         for work in tuple(self._pending):
             work.cancel()  # or its end would be reported to a loop that may be closed by then
@@ -121,12 +125,18 @@ class Hearing:
         takes until it is called (up to 10 s). Thread-safe, returns at once."""
         self._ring.mark()
 
+    def overhear(self, on: bool) -> None:
+        """From now on, or not any more, a stop that a live source hears is told to the ``alert``, in the recogniser's
+        thread and without anybody listening. All else that is overheard is forgotten."""
+        self._overhearing.switch(on)
+
     async def listen(self, emit: Emit, *, restarted: bool = False) -> Utterance | NothingHeard:
         """Hear one utterance, publishing ``listen.started``, ``listen.level`` and ``listen.ended``.
 
         ``listen.ended`` comes exactly once, also when this is cancelled or the device is lost (raises
         ``DeviceError``).
         """
+        self._overhearing.drop()  # the recogniser is for who is listened to
         source = self._source
         if source is None or self._ring.error is not None:  # lost: perhaps it is plugged in again
             source = await self._reopen()
@@ -157,6 +167,7 @@ class Hearing:
         Cancelling returns at once. The worker stops at the next stretch of work, and what it found by then is
         published as ``transcript.rejected`` with the reason ``late``.
         """
+        self._overhearing.drop()
         samples = utterance.samples * np.float32(1 / 32768)
         job = _Job(
             lambda cancelled: self._recogniser.transcribe(samples, self._vocabulary, cancelled),
@@ -234,7 +245,9 @@ class Hearing:
         error: SaysoError | None = None
         try:
             async for frame in source:
-                self._ring.put(self._taken(frame))
+                taken = self._taken(frame)
+                self._ring.put(taken)
+                self._overhearing.push(taken)
         except SaysoError as lost:
             error = lost
             if self._on_lost is not None:

@@ -8,12 +8,26 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from typing import Generic, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 from engine.errors import ExitCode, SaysoError
 from engine.handle import PartName, PartState, PartStatus
 
 T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
+
+
+class Loading(Protocol[T_co]):
+    """A part as those see it who only need it."""
+
+    async def get(self) -> T_co:
+        """The part, once loaded. Raises the :class:`SaysoError` that it failed with."""
+        ...
+
+    @property
+    def value(self) -> T_co | None:
+        """The part if it is ready."""
+        ...
 
 
 class Part(Generic[T]):
@@ -27,7 +41,13 @@ class Part(Generic[T]):
         self.status = PartStatus(name, "loading")
 
     async def load(self, loader: Callable[[], Awaitable[T]], describe: Callable[[T], str] = lambda part: "") -> None:
-        """Run ``loader`` and keep its result, or what went wrong. Raises nothing but cancellation."""
+        """Run ``loader`` and keep its result, or what went wrong. Raises nothing but cancellation.
+
+        A part that was lost can be loaded again: whoever asks for it then waits for how that ends.
+        """
+        self._done.clear()
+        self._value = self._error = None
+        self.status = PartStatus(self.status.name, "loading")
         try:
             self._value = value = await loader()
         except SaysoError as error:

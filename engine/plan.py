@@ -6,7 +6,7 @@ name is registered and whose arguments are typed and within limits. A :class:`Pl
 
 The grammar, read by the parser below and never by ``eval``::
 
-    calls    = call { ("," | ";") call }
+    calls    = call { ("," | ";" | "&") call }       "&": the next one starts together with the one before it
     call     = name [ "(" [ argument { "," argument } ] ")" ]
     argument = [ name "=" ] ( number [ unit ] | string | word )
     number   = [ "+" | "-" ] digits [ "." digits ] [ exponent ]
@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from engine.errors import PlanError
@@ -50,6 +50,7 @@ class ActionCall:
     name: str
     positional: tuple[Argument, ...] = ()
     named: Mapping[str, Argument] = field(default_factory=dict)
+    alongside: bool = False  # it is to start together with the one before it
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +59,8 @@ class Action:
 
     name: str
     args: Mapping[str, Value]
+    alongside: bool = False
+    """It starts together with the action before it, as far as what both occupy allows."""
 
     def __str__(self) -> str:
         return f"{self.name}({', '.join(_show(value) for value in self.args.values())})"
@@ -73,11 +76,21 @@ class Plan:
     source: PlanSource
     steps: tuple[str, ...] = ()
 
+    def groups(self) -> tuple[tuple[int, ...], ...]:
+        """The actions by index, those that start together in one group."""
+        groups: list[tuple[int, ...]] = []
+        for index, action in enumerate(self.actions):
+            if action.alongside and groups:
+                groups[-1] += (index,)
+            else:
+                groups.append((index,))
+        return tuple(groups)
+
     def as_event(self) -> PlanMade:
         return PlanMade(
             goal=self.goal,
             steps=self.steps,
-            actions=tuple(ActionView(action.name, action.args) for action in self.actions),
+            actions=tuple(ActionView(action.name, action.args, action.alongside) for action in self.actions),
             response=self.response,
             source=self.source,
         )
@@ -98,7 +111,7 @@ _TOKENS = re.compile(
         (?P<number>[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)
       | (?P<string>"(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*')
       | (?P<word>[^\W\d]\w*|°|%)
-      | (?P<mark>[(),;=/])
+      | (?P<mark>[(),;=/&])
     )""",
     re.VERBOSE,
 )
@@ -114,7 +127,10 @@ def parse_call(text: str) -> ActionCall:
 
 
 def parse_calls(text: str) -> tuple[ActionCall, ...]:
-    """Read a list of actions separated by commas or semicolons. Raises :class:`PlanError`."""
+    """Read a list of actions separated by commas or semicolons, or by ``&`` where they go together.
+
+    Raises :class:`PlanError`.
+    """
     if len(text) > MAX_TEXT:
         raise PlanError(f"The action list is {len(text)} characters long; {MAX_TEXT} are read at most.")
     return _Parser(text).calls()
@@ -142,12 +158,14 @@ class _Parser:
 
     def calls(self) -> tuple[ActionCall, ...]:
         found: list[ActionCall] = []
-        while self._peek() is not None:
-            found.append(self._call())
+        alongside = False
+        while alongside or self._peek() is not None:
+            found.append(replace(self._call(), alongside=alongside))
             if len(found) > MAX_ACTIONS:
                 raise PlanError(f"More than {MAX_ACTIONS} actions; a plan is shorter.")
-            if self._peek() is not None and not (self._take(",") or self._take(";")):
-                raise self._fault("',' or the end")
+            alongside = self._take("&")
+            if not alongside and self._peek() is not None and not (self._take(",") or self._take(";")):
+                raise self._fault("',', '&' or the end")
         return tuple(found)
 
     def _call(self) -> ActionCall:

@@ -1,19 +1,20 @@
-"""The session: the state machine of a conversation, and the scopes of what can be cancelled.
+"""The session: who may do what when, in a conversation with a robot.
 
-A *session* is a row of *task cycles*, a cycle is a row of *turns* (see ``engine.turn``). One asyncio task,
-:meth:`Session.run`, owns all state and takes requests one at a time; a turn runs in a task of its own, which is the
-scope that an interruption cancels.
+A *session* is a row of *task cycles*, a cycle is a row of *turns* (``engine.turn``); each is a task group, and nothing
+outlives its scope. One asyncio task, :meth:`Session.run`, owns all state and takes what happens one thing at a time: a
+request from outside, or the end of a turn. The states, and what each interruption does, are in ``engine.states``.
 
-Interruptions take two steps. :meth:`Session.request` is called in the thread of whoever asks (the key handler, a
-reader of the network) and advances the epoch there and then, which stops the robot before the call returns. The loop
-then learns of it, ends the turn, and goes on as the kind of interruption says. A request that is overtaken by a newer
-epoch before the loop sees it has no effect but an acknowledgement that says so.
+Interruptions take two steps. :meth:`Session.request` is called in the thread of whoever asks (the key handler, a reader
+of the network, the recogniser) and advances the epoch there and then, which stops the robot before the call returns.
+The loop then learns of it, ends the turn, and goes on as the kind of interruption says. A request that is overtaken by
+a newer epoch before the loop sees it has no effect but an acknowledgement that says so.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import threading
 from collections import deque
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass
@@ -22,16 +23,22 @@ from typing import Any
 from config.schema import Session as SessionSettings
 from engine import events
 from engine.bus import Bus
-from engine.commands import Audio, Command, EndTask, Interrupt, Quit, Say, Snapshot, Wake
+from engine.commands import COMMANDS, Audio, Command, EndTask, Halted, Heard, Interrupt, Quit, Say, Snapshot, Wake
 from engine.epoch import Epoch
 from engine.errors import ExitCode, RobotError, SaysoError
 from engine.events import Scope, State, TurnResult
-from engine.history import TaskCycle
-from engine.planner.phrases import is_end_task, is_stop
+from engine.history import Interrupted, TaskCycle
+from engine.planner.stopping import is_end_task, is_stop
 from engine.robot.robot import ARM_INITIAL
-from engine.turn import Needs, Turn
+from engine.skills.outcome import ErrorCode
+from engine.states import EFFECTS, EXPRESSING, NEXT
+from engine.turn import Needs, Overtaken, Turn
 
 ARM_RETURN_SPEED = 0.5  # rad/s: after an interruption the arm goes home slowly, it may hold something
+
+
+LASTING: frozenset[Scope] = frozenset({"end_task", "halted", "shutdown"})
+"""Interruptions that do more than end a turn: they take place even when a newer one has come in the meantime."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +48,13 @@ class Request:
     command: Command
     epoch: int
     scope: Scope | None
+
+
+@dataclass(frozen=True, slots=True)
+class TurnOver:
+    """A turn has ended by itself."""
+
+    turn: Turn
 
 
 class Session:
@@ -67,28 +81,39 @@ class Session:
         self._hear_audio = hear_audio
         self._mark_wake = mark_wake
         self._loop = asyncio.get_running_loop()
-        self._inbox: asyncio.Queue[Request] = asyncio.Queue()
+        self._inbox: asyncio.Queue[Request | TurnOver] = asyncio.Queue()
+        self._order = threading.Lock()
+        self._newest = 1  # epoch of the newest interruption by somebody, not by the robot itself
         self._state: State = "IDLE"
         self._cycle = TaskCycle(1)
         self._turn: Turn | None = None
+        self._turns: asyncio.TaskGroup | None = None  # of the present cycle
         self._waiting: deque[Request] = deque()  # what waits for the running turn to end
+        self._postponed: Request | None = None  # what the next cycle begins with
+        self._again = False  # the wake that is being handled came while listening
+        self._quit: Request | None = None
 
     @property
     def state(self) -> State:
         """Where the session is; safe to read from any thread."""
         return self._state
 
+    # Asking, in any thread
+
     def request(self, command: Command) -> None:
         """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot."""
+        with self._order:
+            scope = self._scope_of(command)
+            epoch = self._epoch.current if scope is None else self._epoch.advance()
+            if scope not in (None, "halted"):
+                self._newest = epoch
         if isinstance(command, Wake):
             self._mark_wake()
-        scope = self._scope_of(command)
-        epoch = self._epoch.current if scope is None else self._epoch.advance()
         with contextlib.suppress(RuntimeError):  # the loop has ended: there is nothing left to ask, and it stands
             self._loop.call_soon_threadsafe(self._inbox.put_nowait, Request(command, epoch, scope))
 
     def _scope_of(self, command: Command) -> Scope | None:
-        """The interruption that a command is: decided before any queue is involved, from the command alone."""
+        """The interruption that a command is: decided before any queue is involved."""
         match command:
             case Quit(drain):
                 return None if drain else "shutdown"
@@ -98,6 +123,10 @@ class Session:
                 return "interrupt"
             case Wake():
                 return "wake"
+            case Halted(lost=lost, epoch=epoch):
+                return "halted" if lost or self._epoch.is_current(epoch) else None  # else it is over already
+            case Heard(text):
+                return "stop" if self._state in EXPRESSING and is_stop(text) else None
             case Say(text) if is_stop(text):
                 return "stop"
             case Say(text) if is_end_task(text):
@@ -106,33 +135,64 @@ class Session:
                 return "replaced"
         return None
 
+    # The loop
+
     async def run(self) -> None:
-        """Take requests until :class:`Quit`. However it ends, the running turn is ended and on record first."""
+        """Go through task cycles until :class:`Quit`. However it ends, the running turn is ended and on record."""
         try:
-            while True:
-                request = await self._inbox.get()
-                if isinstance(request.command, Quit) and not self._must_wait(request):
-                    break
-                await self._handle(request)
-            await self._end_turn("shutdown", request, "The session ends.")
-            self._ack(request, "The session ends.")
+            while self._quit is None:
+                await self._run_cycle(self._cycle)
+            self._ack(self._quit, "The session ends.")
+        except BaseExceptionGroup as group:
+            raise group.exceptions[0] from None  # the scope of a cycle wraps what went wrong in it
         finally:
             self._epoch.advance()
-            if self._turn is not None:
-                await self._cut(self._turn, "The session ended.")
 
-    def _must_wait(self, request: Request) -> bool:
-        """Whether ``request`` comes after the running turn; if so, it is kept until then."""
-        match request.command:
-            case Quit(drain=True) | Say() if self._turn is not None and request.scope is None:
-                self._waiting.append(request)
-                return True
-        return False
+    async def _run_cycle(self, cycle: TaskCycle) -> None:
+        """Take what happens until the cycle ends. Leaving the scope ends the turn that still runs in it."""
+        async with asyncio.TaskGroup() as self._turns:
+            if (postponed := self._postponed) is not None:
+                self._postponed = None
+                self._carry_out(postponed)
+            while self._cycle is cycle and self._quit is None:
+                match await self._inbox.get():
+                    case TurnOver(turn):
+                        if turn is self._turn:  # else it was interrupted in the moment in which it ended
+                            self._close(turn)
+                            if turn.ends_cycle:
+                                self._arm_home()
+                    case Request() as request:
+                        if not await self._admit(request):
+                            continue
+                        if self._cycle is cycle:
+                            self._carry_out(request)
+                        else:  # the turn that it interrupted had finished the dialogue
+                            self._postponed = request
 
-    async def _handle(self, request: Request) -> None:
-        if request.scope is not None and not self._epoch.is_current(request.epoch):
-            self._ack(request, "A newer request replaced this one.", ok=False)
-            return
+    async def _admit(self, request: Request) -> bool:
+        """Let a request interrupt what it interrupts; whether it is to be carried out now."""
+        command, scope = request.command, request.scope
+        if scope is not None and scope not in LASTING and request.epoch < self._newest:
+            stopped = scope == "interrupt"  # which is all it was to do
+            self._ack(request, "A newer request replaced this one.", ok=stopped)
+            return False
+        if isinstance(command, Wake):
+            self._bus.publish(events.WakeHeard(command.source, command.phrase, command.angle_deg), epoch=request.epoch)
+            self._again = self._state == "LISTENING"
+        if isinstance(command, Halted):
+            await self._halt(request, command)
+        elif scope is not None:
+            await self._interrupt(scope, request)
+        elif self._turn is not None and isinstance(command, Say) and self._settings.busy == "reject":
+            self._ack(request, "Busy: the command was not taken (session.busy is reject).", ok=False)
+            return False
+        elif self._turn is not None and isinstance(command, Say | Quit):
+            self._waiting.append(request)
+            return False
+        return True
+
+    def _carry_out(self, request: Request) -> None:
+        """Do what a request asks for; nothing is running that it has to wait for."""
         match request.command:
             case Snapshot():
                 self._ack(request, snapshot=self._snapshot())
@@ -140,92 +200,137 @@ class Session:
                 taken = self._hear_audio(pcm)
                 self._ack(request, "" if taken else "Sound comes from elsewhere; try --source none.", ok=taken)
             case Interrupt():
-                await self._end_turn("interrupt", request, "Interrupted.")
                 self._ack(request)
-            case Wake(source, phrase, angle_deg):
-                self._bus.publish(events.WakeHeard(source, phrase, angle_deg), epoch=request.epoch)
-                again = self._state == "LISTENING"
-                await self._end_turn("wake", request, "Woken.")
+            case Wake():
+                again = self._again
                 self._start(request, lambda turn: turn.listen(restarted=again))
+            case Say(text) if request.scope == "stop":
+                self._start(request, Turn.stopped).take(text, "text")
+            case Heard(text) if request.scope == "stop":
+                self._start(request, Turn.stopped).take(text, "overheard")
+            case Say() | EndTask() if request.scope == "end_task":
+                self._ack(request)
+                self._new_cycle("asked")
+                self._arm_home()
+                result = TurnResult(ExitCode.DONE, "done", "The task is ended.")
+                self._enter("IDLE", "the task was ended", None, result)
             case Say(text):
-                await self._say(request, text)
-            case EndTask():
-                await self._end_task(request)
+                self._start(request, Turn.do).take(text, "text")
+            case Quit():
+                self._quit = request
 
-    async def _say(self, request: Request, text: str) -> None:
-        if request.scope == "end_task":
-            await self._end_task(request)
-        elif request.scope == "stop":
-            await self._end_turn("stop", request, "Stopped.")
-            self._start(request, lambda turn: turn.answer("Stopped.", ExitCode.DONE, "done"))
-        elif self._turn is not None and self._settings.busy == "reject":
-            self._ack(request, "Busy: the command was not taken (session.busy is reject).", ok=False)
-        elif request.scope == "replaced" or not self._must_wait(request):
-            await self._end_turn("replaced", request, "A newer command replaced this one.")
-            self._start(request, lambda turn: turn.typed(text))
-
-    async def _end_task(self, request: Request) -> None:
-        await self._end_turn("end_task", request, "The task was ended.")
-        self._ack(request)
-        self._new_cycle("asked")
-        self._enter("IDLE", "the task was ended", None, TurnResult(ExitCode.DONE, "done", "The task is ended."))
+    async def _halt(self, request: Request, halted: Halted) -> None:
+        """The robot has stopped by itself. What moves or speaks is over; what only listens or thinks goes on, in the
+        epoch in which the robot can move again."""
+        message = halted.reason if halted.lost else f"I stopped by myself: {halted.reason}."
+        code: ErrorCode = "robot_lost" if halted.lost else "robot_halted"
+        if not halted.lost:  # whoever lost it has said so
+            self._bus.publish(events.ErrorRaised(code, message, "Say it again to go on."), epoch=request.epoch)
+        turn = self._turn
+        if turn is None or turn.epoch >= request.epoch:
+            return
+        if self._state in EXPRESSING:
+            exit_code = ExitCode.MISSING if halted.lost else ExitCode.FAILED
+            await self._interrupt("halted", request, TurnResult(exit_code, "failed", message), code)
+            return
+        with self._order:
+            if turn.epoch >= self._newest:  # else it is about to be interrupted
+                turn.move_on(self._epoch.current)
 
     def _new_cycle(self, reason: str) -> None:
-        self._arm_home()
         self._bus.publish(events.TaskEnded(reason), epoch=self._epoch.current)
         self._cycle = TaskCycle(self._cycle.number + 1)
 
-    def _start(self, request: Request, work: Callable[[Turn], Awaitable[TurnResult]]) -> None:
-        turn = Turn(request.epoch, self._bus, self._needs, self._cycle, lambda s, why: self._enter(s, why, turn))
+    # Turns
+
+    def _start(self, request: Request, work: Callable[[Turn], Awaitable[TurnResult]]) -> Turn:
+        """Begin the next turn; its work begins when the caller lets the loop turn."""
+        assert self._turn is None, "one turn at a time"
+        assert self._turns is not None, "requests are handled within a cycle"
+
+        def enter(state: State, reason: str) -> None:
+            self._enter(state, reason, turn)
+
+        with self._order:  # only the robot itself may have come in between, and nothing has moved yet
+            number = self._epoch.current if request.epoch >= self._newest else request.epoch
+        turn = Turn(number, self._epoch, self._bus, self._needs, self._cycle, enter)
         self._turn = turn
         self._ack(request, turn=turn)
-        turn.task = self._loop.create_task(self._run_turn(turn, work), name=f"turn {turn.id}")
+        turn.task = self._turns.create_task(self._run_turn(turn, work), name=f"turn {turn.id}")
+        turn.task.add_done_callback(lambda task: self._inbox.put_nowait(TurnOver(turn)))
+        return turn
 
-    async def _run_turn(self, turn: Turn, work: Callable[[Turn], Awaitable[TurnResult]]) -> None:
+    async def _run_turn(self, turn: Turn, work: Callable[[Turn], Awaitable[TurnResult]]) -> TurnResult:
         """Run one turn to its end, whatever that is; exactly one result comes of it."""
-        limit = self._loop.call_later(self._settings.turn_limit_s, self._expire, turn)
+        turn.limit = limit = self._loop.call_later(self._settings.turn_limit_s, self._expire, turn)
         try:
             result = await work(turn)
+            await turn.stay_current()
         except asyncio.CancelledError:
-            result = turn.cut or TurnResult(ExitCode.INTERRUPTED, "interrupted", "The session ended.")
+            return turn.cut or TurnResult(ExitCode.INTERRUPTED, "interrupted", EFFECTS["shutdown"].message)
+        except Overtaken:
+            return TurnResult(ExitCode.INTERRUPTED, "interrupted", EFFECTS["interrupt"].message)
         except SaysoError as error:
             turn.emit(events.ErrorRaised(error.code, error.message, error.hint))
-            result = TurnResult(error.exit_code, "failed", str(error))
+            return TurnResult(error.exit_code, "failed", str(error))
         except Exception as error:  # noqa: BLE001 - a fault in one turn must not take the session with it
             self._epoch.advance()
             message = f"A fault in sayso itself: {error!r}."
             turn.emit(events.ErrorRaised("internal", message, "Please report it with the session's log."))
-            result = TurnResult(ExitCode.FAILED, "failed", message)
+            return TurnResult(ExitCode.FAILED, "failed", message)
         finally:
             limit.cancel()
-        if turn.ends_cycle:
-            self._new_cycle("finished by the dialogue")
-        self._turn = None
-        if self._waiting:
-            following = self._waiting.popleft()
-            self._inbox.put_nowait(Request(following.command, self._epoch.current, None))
-        self._enter("WAITING" if self._cycle.entries else "IDLE", result.outcome, turn, result)
+        return result
 
     def _expire(self, turn: Turn) -> None:
         message = f"The time limit of {self._settings.turn_limit_s:g} s for one turn ran out."
-        turn.cut = TurnResult(ExitCode.TIMEOUT, "timeout", message)
         self._epoch.advance()
-        assert turn.task is not None
-        turn.task.cancel()
+        self._cancel(turn, TurnResult(ExitCode.TIMEOUT, "timeout", message), "time_limit")
 
-    async def _end_turn(self, scope: Scope, request: Request, message: str) -> None:
+    async def _interrupt(
+        self, scope: Scope, request: Request, result: TurnResult | None = None, code: ErrorCode = "cancelled"
+    ) -> None:
         """Record an interruption and end the running turn; returns when its last outcome is on record."""
-        turn = self._turn
+        turn, state = self._turn, self._state
         if turn is None and scope != "interrupt":
             return
-        source = request.command.do
-        raised = events.InterruptRaised(scope, source, self._state)
+        raised = events.InterruptRaised(scope, request.command.do, state)
         self._bus.publish(raised, turn=turn.id if turn else None, epoch=request.epoch)
         self._drop_waiting()
-        if turn is not None:
-            await self._cut(turn, message)
-            if scope == "wake":
-                self._arm_home()
+        if turn is None:
+            return
+        if turn.asked:  # else nobody has said anything yet
+            self._cycle.entries.append(Interrupted(turn.id, scope))
+        self._cancel(turn, result or TurnResult(ExitCode.INTERRUPTED, "interrupted", EFFECTS[scope].message), code)
+        assert turn.task is not None
+        await asyncio.wait([turn.task])
+        self._close(turn)
+        if state in EFFECTS[scope].arm_home_from:
+            self._arm_home()
+
+    @staticmethod
+    def _cancel(turn: Turn, result: TurnResult, code: ErrorCode) -> None:
+        """Cancel once: a second cancellation would cut the first one's clean-up short."""
+        assert turn.task is not None
+        if turn.cut is None:
+            turn.cut, turn.cut_by = result, code
+            turn.task.cancel()
+
+    def _close(self, turn: Turn) -> None:
+        """The running turn has ended: say how, and let the next one come."""
+        assert turn.task is not None
+        self._turn = None
+        if turn.ends_cycle:
+            self._new_cycle("finished by the dialogue")
+        if turn.task.cancelled():  # before it had begun
+            assert turn.cut is not None
+            result = turn.cut
+        else:
+            result = turn.task.result()
+        self._enter("WAITING" if self._cycle.entries else "IDLE", result.outcome, turn, result)
+        if self._waiting:
+            following = self._waiting.popleft()
+            self._inbox.put_nowait(Request(following.command, self._epoch.current, following.scope))
 
     def _drop_waiting(self) -> None:
         """An interruption concerns what waits, too; what was asked to end the session stays asked."""
@@ -234,26 +339,19 @@ class Session:
                 self._waiting.remove(request)
                 self._ack(request, "Interrupted before it started.", ok=False)
 
-    async def _cut(self, turn: Turn, message: str) -> None:
-        assert turn.task is not None
-        if turn.cut is None:
-            turn.cut = TurnResult(ExitCode.INTERRUPTED, "interrupted", message)
-        turn.task.cancel()
-        await self._finished(turn)
-
-    @staticmethod
-    async def _finished(turn: Turn) -> None:
-        assert turn.task is not None
-        await asyncio.wait([turn.task])
-
     def _arm_home(self) -> None:
         """Send the arm slowly to its initial pose; whatever interrupts next holds it where it is."""
         if (robot := self._needs.robot.value) is not None:
             with contextlib.suppress(RobotError):  # its loss is reported by whoever watches the robot
                 robot.move_arm(ARM_INITIAL, self._epoch.current, speed=ARM_RETURN_SPEED)
 
+    # What others see
+
     def _enter(self, state: State, reason: str, turn: Turn | None, result: TurnResult | None = None) -> None:
+        assert state in NEXT[self._state], f"there is no way from {self._state} to {state}"
         previous, self._state = self._state, state
+        if (hearing := self._needs.hearing.value) is not None:
+            hearing.overhear(state in EXPRESSING)
         change = events.StateChanged(previous, state, reason, result)
         epoch = turn.epoch if turn else self._epoch.current
         self._bus.publish(change, turn=turn.id if turn else None, epoch=epoch)
@@ -267,6 +365,8 @@ class Session:
         turn: Turn | None = None,
         snapshot: dict[str, Any] | None = None,
     ) -> None:
+        if request.command.do not in COMMANDS:  # from a part of the engine, which waits for no answer
+            return
         key: str | None = getattr(request.command, "id", None)
         ack = events.Ack(request.command.do, ok, message, key, snapshot)
         self._bus.publish(ack, turn=turn.id if turn else None, epoch=request.epoch)

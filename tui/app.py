@@ -8,13 +8,14 @@ become commands. What moves (pose, level, running durations) is sampled at a fix
 
 from __future__ import annotations
 
-import asyncio
 import gc
+import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from types import FrameType
 from typing import TYPE_CHECKING, Final
 
 from textual.app import App
@@ -36,17 +37,20 @@ from tui.pacing import Inbox, Pacer
 from tui.screens.console import ConsoleScreen, View
 from tui.screens.help import HelpScreen
 from tui.themes import DARK, LIGHT
+from tui.watchdog import INTERVAL_S, SILENT_S, Watchdog, engine_is_back, engine_is_silent, robot_is_back
 from tui.widgets.ask import Ask
 from tui.widgets.status import Hint
 
 if TYPE_CHECKING:
-    from engine.handle import EngineHandle, PartStatus
+    from engine.handle import EngineHandle, PartState, PartStatus
     from engine.robot.robot import FloorMap
 
 LOG_FRAMES: Final = 4
 """The log scrolls as a whole, which is much to send: it is redrawn once in so many frames."""
 PARTS_INTERVAL_S: Final = 0.25
 """How often the parts are asked how they are while some are still loading."""
+LEAVE_LIMIT_S: Final = 3.0
+"""How long an orderly end may take when the terminal is gone or the process is to end."""
 ALL_KEYS_COLUMNS: Final = 76
 """Columns from which the status line has room for all keys."""
 
@@ -68,6 +72,9 @@ class SaysoApp(App[None]):
         def __init__(self, handle: EngineHandle) -> None:
             super().__init__()
             self.handle = handle
+
+    class HungUp(Message):
+        """The terminal is gone, or somebody ends the process."""
 
     class Dressed(Message):
         """The settings are read: how the console is to look."""
@@ -121,6 +128,8 @@ class SaysoApp(App[None]):
         self._floor_map: FloorMap | None = None
         self._asked_early: list[Say] = []  # typed before the engine was there
         self._quit_asked = False
+        self._watchdog = Watchdog(clock())
+        self._left = threading.Event()
         self._exit_code = ExitCode.DONE
         self._main = ConsoleScreen(self._shown_keys)
 
@@ -135,16 +144,16 @@ class SaysoApp(App[None]):
         return self._main
 
     def get_driver_class(self) -> type[Driver]:
-        return listening_driver(super().get_driver_class(), self._key_arrived)
+        return listening_driver(super().get_driver_class(), self._key_arrived, self._hang_up)
 
     def on_mount(self) -> None:
         self._frames = Pacer(self, self._interval, self._draw)
         self._logs = Pacer(self, LOG_FRAMES * self._interval, self._draw_log)
         self._parts_timer = self.set_interval(PARTS_INTERVAL_S, self._ask_parts, pause=True)
+        self.set_interval(INTERVAL_S, self._feel_pulse)
         if not self.is_headless and threading.current_thread() is threading.main_thread():
-            loop = asyncio.get_running_loop()
             for number in (signal.SIGHUP, signal.SIGTERM):
-                loop.add_signal_handler(number, self._hang_up)
+                signal.signal(number, self._signalled)
 
     def on_ready(self) -> None:
         """All panes are there: draw them, and begin what takes long only after that."""
@@ -244,6 +253,8 @@ class SaysoApp(App[None]):
         """Ask the engine how its parts are; stop asking once none is loading."""
         assert self._handle is not None
         parts = self._handle.status()
+        if _robot_state(parts) == "ready" and _robot_state(self._parts) == "loading":
+            self._model = robot_is_back(self._model)
         if self._floor_map is None:
             self._floor_map = self._handle.floor_map()
         if not any(part.state == "loading" for part in parts):
@@ -251,6 +262,23 @@ class SaysoApp(App[None]):
         if parts != self._parts:
             self._parts = parts
             self._frames.ask()
+
+    def _feel_pulse(self) -> None:
+        if self._handle is None:
+            return
+        match self._watchdog.look(self._clock(), self._handle.pulse()):
+            case "silent":
+                self._model = engine_is_silent(self._model, self._shown_keys)
+            case "back":
+                self._model = engine_is_back(self._model)
+            case None:
+                return
+        self._frames.ask()
+
+    @property
+    def engine_hangs(self) -> bool:
+        """The engine is there and does not answer; whoever waits for it waits for ever."""
+        return self._handle is not None and self._handle.pulse() > SILENT_S
 
     def _notice(self) -> str:
         """What must be read in the status line now."""
@@ -335,7 +363,7 @@ class SaysoApp(App[None]):
 
     def action_leave(self) -> None:
         """Quit; while a task is running, only when asked twice."""
-        if self._model.busy and not self._quit_asked:
+        if self._model.busy and not self._quit_asked and not self.engine_hangs:
             self._quit_asked = True
             self._frames.ask()
             return
@@ -344,8 +372,11 @@ class SaysoApp(App[None]):
     def action_leave_now(self) -> None:
         """Quit: the robot has stopped when the console goes."""
         self._send(Quit())
-        if self._unsubscribe is not None:
-            self._unsubscribe()
+        unsubscribe, self._unsubscribe = self._unsubscribe, None
+        if self.engine_hangs:
+            self._exit_code = self._exit_code or ExitCode.FAILED
+        elif unsubscribe is not None:
+            unsubscribe()
         self.exit(return_code=int(self._exit_code))
 
     def on_ask_asked(self, message: Ask.Asked) -> None:
@@ -370,10 +401,38 @@ class SaysoApp(App[None]):
         self._exit_renderables.append(Traceback(show_locals=False, width=None))
         self._close_messages_no_wait()
 
+    def _signalled(self, number: int, frame: FrameType | None) -> None:
+        """In a thread of its own: the one that was interrupted by the signal may hold what stopping needs."""
+        threading.Thread(target=self._hang_up, name="hang-up", daemon=True).start()
+
     def _hang_up(self) -> None:
-        """The terminal is gone (SIGHUP) or somebody ended us (SIGTERM)."""
+        """The terminal is gone, or somebody ended us (SIGHUP, SIGTERM). In any thread: the robot stops first."""
         self._exit_code = ExitCode.INTERRUPTED
+        self._send(Quit())
+        self.post_message(self.HungUp())
+        threading.Thread(target=self._leave_for_sure, name="leave", daemon=True).start()
+
+    def _leave_for_sure(self) -> None:
+        """The interface may wait for a terminal that takes nothing any more."""
+        if not self._left.wait(LEAVE_LIMIT_S):
+            os._exit(self._exit_code)
+
+    def on_sayso_app_hung_up(self) -> None:
         self.action_leave_now()
+
+    def run_to_the_end(self) -> int:
+        """Run until somebody leaves and the engine has ended, too; returns the exit code of the process."""
+        self.run()
+        self._left.set()
+        code, limit = self.return_code or 0, time.monotonic() + LEAVE_LIMIT_S
+        while self._handle is not None and not self._handle.join(0.1):
+            if self.engine_hangs or time.monotonic() > limit:
+                os._exit(code)  # the interpreter would wait for threads that hang
+        return code
+
+
+def _robot_state(parts: Sequence[PartStatus]) -> PartState | None:
+    return next((part.state for part in parts if part.name == "robot"), None)
 
 
 def run_console(start_engine: Callable[[Callable[[str, float], None]], EngineHandle]) -> int:
@@ -383,5 +442,4 @@ def run_console(start_engine: Callable[[Callable[[str, float], None]], EngineHan
     :meth:`SaysoApp.dress`, to tell theme and frames per second once it has read the settings.
     """
     app = SaysoApp(lambda: start_engine(app.dress))
-    app.run()
-    return app.return_code or 0
+    return app.run_to_the_end()

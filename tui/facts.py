@@ -91,6 +91,7 @@ class Problem:
     hint: str = ""
     title: str = strings.SOMETHING_FAILED
     fatal: bool = False
+    code: str = ""  # for programs, as in the event ``error``
 
 
 def printable(text: str) -> str:

@@ -136,6 +136,8 @@ def _(body: ev.InterruptRaised, model: ConsoleModel, event: ev.Event) -> Console
     model = replace(model, partial="", plan=plan)
     if body.scope in ("stop", "interrupt") and body.state not in ("IDLE", "WAITING"):
         return model.with_line(Line("mark", strings.STOPPED, printable(body.source)))
+    if body.scope == "halted":
+        return model.with_line(Line("mark", strings.HALTED))
     return model
 
 
@@ -273,12 +275,23 @@ def _(body: ev.ErrorRaised, model: ConsoleModel, event: ev.Event) -> ConsoleMode
     model = model.with_log("error", body.code, body.message)
     if model.problem is not None and model.problem.fatal:  # what comes after the end explains less than the end
         return model
-    return replace(model, problem=Problem(printable(body.message), printable(body.hint), fatal=body.fatal))
+    return replace(model, problem=_problem(body))
+
+
+@_fold.register
+def _(body: ev.Timing, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
+    if body.stage != "paused":
+        return model
+    return model.with_line(Line("mark", strings.PAUSED.format(seconds=body.duration_s)))
 
 
 @_fold.register
 def _(body: ev.Ack, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
     return model if body.ok else model.with_log("warning", body.do, body.message)
+
+
+def _problem(body: ev.ErrorRaised) -> Problem:
+    return Problem(printable(body.message), printable(body.hint), fatal=body.fatal, code=body.code)
 
 
 def _row(model: ConsoleModel, action: str) -> Row | None:

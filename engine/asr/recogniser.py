@@ -67,11 +67,14 @@ class Recogniser(Protocol):
         samples: NDArray[np.float32],
         vocabulary: Sequence[str] = (),
         cancelled: Callable[[], bool] = lambda: False,
+        *,
+        quick: bool = False,
     ) -> Transcript | Rejected:
         """Recognise one utterance.
 
         ``samples``: shape (n,), 16 kHz, ±1. ``vocabulary``: nouns and names to be expected; never verbs or phrases,
         which a recogniser would hear in silence. ``cancelled`` is asked between stretches of work; once true, the
-        result is whatever there is so far and will not be used. Raises ``ModelError``.
+        result is whatever there is so far and will not be used. ``quick``: no second look, however doubtful the first.
+        Raises ``ModelError``.
         """
         ...

@@ -114,6 +114,8 @@ class WhisperRecogniser:
         samples: NDArray[np.float32],
         vocabulary: Sequence[str] = (),
         cancelled: Callable[[], bool] = lambda: False,
+        *,
+        quick: bool = False,
     ) -> Transcript | Rejected:
         """Recognise one utterance; see ``Recogniser``."""
         began = time.perf_counter()
@@ -125,7 +127,8 @@ class WhisperRecogniser:
         window_s = min(FULL_WINDOW_S, max(self._settings.window_s, audio_s + MARGIN_S))
         result = self._decode(samples, prompt, window_s, cancelled)
         hopeless = result.no_speech_probability > self._settings.max_no_speech  # a second look would not save it
-        if result.doubtful and not hopeless and window_s < FULL_WINDOW_S and not cancelled():
+        done = quick or hopeless or not result.doubtful
+        if not done and window_s < FULL_WINDOW_S and not cancelled():
             second = self._decode(samples, prompt, FULL_WINDOW_S, cancelled)
             window_s = FULL_WINDOW_S
             if second.avg_logprob > result.avg_logprob:

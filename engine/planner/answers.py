@@ -42,16 +42,17 @@ class Answers:
 
     def response(self, calls: Sequence[ActionCall]) -> str:
         """What the robot is about to do, in one sentence; empty where the actions speak for themselves."""
-        told = [text for text in (self._tell(call, 1) for call in calls) if text]
-        parts = []
-        for text, same in groupby(told):
-            count = len(list(same))
-            parts.append(text + (self._words["times"].format(count=count) if count > 1 else ""))
+        told = [(call, text) for call in calls if (text := self._tell(call, 1))]
+        parts: list[tuple[str, str]] = []  # what joins it to the one before, and the part
+        for text, group in groupby(told, key=lambda one: one[1]):
+            same = list(group)
+            times = self._words["times"].format(count=len(same)) if len(same) > 1 else ""
+            parts.append((self._words["together" if same[0][0].alongside else "then"], text + times))
         more = ""
         if len(parts) > MAX_TOLD:
             more = self._words["more"].format(count=len(parts) - MAX_TOLD + 1)
             parts = parts[: MAX_TOLD - 1]
-        sentence = self._words["then"].join(parts) + more
+        sentence = "".join(joint + part for joint, part in parts)[len(parts[0][0]) :] + more if parts else ""
         return f"{sentence[0].upper()}{sentence[1:]}." if sentence else ""
 
     def _tell(self, call: ActionCall, form: int) -> str:
@@ -78,6 +79,10 @@ class Answers:
                 return "drive_for", {"way": self._words["ways"][axis], "speed": speed_said, "duration": lasting}
             case "navigation", (str(place),):
                 return call.name, {"place": self._place(place)}
+            case "patrol", (str(places),):
+                *others, last = [self._place(symbol) for symbol in places.split(",")]
+                listed = self._words["and"].join([", ".join(others), last] if others else [last])
+                return "patrol_places", {"places": listed}
             case "wait", (Quantity(duration),):
                 return call.name, {"duration": self._amount(duration, "s")}
             case "light", ("off",):

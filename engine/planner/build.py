@@ -2,28 +2,43 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from config.schema import Settings
-from engine.errors import PlanError
+from engine.errors import PlanError, UsageError
 from engine.planner.phrases import PhrasePlanner
 from engine.planner.planner import Planner
 from engine.robot.robot import Capability
+from engine.skills.external.host import external_skill
 from engine.skills.library import LIBRARY
 from engine.skills.library.signals import COLOURS
 from engine.skills.places import Places
-from engine.skills.registry import SkillRegistry
+from engine.skills.registry import Skill, SkillRegistry
 
 CAPABILITIES: dict[str, frozenset[Capability]] = {"sim": frozenset({"base", "arm", "camera", "voice"})}
 """What each kind of robot has; known without starting it."""
 
 
 def build_registry(settings: Settings, places: Places | None = None) -> SkillRegistry:
-    """The skills that the configured robot can do."""
+    """The skills that the configured robot can do: the library, and the programs of the configuration. Raises
+    :class:`UsageError` when one of these takes a name of the library."""
     known = places or Places(settings.places)
     return SkillRegistry(
-        LIBRARY,
+        (*LIBRARY, *_external(settings)),
         capabilities=CAPABILITIES[settings.robot.kind],
-        vocabulary={"place": known.symbol, "colour": _colour},
+        vocabulary={"place": known.symbol, "places": lambda words: ",".join(known.symbols(words)), "colour": _colour},
     )
+
+
+def _external(settings: Settings) -> Iterator[Skill]:
+    taken = {skill.name for skill in LIBRARY}
+    for name, declaration in settings.skills.items():
+        if name in taken:
+            raise UsageError(
+                f"skills.{name}: there is a built-in skill of this name.",
+                hint="Give yours another one; `sayso config show` says which file it is in.",
+            )
+        yield external_skill(name, declaration)
 
 
 def build_planner(settings: Settings, registry: SkillRegistry | None = None) -> Planner:

@@ -1,4 +1,4 @@
-"""One language's phrase file, read once: ``assets/phrases/<language>.yaml``."""
+"""The phrase files, each read once: ``assets/phrases/<language>.yaml``."""
 
 from __future__ import annotations
 
@@ -12,17 +12,26 @@ import yaml
 
 from engine.errors import UsageError
 
+_FOLDER = files("assets") / "phrases"
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml is ten times as fast, where it is built in
 
 
-@lru_cache
 def load(language: str) -> Mapping[str, Any]:
-    """The phrase file's sections, as they stand there. Raises :class:`UsageError` for a language without one."""
-    source = files("assets") / "phrases" / f"{language}.yaml"
-    if not source.is_file():
-        raise UsageError(f"There are no phrases for the language {language!r}.", hint="Set planner.language to en.")
-    sections: Mapping[str, Any] = yaml.load(source.read_text("utf-8"), Loader=_Loader)  # noqa: S506 - a safe loader
-    return sections
+    """The sections of a language that plans are made in. Raises :class:`UsageError` when that is none of them."""
+    for name, sections in all_phrases().items():
+        if name == language and "intents" in sections:
+            return sections
+    raise UsageError(f"There are no phrases for the language {language!r}.", hint="Set planner.language to en.")
+
+
+@lru_cache
+def all_phrases() -> Mapping[str, Mapping[str, Any]]:
+    """The sections of every phrase file, as they stand there, by language. Some hold only what stops a robot."""
+    return {
+        file.name.removesuffix(".yaml"): yaml.load(file.read_text("utf-8"), Loader=_Loader)  # noqa: S506 - a safe one
+        for file in sorted(_FOLDER.iterdir(), key=lambda file: file.name)
+        if file.name.endswith(".yaml")
+    }
 
 
 def any_of(phrases: Iterable[str]) -> str:

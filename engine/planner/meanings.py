@@ -121,6 +121,12 @@ def _square(said: Said) -> Calls:
     return (_call("move_forward", Quantity(said.numbers["distance"], "m"), *_pace(said)) + corner) * 4
 
 
+def _patrol(said: Said) -> Calls:
+    """Through the places that were said, in that order; none for all rooms."""
+    places = [said.words[slot] for slot in ("first", "second", "third") if slot in said.words]
+    return _call("patrol", ",".join(places)) if places else _call("patrol")
+
+
 def _wait(said: Said) -> Calls:
     return _call("wait", Quantity(said.numbers["duration" if "duration" in said.numbers else "whole"], "s"))
 
@@ -138,6 +144,7 @@ def _just(name: str) -> Callable[[Said], Calls]:
 _MEANINGS: dict[str, Callable[[Said], Calls]] = {
     "Go": lambda said: _call("navigation", said.words["place"]),
     "Return": lambda said: _call("navigation", "zero"),
+    "Patrol": _patrol,
     "Remember": _just("get_current_pose"),
     "Move": _move,
     "Run": _run,

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from config.schema import Place
@@ -62,15 +62,15 @@ class NoMatch:
 
 
 class PhrasePlanner:
-    """Plans for one language and one map. Thread-safe; loads in about 0.2 s, mostly the template library."""
+    """Plans for one language and one map, and stops in every language. Thread-safe; loads in about 0.2 s, mostly the
+    template library."""
 
     def __init__(self, places: Mapping[str, Place], language: str = "en") -> None:
         sections = load(language)
-        self._language = language
         self._known = tuple(place.name for place in places.values())
         self._answers = Answers(sections, places)
         self._joints = sorted((tuple(joint.split()) for joint in sections["joints"]), key=len, reverse=True)
-        is_stop("", language)  # its words are compiled at their first use: now, not in the first command
+        is_stop("")  # its words are compiled at their first use: now, not in the first command
         self._names = _names_to_keep(places, self._joints)
         self._reader = ClauseReader(sections, Templates(sections, places))
 
@@ -94,10 +94,10 @@ class PhrasePlanner:
         return match
 
     def _plan(self, text: str) -> Matched | UnknownPlace | NoMatch:
-        if is_stop(text, self._language):
-            key = "stop" if is_only_stop(text, self._language) else "stop_rest"
+        if is_stop(text):
+            key = "stop" if is_only_stop(text) else "stop_rest"
             return self._matched("stop", (ActionCall("stop"),), self._answers.phrase(key))
-        if is_end_task(text, self._language):
+        if is_end_task(text):
             return self._matched("end_task", (ActionCall("finish_dialogue"),), self._answers.phrase("end_task"))
         sentence = words_of(text)
         segments = tuple(
@@ -134,6 +134,7 @@ class PhrasePlanner:
         calls = tuple(call for clause in clauses for call in clause.calls)
         if not calls:  # "and stop", without anything before it
             return self._matched("stop", (ActionCall("stop"),), self._answers.phrase("stop"))
+        calls = (replace(calls[0], alongside=False), *calls[1:])  # there is nothing before it
         if any(call.name == "finish_dialogue" for call in calls[:-1]):
             return self._no_match(text)
         return self._matched("plan", calls, self._answers.response(calls))

@@ -6,7 +6,9 @@ proposes actions, only the skill registry turns them into a plan: one wrong acti
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal, Protocol
 
 from engine.errors import ExitCode, PlanError
 from engine.events import ClarificationAsked, PlanRejected, RefusalMade
@@ -34,6 +36,31 @@ class NoPlan:
         return PlanRejected(self.text, self.answer, self.code, self.suggestions)
 
 
+@dataclass(frozen=True, slots=True)
+class PlanRequest:
+    """What a planner is asked."""
+
+    text: str
+    so_far: str = ""
+    """What happened in this task until now, one fact a line (``engine.history.TaskCycle.as_text``)."""
+    enter: Callable[[Literal["DECIDING", "PLANNING"]], None] = lambda stage: None
+    """To be called when a stage of planning begins."""
+
+
+class Plans(Protocol):
+    """Whatever makes plans for a session."""
+
+    @property
+    def understood(self) -> str:
+        """A sentence with examples of what can be said."""
+        ...
+
+    async def plan(self, request: PlanRequest) -> Plan | NoPlan:
+        """Plan it, or say why not. Every action of a plan has been through the skill registry. Raises ``SaysoError``
+        where a model or a service fails. May be cancelled; a plan that comes after that is dropped."""
+        ...
+
+
 class Planner:
     """Plans in the order phrases, then (a later issue) large models."""
 
@@ -47,8 +74,10 @@ class Planner:
         """A sentence with examples of what can be said."""
         return self._phrases.understood
 
-    async def plan(self, text: str) -> Plan | NoPlan:
-        """Plan what ``text`` asks for."""
+    async def plan(self, request: PlanRequest) -> Plan | NoPlan:
+        """Plan what was asked for; raises nothing."""
+        request.enter("PLANNING")
+        text = request.text
         match = self._phrases.plan(text)
         if isinstance(match, Matched):
             return self._validated(text, match)

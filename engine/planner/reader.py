@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from engine.planner.freetext import FreeText
@@ -31,6 +31,7 @@ class ClauseReader:
         self._templates = templates
         self._free_text = FreeText(sections, templates)
         self._fillers = re.compile(any_of(sections["fillers"]))
+        self._together = re.compile(any_of(sections["together"]))
         self._manners: dict[Manner, re.Pattern[str]] = {
             manner: re.compile(any_of(phrases)) for manner, phrases in sections["manners"].items()
         }
@@ -47,13 +48,15 @@ class ClauseReader:
         ``single``: the words were not joined from several segments. ``lenient`` admits questions and unknown places.
         """
         text, measures = render(words)
+        alone = without(self._together, text)
+        text, together = alone, alone != text
         bare = without(self._fillers, text)
         manner: Manner | None = None
         match = self._templates.match(bare, state)
         if match is None and bare != text:
             match = self._templates.match(text, state)  # "what can you do" is more than politeness
         if match is None and (speech := self._free_text.speech(sentence, words, single)):
-            match = Match("Say", {"text": speech})
+            match, together = Match("Say", {"text": speech}), False  # every word of it is to be said
         if match is None:
             match, manner = self._match_manner(bare, state)
         if match is None and lenient:
@@ -68,7 +71,11 @@ class ClauseReader:
             calls = calls_of(Said(match.intent, match.words, numbers, manner))
         except Incomplete as missing:
             return (Clause(words, question=missing.question), state) if lenient else None
-        return None if calls is None else (Clause(words, calls), _after(state, match.intent))
+        if calls is None or (together and len(calls) != 1):
+            return None
+        if together:
+            calls = (replace(calls[0], alongside=True),)
+        return Clause(words, calls), _after(state, match.intent)
 
     def _match_manner(self, text: str, state: Context) -> tuple[Match | None, Manner | None]:
         manners = [manner for manner, pattern in self._manners.items() if pattern.search(text)]

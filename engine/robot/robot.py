@@ -84,6 +84,7 @@ class RobotState:
     light: tuple[int, int, int]  # RGB 0…255
     blocked: str | None  # what the obstacle stop reacts to, in words ("obstacle 0.05 m ahead")
     halted: str | None  # why the robot stopped itself ("heartbeat lost"), None in normal operation
+    halted_in: int | None = None  # the epoch in which it did; only a newer one lets it move again
 
     @property
     def moving(self) -> bool:
@@ -172,7 +173,10 @@ class Robot(Protocol):
     def floor_map(self) -> FloorMap: ...
 
     async def start(self) -> None:
-        """Connect, or start the process. Raises ``RobotError`` or ``DeviceError``."""
+        """Connect, or start the process. Raises ``RobotError`` or ``DeviceError``.
+
+        After a loss it may be called again: the robot then stands where it was.
+        """
         ...
 
     async def close(self) -> None:
@@ -187,7 +191,8 @@ class Robot(Protocol):
         ...
 
     def heartbeat(self) -> None:
-        """Tell the robot that the engine lives; without it the robot halts by itself. Thread-safe."""
+        """Tell the robot that the engine lives; without it the robot halts by itself, and stays halted until a new
+        epoch begins. Thread-safe."""
         ...
 
     def state(self) -> RobotState:

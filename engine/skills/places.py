@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from config.schema import Place
@@ -9,6 +10,7 @@ from engine.errors import PlanError
 from engine.robot.robot import Pose
 
 ZERO_SYMBOL = "zero"
+_SEPARATOR = re.compile(r"(\s*,\s*(?:and\s+)?|\s+and\s+)", re.IGNORECASE)
 
 
 class UnknownPlace(PlanError):
@@ -35,12 +37,35 @@ class Places:
 
     def symbol(self, word: str) -> str:
         """Symbol of the place that people call ``word``. Raises :class:`UnknownPlace`."""
-        key = word.casefold().strip().removeprefix("the ").strip()
+        key = self._key(word)
         if key == ZERO_SYMBOL:
             return ZERO_SYMBOL
         if key in self._words:
             return self._words[key]
         raise UnknownPlace(f"I don't know a place called {word!r}.", hint=f"I know: {', '.join(self.names())}.")
+
+    def symbols(self, words: str) -> tuple[str, ...]:
+        """Symbols of the places in a list, separated by commas or "and" (which may also be within a name). Raises
+        :class:`UnknownPlace`."""
+        pieces = [piece for piece in _SEPARATOR.split(words.strip(" ,")) if piece.strip()]
+        found: list[str] = []
+        while pieces:
+            for length in range(len(pieces), 0, -2):  # every other piece is a separator
+                name = "".join(pieces[:length])
+                if length == 1 or self._key(name) in self._words:
+                    found.append(self.symbol(name))
+                    del pieces[: length + 1]
+                    break
+        return tuple(found)
+
+    def known(self) -> tuple[str, ...]:
+        """Symbols of all places that the robot can be sent to now, in the order of the map."""
+        return (*self._places, *([ZERO_SYMBOL] if self._zero is not None else []))
+
+    def words(self, symbol: str) -> tuple[str, ...]:
+        """The name of a place of the map and its other names."""
+        place = self._places[symbol]
+        return (place.name, *place.aliases)
 
     def pose(self, symbol: str) -> Pose | None:
         """Where to stand for this place; None for ``zero`` while nothing is remembered."""
@@ -52,6 +77,10 @@ class Places:
     def name(self, symbol: str) -> str:
         """What people call it."""
         return "the remembered place" if symbol == ZERO_SYMBOL else f"the {self._places[symbol].name}"
+
+    @staticmethod
+    def _key(word: str) -> str:
+        return word.casefold().strip().removeprefix("the ").strip()
 
     def names(self) -> tuple[str, ...]:
         """All names, in the order of the map."""

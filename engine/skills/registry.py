@@ -95,6 +95,8 @@ class Skill:
     parameters: tuple[Parameter, ...]
     occupies: frozenset[Capability]
     run: Run
+    endless: bool = False
+    """It goes on until told otherwise: no time limit ends it."""
 
     @property
     def summary(self) -> str:
@@ -187,7 +189,7 @@ class SkillRegistry:
                 args[parameter.name] = parameter.default
             else:
                 raise PlanError(f"{skill.signature}: {parameter.name} is missing.")
-        return Action(skill.name, args)
+        return Action(skill.name, args, call.alongside)
 
     def _assign(self, skill: Skill, call: ActionCall) -> dict[str, Argument]:
         names = [parameter.name for parameter in skill.parameters]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 
@@ -13,8 +14,12 @@ class Voice(Protocol):
         """False where answers are only shown."""
         ...
 
-    async def say(self, text: str) -> str:
-        """Say ``text`` and return what was heard of it. Cancelling stops the sound at once."""
+    async def say(self, text: str, heard: Callable[[str], None]) -> None:
+        """Say ``text``; returns when all of it was played. Cancelling stops the sound at once.
+
+        ``heard`` is called, in the loop's thread, after every word that was played, with everything played so far: the
+        beginning of ``text`` up to that word. What it was called with last is what people heard, however this ends.
+        """
         ...
 
 
@@ -23,5 +28,6 @@ class SilentVoice:
 
     audible = False
 
-    async def say(self, text: str) -> str:
-        return text
+    async def say(self, text: str, heard: Callable[[str], None]) -> None:
+        """Show all of it at once."""
+        heard(text)

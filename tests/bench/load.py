@@ -1,5 +1,5 @@
-"""A busy machine for benchmarks: processes that multiply matrices and walk through Python objects, as a recogniser,
-a planner and a screen would."""
+"""A busy machine for benchmarks: processes that multiply matrices and walk through Python objects, as a planner and a
+screen would, and a recogniser that never stops."""
 
 from __future__ import annotations
 
@@ -7,7 +7,16 @@ import contextlib
 import os
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+
+from config import load
+from engine.audio.wav import read_wav
+from engine.loading import make_recogniser
 
 _WORK = """
 import numpy as np
@@ -31,3 +40,25 @@ def busy_machine(processes: int) -> Iterator[None]:
             process.kill()
         for process in working:
             process.wait()
+
+
+@contextlib.contextmanager
+def busy_recogniser() -> Iterator[None]:
+    """Decode speech all the time in a thread of this process until the block ends."""
+    recogniser = make_recogniser(load())
+    recogniser.load()
+    speech = read_wav(Path(str(files("assets") / "speech" / "go_to_the_bedroom_then_turn_around.wav")))
+    samples = (speech / 32768).astype(np.float32)
+    done = threading.Event()
+
+    def recognise() -> None:
+        while not done.is_set():
+            recogniser.transcribe(samples)
+
+    thread = threading.Thread(target=recognise, name="busy")
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()

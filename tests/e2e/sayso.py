@@ -16,9 +16,9 @@ LIMIT_S = 120
 BOOT = "from tui.cli import entry; entry()"
 
 
-def command(*arguments: str) -> list[str]:
-    """The command line that starts sayso with these arguments."""
-    return [sys.executable, "-c", BOOT, *arguments]
+def command(*arguments: str, before: str = "") -> list[str]:
+    """The command line that starts sayso with these arguments; ``before`` is what a test changes in it, as code."""
+    return [sys.executable, "-c", f"{before}\n{BOOT}", *arguments]
 
 
 def environment(state: Path, more: Mapping[str, str] | None = None) -> dict[str, str]:

@@ -61,9 +61,14 @@ class Terminal:
                         raise AssertionError(f"ended before it was seen:\n{self.text}") from None
                     return
 
+    def hang_up(self) -> None:
+        """Close the terminal, as a connection that breaks does."""
+        os.close(self.fd)
+        self.fd = -1
+
     def wait(self) -> int:
         """Read to the end and return the exit code (negative: the signal)."""
-        while True:
+        while self.fd >= 0:
             try:
                 if not os.read(self.fd, 65536):
                     break
@@ -73,9 +78,9 @@ class Terminal:
 
 
 @contextmanager
-def console(*arguments: str, state: Path, columns: int = 120, rows: int = 40) -> Iterator[Terminal]:
+def console(*arguments: str, state: Path, columns: int = 120, rows: int = 40, before: str = "") -> Iterator[Terminal]:
     """Start ``sayso`` in a pseudo-terminal of this size; afterwards it is gone."""
-    argv = command(*arguments)
+    argv = command(*arguments, before=before)
     pid, fd = pty.fork()
     if pid == 0:  # the child: nothing of pytest may run in it
         os.execve(argv[0], argv, environment(state, {"TERM": "xterm-256color", "LANG": "C.UTF-8"}))
@@ -89,4 +94,5 @@ def console(*arguments: str, state: Path, columns: int = 120, rows: int = 40) ->
             os.waitpid(pid, 0)
         except (ProcessLookupError, ChildProcessError):
             pass
-        os.close(fd)
+        if terminal.fd >= 0:
+            os.close(fd)

@@ -1,27 +1,41 @@
-"""A session with a person at it: real planner, dispatcher and skills, a kinematic robot, virtual time."""
+"""A session with a person at it: real planner, dispatcher and skills, a kinematic robot, virtual time.
+
+What the real parts would take time for (hearing, thinking, speaking) takes as long as a test says, may fail, and may
+refuse to be cancelled.
+"""
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
-from typing import TypeVar
+from functools import cache
+from typing import Any, TypeVar
+
+import numpy as np
 
 from config import load
 from config.schema import Settings
 from engine import events
-from engine.bus import Bus
+from engine.audio.endpoint import Utterance
+from engine.bus import Bus, Emit
 from engine.clock import LoopClock
 from engine.commands import Command, Quit
 from engine.dispatch import Dispatcher
 from engine.epoch import Epoch
-from engine.events import Body, Event, TurnResult
+from engine.errors import ModelError, SaysoError
+from engine.events import Body, Event, State, TurnResult
+from engine.hearing import NothingHeard
+from engine.holds import Holds
 from engine.parts import Part
+from engine.plan import Plan
 from engine.planner.build import build_planner, build_registry
+from engine.planner.planner import NoPlan, PlanRequest, Plans
 from engine.robot.robot import Pose
 from engine.session import Session
 from engine.skills.places import Places
-from engine.tts.voice import SilentVoice
+from engine.skills.registry import SkillRegistry
+from engine.tts.voice import SilentVoice, Voice
 from engine.turn import Needs
 from tests.session.kinematic import KinematicRobot
 from tests.virtual_time import run
@@ -29,15 +43,112 @@ from tests.virtual_time import run
 T = TypeVar("T")
 B = TypeVar("B", bound=Body)
 
+NEVER = 1e6
+"""s; nothing waits for this long."""
+
 
 class SlowVoice:
-    """Speaks fifteen characters a second; what was heard of a cut sentence is what was said by then."""
+    """Speaks fifteen characters a second, word by word."""
 
     audible = True
 
-    async def say(self, text: str) -> str:
-        await asyncio.sleep(len(text) / 15)
-        return text
+    async def say(self, text: str, heard: Callable[[str], None]) -> None:
+        end = 0
+        for word in text.split():
+            await asyncio.sleep(len(word) / 15)
+            end = text.index(word, end) + len(word)
+            heard(text[:end])
+
+
+class ScriptedHearing:
+    """Ears into which a test speaks. What is said while nobody listens is lost."""
+
+    warnings: tuple[str, ...] = ()
+
+    def __init__(self) -> None:
+        self.decode_s = 0.3
+        self.overhearing = False
+        self._said = ""
+        self._ear: asyncio.Future[str | None] | None = None
+
+    def speak(self, text: str | None) -> bool:
+        """Say something, or (None) nothing for too long; whether somebody listened."""
+        if self._ear is None or self._ear.done():
+            return False
+        self._ear.set_result(text)
+        return True
+
+    async def listen(self, emit: Emit, *, restarted: bool = False) -> Utterance | NothingHeard:
+        emit(events.ListenStarted("test", restarted))
+        ended = events.ListenEnded("cancelled", 0.0, 0.0)
+        self._ear = asyncio.get_running_loop().create_future()
+        try:
+            text = await self._ear
+            ended = events.ListenEnded("no_speech" if text is None else "silence", 1.0, 1.0)
+        finally:
+            emit(ended)
+        if text is None:
+            return NothingHeard("no_speech", "Nobody spoke.")
+        self._said = text
+        return Utterance(np.zeros(16000, np.int16), 0.0, 1.0, 1.0)
+
+    async def transcribe(self, utterance: Utterance, emit: Emit) -> events.TranscriptFinal | events.TranscriptRejected:
+        del utterance
+        text = self._said
+        await asyncio.sleep(self.decode_s)
+        result: events.TranscriptFinal | events.TranscriptRejected
+        if text:
+            result = events.TranscriptFinal(text, "speech", "en", 0.9, -0.1, 0.02, 1.0, self.decode_s)
+        else:
+            result = events.TranscriptRejected("empty", "No words were recognised.")
+        emit(result)
+        return result
+
+    def overhear(self, on: bool) -> None:
+        self.overhearing = on
+
+
+@dataclass
+class SlowPlanner:
+    """The real planner, behind a model that thinks for as long as a test says, and does what models do."""
+
+    real: Plans
+    decide_s: float = 0.0  # s; with any, there is a stage of deciding
+    plan_s: float = 0.0
+    stubborn: bool = False  # it does not let itself be cancelled, and answers late
+    fault: SaysoError | None = None
+    asked: list[PlanRequest] = field(default_factory=list)
+    answered: int = 0
+
+    @property
+    def understood(self) -> str:
+        return self.real.understood
+
+    async def plan(self, request: PlanRequest) -> Plan | NoPlan:
+        self.asked.append(request)
+        if self.decide_s:
+            request.enter("DECIDING")
+            await self._think(self.decide_s)
+        request.enter("PLANNING")
+        if self.plan_s:
+            await self._think(self.plan_s)
+        self.answered += 1
+        if self.fault is not None:
+            raise self.fault
+        return await self.real.plan(PlanRequest(request.text, request.so_far))
+
+    async def _think(self, seconds: float) -> None:
+        loop = asyncio.get_running_loop()
+        end = loop.time() + seconds
+        while (left := end - loop.time()) > 0:
+            try:
+                await asyncio.sleep(left)
+            except asyncio.CancelledError:
+                if not self.stubborn:
+                    raise
+
+
+MODEL_FAULT = ModelError("The model wrote nonsense.", hint="Try again.")
 
 
 @dataclass
@@ -47,11 +158,16 @@ class Conversation:
     session: Session
     robot: KinematicRobot
     epoch: Epoch
+    hearing: ScriptedHearing
+    planner: SlowPlanner
+    holds: Holds
     seen: list[Event] = field(default_factory=list)
+    on_event: Callable[[Event], None] = lambda event: None
     _news: asyncio.Event = field(default_factory=asyncio.Event)
 
     def see(self, event: Event) -> None:
         self.seen.append(event)
+        self.on_event(event)
         self._news.set()
 
     def send(self, command: Command) -> None:
@@ -61,7 +177,7 @@ class Conversation:
         return [event.body for event in self.seen if isinstance(event.body, kind)]
 
     async def until(self, kind: type[B], having: Callable[[B], bool] = lambda body: True) -> B:
-        """The first event of this kind from now on (or among those not looked at yet) that fits."""
+        """The first event of this kind that fits, among those of the past or in the future."""
         looked = 0
         while True:
             for event in self.seen[looked:]:
@@ -71,55 +187,64 @@ class Conversation:
             self._news.clear()
             await self._news.wait()
 
+    async def until_state(self, state: State) -> None:
+        """Return when the session is in ``state``."""
+        while self.session.state != state:
+            self._news.clear()
+            await self._news.wait()
+
     async def result(self, number: int = 1) -> TurnResult:
         """The result of the ``number``-th turn that ended."""
         while True:
-            results = [body.result for body in self.bodies(events.StateChanged) if body.result is not None]
+            results = self.results
             if len(results) >= number:
                 return results[number - 1]
             self._news.clear()
             await self._news.wait()
+
+    @property
+    def results(self) -> list[TurnResult]:
+        """The results of all turns that have ended."""
+        return [body.result for body in self.bodies(events.StateChanged) if body.result is not None]
 
     async def pass_time(self, seconds: float) -> None:
         """Let virtual time pass."""
         await asyncio.sleep(seconds)
 
 
-def converse(test: Callable[[Conversation], Awaitable[T]], *overrides: str, voice: object | None = None) -> T:
+def as_shipped(registry: SkillRegistry) -> SkillRegistry:
+    return registry
+
+
+def converse(
+    test: Callable[[Conversation], Awaitable[T]],
+    *overrides: str,
+    voice: Voice | None = None,
+    skills: Callable[[SkillRegistry], SkillRegistry] = as_shipped,
+) -> T:
     """Run ``test`` in a session under virtual time; afterwards nothing of it may be left."""
-    return run(_converse(test, load(overrides=overrides, environ={}), voice))
+    settings, reader = _prepared(overrides)
+    if skills is not as_shipped:
+        reader = None
+    return run(_converse(test, settings, voice or SilentVoice(), skills, reader))
 
 
-async def _converse(test: Callable[[Conversation], Awaitable[T]], settings: Settings, voice: object | None) -> T:
-    loop = asyncio.get_running_loop()
-    bus = Bus(LoopClock(loop))
-    robot = KinematicRobot()
-    epoch = Epoch(robot.stop)
-    places = Places(settings.places)
-    places.remember(Pose(0.0, 0.0, 0.0))
-    registry = build_registry(settings, places)
+@cache
+def _prepared(overrides: tuple[str, ...]) -> tuple[Settings, Plans | None]:
+    """Settings, and a planner for them: it knows no session, and takes a while to build."""
+    settings = load(overrides=overrides, environ={})
+    return settings, build_planner(settings)
 
-    def report(status: object) -> None: ...
 
-    async def ready(value: T) -> T:
-        return value
-
-    robot_part: Part[object] = Part("robot", report)
-    planner_part: Part[object] = Part("planner", report)
-    hearing_part: Part[object] = Part("recogniser", report)
-    await robot_part.load(lambda: ready(robot))
-    await planner_part.load(lambda: ready(build_planner(settings, registry)))
-    needs = Needs(
-        robot=robot_part,  # type: ignore[arg-type]
-        planner=planner_part,  # type: ignore[arg-type]
-        dispatcher=lambda up: Dispatcher(registry, up, places, epoch, lambda: "I can drive."),
-        hearing=hearing_part,  # type: ignore[arg-type]
-        voice=voice or SilentVoice(),  # type: ignore[arg-type]
-    )
-    session = Session(settings.session, bus, epoch, needs)
-    conversation = Conversation(session, robot, epoch)
-    bus.subscribe(conversation.see)
-    running = loop.create_task(session.run())
+async def _converse(
+    test: Callable[[Conversation], Awaitable[T]],
+    settings: Settings,
+    voice: Voice,
+    skills: Callable[[SkillRegistry], SkillRegistry],
+    reader: Plans | None,
+) -> T:
+    conversation = await begin(settings, voice, skills, reader)
+    running = asyncio.get_running_loop().create_task(conversation.session.run())
     try:
         return await test(conversation)
     finally:
@@ -127,3 +252,42 @@ async def _converse(test: Callable[[Conversation], Awaitable[T]], settings: Sett
         await running
         others = asyncio.all_tasks() - {asyncio.current_task()}
         assert not others, f"left over: {others}"
+
+
+async def begin(
+    settings: Settings,
+    voice: Voice,
+    skills: Callable[[SkillRegistry], SkillRegistry] = as_shipped,
+    reader: Plans | None = None,
+) -> Conversation:
+    """A session that is ready to run, in the running loop. ``reader``: what plans, once the model has thought."""
+    loop = asyncio.get_running_loop()
+    bus = Bus(LoopClock(loop))
+    robot = KinematicRobot()
+    epoch = Epoch(robot.stop)
+    places = Places(settings.places)
+    places.remember(Pose(0.0, 0.0, 0.0))
+    registry = skills(build_registry(settings, places))
+    holds = Holds()
+    planner = SlowPlanner(reader or build_planner(settings, registry))
+    hearing = ScriptedHearing()
+    needs = Needs(
+        robot=await _ready("robot", robot),
+        planner=await _ready("planner", planner),
+        dispatcher=lambda up: Dispatcher(registry, up, places, epoch, holds, lambda: "I can drive."),
+        hearing=await _ready("recogniser", hearing),
+        voice=voice,
+    )
+    session = Session(settings.session, bus, epoch, needs)
+    conversation = Conversation(session, robot, epoch, hearing, planner, holds)
+    bus.subscribe(conversation.see)
+    return conversation
+
+
+async def _ready(name: Any, value: T) -> Part[T]:
+    async def loaded() -> T:
+        return value
+
+    part: Part[T] = Part(name, lambda status: None)
+    await part.load(loaded)
+    return part

@@ -41,6 +41,8 @@ class KinematicRobot:
     def __init__(self) -> None:
         self.moved: list[tuple[float, int, Twist]] = []
         """(time, epoch, velocity) of every tick in which it moved."""
+        self.arm: list[tuple[float, int, Joints, float]] = []
+        """(time, epoch, joints, speed) of every movement of the arm that was taken."""
         self.refused = 0
         """Commands of an epoch that was over."""
         self.lost = False
@@ -85,9 +87,9 @@ class KinematicRobot:
         self._twist, self._dies = twist, self._at + LIFETIME_S
 
     def move_arm(self, joints: Sequence[float], epoch: int, *, speed: float = 1.0) -> None:
-        del speed
         if epoch == self._epoch:
             self._joints = tuple(joints)  # type: ignore[assignment]
+            self.arm.append((self._loop.time(), epoch, self._joints, speed))
 
     def set_gripper(self, opening: float, epoch: int) -> None: ...
 

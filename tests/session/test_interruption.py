@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import asyncio
 
+import pytest
+
 from engine import events
-from engine.commands import EndTask, Interrupt, Quit, Say, Snapshot
+from engine.commands import Command, EndTask, Interrupt, Quit, Say, Snapshot, Wake
 from engine.errors import ExitCode
+from engine.events import State
 from engine.robot.robot import ARM_INITIAL
 from tests.session.conversation import Conversation, SlowVoice, converse
 
@@ -182,23 +185,46 @@ def test_the_history_says_what_ran_what_was_cut_and_what_never_started() -> None
         talk.send(Snapshot(id="now"))
         ack = await talk.until(events.Ack, lambda body: body.id == "now")
         assert ack.snapshot is not None
-        done = next(entry for entry in ack.snapshot["history"] if "ran" in entry)
-        assert [entry["outcome"] for entry in done["ran"]] == ["ok", "interrupted"]
-        assert done["never_started"] == ["beep(0.2)"]
+        history = ack.snapshot["history"]
+        assert [entry["outcome"] for entry in history if "action" in entry] == ["ok", "interrupted"]
+        assert history[-1]["never_started"] == ["beep(0.2)"]
 
     converse(test)
 
 
-def test_an_interrupted_answer_is_recorded_as_not_heard() -> None:
+def test_the_next_request_tells_the_planner_what_ran_what_was_cut_where_and_what_never_started() -> None:
     async def test(talk: Conversation) -> None:
-        talk.send(Say("what can you do"))
+        talk.send(Say("turn left 90 degrees, go forward 10 metres, beep"))
+        await talk.until(events.ActionStarted, lambda body: body.name == "move_forward")
+        await talk.pass_time(1.0)
+        talk.send(Say("turn right 90 degrees"))
+        await talk.result(2)
+        assert talk.planner.asked[0].so_far == ""
+        assert talk.planner.asked[1].so_far.splitlines() == [
+            "user: turn left 90 degrees, go forward 10 metres, beep",
+            "robot said: Turning left 90 degrees, then driving 10 metres forward, then beeping.",
+            "robot feedback: move_left(90, 1) ok. Turned 90° left.",
+            "interruption: the user gave another command",
+            "robot feedback: move_forward(10, 0.3) interrupted. move_forward(10, 0.3) was interrupted at x 0.00 m, "
+            "y 0.30 m.",
+            "robot feedback: never started: beep(0.2)",
+        ]
+
+    converse(test)
+
+
+def test_an_interrupted_answer_is_recorded_up_to_the_last_word_that_was_played() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go to the moon"))
         await talk.until(events.SpeechStarted)
-        await talk.pass_time(0.1)
+        await talk.pass_time(1.0)
         talk.send(Interrupt())
         await talk.result()
-        ended = talk.bodies(events.SpeechEnded)
-        assert ended
-        assert {(body.outcome, body.heard) for body in ended} == {("interrupted", "")}
+        (ended,) = talk.bodies(events.SpeechEnded)
+        assert (ended.outcome, ended.heard) == ("interrupted", "I don't know a")
+        talk.send(Say("beep"))
+        await talk.result(2)
+        assert "robot said, before it was cut off: I don't know a" in talk.planner.asked[1].so_far
 
     converse(test, voice=SlowVoice())
 
@@ -258,3 +284,44 @@ def test_nothing_moves_for_what_is_unknown_incomplete_or_out_of_range() -> None:
         assert talk.bodies(events.ActionQueued) == []
 
     converse(test)
+
+
+@pytest.mark.parametrize("state", ["ACTING", "FEEDBACK"])
+@pytest.mark.parametrize("command", [Wake("key"), Say("stop"), Say("beep"), Interrupt(), EndTask()])
+def test_what_comes_while_a_dialogue_is_being_finished_finds_a_new_cycle_and_open_ears(
+    command: Command, state: State
+) -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("raise your arm"))
+        await talk.result(1)
+        talk.send(Wake("key"))
+        await talk.until(events.ListenStarted)
+        await talk.pass_time(0.1)
+        talk.hearing.speak("end the current task")
+        await talk.until(events.ActionFinished, lambda body: body.name == "finish_dialogue")
+        await talk.until_state(state)
+        moved = len(talk.robot.arm)
+        talk.send(command)
+        await talk.until(events.TaskEnded)
+        talk.send(Interrupt())
+        talk.send(Snapshot(id="now"))
+        ack = await talk.until(events.Ack, lambda body: body.id == "now")
+        assert ack.snapshot is not None
+        assert ack.snapshot["cycle"] >= 2
+        homeward = isinstance(command, Wake | EndTask)  # after anything else the arm stays where it was stopped
+        assert len(talk.robot.arm) - moved == int(homeward)
+
+    converse(test, voice=SlowVoice())
+
+
+def test_a_dialogue_that_finishes_undisturbed_sends_the_arm_home() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Wake("key"))
+        await talk.until(events.ListenStarted)
+        await talk.pass_time(0.1)
+        talk.hearing.speak("raise your arm and end the task")
+        await talk.until(events.TaskEnded)
+        assert talk.robot.state().joints == ARM_INITIAL
+        assert talk.session.state == "IDLE"
+
+    converse(test, voice=SlowVoice())

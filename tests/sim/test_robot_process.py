@@ -10,14 +10,17 @@ import signal
 import subprocess
 import sys
 import textwrap
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
 
 import numpy as np
 import psutil
 import pytest
 
 from engine.errors import RobotError, SceneError
-from engine.robot.robot import ZERO, RobotState, Twist
-from engine.robot.sim.memory import LOOP_SAMPLES, STEPS
+from engine.robot.robot import ZERO, Pose, RobotState, Twist
+from engine.robot.sim.memory import LOOP_SAMPLES, REST_TIME, STEPS, ZERO_TIME, Memory
 from engine.robot.sim.robot import SimRobot
 from tests.sim.rig import keep_driving, run, running, settings, ticks_until
 
@@ -80,22 +83,64 @@ def test_a_stop_from_another_thread_needs_no_loop() -> None:
     run(main)
 
 
-def test_the_robot_halts_when_the_heartbeat_is_lost_and_waits_for_a_new_command() -> None:
+async def silence(robot: SimRobot, epoch: int) -> RobotState:
+    """Let an engine that drives on fall silent until the robot has halted and stands."""
+    assert (await keep_driving(robot, FORWARD, epoch, 25)).halted is None
+    halted = await keep_driving(robot, FORWARD, epoch, 1, beating=False)
+    while halted.halted is None:
+        halted = await keep_driving(robot, FORWARD, epoch, 1, beating=False)
+    assert halted.halted == "heartbeat lost"
+    assert halted.command == ZERO
+    return await ticks_until(robot, lambda state: not state.moving, beating=False)
+
+
+def test_a_robot_that_halted_stays_halted_for_all_that_belongs_to_the_epoch_before() -> None:
     async def main() -> None:
         async with running(speed="real") as robot:
-            assert (await keep_driving(robot, FORWARD, 1, 25)).halted is None
+            rest = await silence(robot, 1)
+            robot.move_arm((0.5, 0, 0, 0, 0), 1)
+            after = await keep_driving(robot, FORWARD, 1, 25)
+            assert after.halted == "heartbeat lost"
+            assert after.command == ZERO
+            assert after.pose.distance_to(rest.pose) < 0.01
+            assert after.joint_targets == rest.joint_targets
+
+    run(main)
+
+
+def test_a_new_epoch_releases_a_robot_that_halted_once_the_engine_beats_again() -> None:
+    async def main() -> None:
+        async with running(speed="real") as robot:
+            await silence(robot, 1)
+            robot.stop(2)
+            silent = await keep_driving(robot, FORWARD, 2, 10, beating=False)
+            assert silent.epoch == 2
+            assert silent.halted == "heartbeat lost"
+            assert not silent.moving
+            assert (await keep_driving(robot, FORWARD, 2, 10)).moving
+
+    run(main)
+
+
+def test_a_command_given_with_the_epoch_that_releases_the_robot_is_carried_out() -> None:
+    async def main() -> None:
+        async with running(speed="real") as robot:
+            await silence(robot, 1)
             robot.heartbeat()
-            robot.drive(FORWARD, 1)
-            halted = await keep_driving(robot, FORWARD, 1, 1, beating=False)
-            while halted.halted is None:
-                halted = await keep_driving(robot, FORWARD, 1, 1, beating=False)
-            assert halted.halted == "heartbeat lost"
-            assert halted.command == ZERO
-            rest = await ticks_until(robot, lambda state: not state.moving, beating=False)
-            again = await ticks_until(robot, lambda state: state.halted is None)
-            assert again.command == ZERO, "what was commanded before the silence is void"
-            assert again.pose.distance_to(rest.pose) < 0.01
-            assert (await keep_driving(robot, FORWARD, 1, 10)).moving
+            robot.stop(2)
+            robot.set_gripper(1.0, 2)
+            await ticks_until(robot, lambda state: state.gripper > 0.95)
+
+    run(main)
+
+
+def test_a_robot_that_halted_still_shows_its_light() -> None:
+    async def main() -> None:
+        async with running(speed="real") as robot:
+            await silence(robot, 1)
+            robot.set_light((255, 0, 0))
+            state = await ticks_until(robot, lambda state: state.light == (255, 0, 0))
+            assert state.halted
 
     run(main)
 
@@ -136,15 +181,93 @@ async def _tick_for_ever(robot: SimRobot) -> None:
         await robot.tick()
 
 
-def test_a_frozen_robot_process_at_full_speed_is_not_waited_for_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("engine.robot.sim.robot.ANSWER_LIMIT", 0.2)
+@pytest.mark.parametrize("speed", ["max", "real"])
+def test_a_frozen_robot_process_is_not_waited_for_for_ever(monkeypatch: pytest.MonkeyPatch, speed: str) -> None:
+    monkeypatch.setattr("engine.robot.sim.robot.ANSWER_LIMIT", 0.3)
 
     async def main() -> None:
-        async with running() as robot:
+        async with running(speed=speed) as robot, beating(robot):
             assert robot.pid is not None
             os.kill(robot.pid, signal.SIGSTOP)
-            with pytest.raises(RobotError, match="not answered"):
+            with pytest.raises(RobotError, match=r"not answered|silent"):
+                await _tick_for_ever(robot)
+
+    run(main)
+
+
+@asynccontextmanager
+async def beating(robot: SimRobot) -> AsyncIterator[None]:
+    """An engine's heartbeat."""
+
+    async def beat() -> None:
+        while True:
+            robot.heartbeat()
+            await asyncio.sleep(0.05)
+
+    task = asyncio.create_task(beat())
+    try:
+        yield
+    finally:
+        task.cancel()
+
+
+@pytest.mark.parametrize("speed", ["max", "real"])
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP, signal.SIGTERM])
+def test_a_lost_robot_starts_again_where_it_was(
+    monkeypatch: pytest.MonkeyPatch, speed: str, number: signal.Signals
+) -> None:
+    monkeypatch.setattr("engine.robot.sim.robot.ANSWER_LIMIT", 0.5)
+
+    async def main() -> None:
+        async with running(speed=speed) as robot, beating(robot):
+            robot.set_light((0, 0, 255))
+            robot.move_arm((0.5, 0.2, 1.0, 0.8, -0.3), 1)
+            robot.set_gripper(1.0, 1)
+            await keep_driving(robot, Twist(vx=0.5, wz=0.5), 1, 60)
+            lost = robot.pid
+            assert lost is not None
+            os.kill(lost, number)
+            with pytest.raises(RobotError):
+                await _tick_for_ever(robot)
+            before = robot._memory.state.get()  # type: ignore[union-attr]
+            robot.stop(2)
+            await robot.start()
+            assert not psutil.pid_exists(lost)
+            first = await robot.tick()
+            assert first.epoch == 2, "the stop that came while there was no robot counts"
+            assert first.command == ZERO
+            assert not first.moving
+            assert first.halted is None
+            assert first.t >= before["t"]
+            x, y, yaw = before["true_pose"].tolist()
+            assert first.pose.distance_to(Pose(x, y, yaw)) < 0.001
+            assert first.joints == pytest.approx(before["joints"].tolist(), abs=0.03)
+            assert first.gripper == pytest.approx(float(before["gripper"]), abs=0.1)
+            assert first.light == (0, 0, 255)
+            objects = robot.memory.state.get()["qpos"] - before["qpos"]
+            assert np.abs(objects).max() < 0.05, "nothing in the flat jumps"
+            assert not (await keep_driving(robot, FORWARD, 1, 20)).moving, "what is over stays over"
+            assert (await keep_driving(robot, FORWARD, 2, 20)).moving
+
+    run(main)
+
+
+def test_a_robot_that_cannot_be_had_again_can_be_tried_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def main() -> None:
+        async with running() as robot:
+            at = (await keep_driving(robot, FORWARD, 1, 50)).pose
+            assert robot.pid is not None
+            os.kill(robot.pid, signal.SIGKILL)
+            with pytest.raises(RobotError):
                 await robot.tick()
+            with monkeypatch.context() as broken:
+                broken.setattr("engine.robot.sim.process.sys.executable", "/nonexistent/python")
+                with pytest.raises(RobotError, match="cannot be started"):
+                    await robot.start()
+            with pytest.raises(RobotError, match="SIGKILL"):
+                robot.state()
+            await robot.start()
+            assert robot.state().pose.distance_to(at) < 0.05
 
     run(main)
 
@@ -275,28 +398,50 @@ def test_it_can_be_started_and_closed_again_and_again_without_leaving_anything()
     assert not any(psutil.pid_exists(pid) for pid in pids)
 
 
-def test_the_robot_process_ends_when_the_engine_is_killed() -> None:
-    program = textwrap.dedent(
-        """
-        import asyncio, sys
-        from tests.sim.rig import running
+ENGINE = textwrap.dedent(
+    """
+    import asyncio, sys
+    from engine.robot.robot import Twist
+    from tests.sim.rig import running
 
-        async def main():
-            async with running(speed=sys.argv[1]) as robot:
-                print(robot.pid, flush=True)
-                while True:
-                    robot.heartbeat()
-                    await robot.tick()
+    async def main():
+        async with running(speed=sys.argv[1]) as robot:
+            said = False
+            while True:
+                robot.heartbeat()
+                robot.drive(Twist(vx=0.5), 1)
+                state = await robot.tick()
+                if state.twist.vx > 0.45 and not said:
+                    said = True
+                    print(robot.pid, robot.memory.fd, flush=True)
 
-        asyncio.run(main())
-        """
-    )
-    for speed in ("real", "max"):
-        with subprocess.Popen([sys.executable, "-c", program, speed], stdout=subprocess.PIPE, text=True) as engine:
-            assert engine.stdout is not None
-            body = psutil.Process(int(engine.stdout.readline()))
+    asyncio.run(main())
+    """
+)
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="reads another process's memory through /proc")
+@pytest.mark.parametrize("speed", ["real", "max"])
+@pytest.mark.parametrize("end", ["engine is killed", "robot process is told to end"])
+def test_the_robot_comes_to_rest_before_its_process_ends(speed: str, end: str) -> None:
+    with subprocess.Popen([sys.executable, "-c", ENGINE, speed], stdout=subprocess.PIPE, text=True) as engine:
+        assert engine.stdout is not None
+        pid, number = map(int, engine.stdout.readline().split())
+        body = psutil.Process(pid)
+        fd = os.open(f"/proc/{pid}/fd/{number}", os.O_RDWR)
+        memory = Memory(fd)
+        os.close(fd)
+        if end == "engine is killed":
             engine.kill()
-            body.wait(timeout=10)
+        else:
+            body.terminate()
+        body.wait(timeout=10)
+        engine.kill()
+    last = memory.state.get()
+    assert last["halted"].item().decode() == ("engine gone" if end == "engine is killed" else "switched off")
+    assert not last["command"].any()
+    assert np.abs(last["twist"]).max() < 0.01
+    assert memory.times[REST_TIME] >= memory.times[ZERO_TIME] > 0
 
 
 def test_cancelling_the_start_leaves_no_process() -> None:

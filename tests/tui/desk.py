@@ -55,6 +55,12 @@ class Desk:
         return now
 
     @property
+    def shown_problem(self) -> str:
+        """The words of the panel about what failed; nothing when it is not shown."""
+        problem = self.app.shown.model.problem
+        return "" if problem is None else f"{problem.title} {problem.message}"
+
+    @property
     def text(self) -> str:
         """The characters on the screen."""
         strips = self.app.screen._compositor.render_strips()

@@ -107,6 +107,7 @@ class ScriptedEngine:
         self.parts = tuple(parts)
         self.robot = robot
         self.floor = floor
+        self.silence = 0.0
         self.on_command: Callable[[Command], None] = lambda command: None
         self._subscribers: list[Subscriber] = []
         self._seq = 0
@@ -116,6 +117,9 @@ class ScriptedEngine:
         self.sent.append(command)
         self.on_command(command)
 
+    def join(self, timeout: float | None = None) -> bool:
+        return True
+
     def subscribe(self, subscriber: Subscriber) -> Callable[[], None]:
         self._subscribers.append(subscriber)
         return lambda: self._subscribers.remove(subscriber)
@@ -124,7 +128,7 @@ class ScriptedEngine:
         return self.parts
 
     def pulse(self) -> float:
-        return 0.0
+        return self.silence
 
     def robot_state(self) -> RobotState | None:
         return self.robot

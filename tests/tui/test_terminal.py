@@ -5,16 +5,21 @@ from __future__ import annotations
 import fcntl
 import os
 import pty
+import queue
 import select
 import signal
 import struct
 import sys
 import termios
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 
 import pytest
+from textual.drivers.linux_driver import LinuxDriver
+
+from tui.driver import listening_driver
 
 PROGRAM = """
 import os, sys, threading
@@ -76,13 +81,20 @@ class Session:
 
 
 @contextmanager
-def session() -> Iterator[Session]:
+def session(*, controlled: bool = True) -> Iterator[Session]:
+    """``controlled``: the terminal is the one that sends the console its signals, as in every shell."""
     reader, writer = os.pipe()
     os.set_inheritable(writer, True)
-    pid, terminal = pty.fork()
-    if pid == 0:
-        environ = {**os.environ, "TERM": "xterm-256color"}
-        os.execve(sys.executable, [sys.executable, "-c", PROGRAM, str(writer)], environ)
+    command, environ = [sys.executable, "-c", PROGRAM, str(writer)], {**os.environ, "TERM": "xterm-256color"}
+    if controlled:
+        pid, terminal = pty.fork()
+        if pid == 0:
+            os.execve(command[0], command, environ)
+    else:
+        terminal, inside = pty.openpty()
+        ends = [(os.POSIX_SPAWN_DUP2, inside, number) for number in range(3)]
+        pid = os.posix_spawn(command[0], command, environ, file_actions=ends, setsid=True)
+        os.close(inside)
     os.close(writer)
     fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 120, 0, 0))
     try:
@@ -107,8 +119,46 @@ def test_escape_reaches_the_engine_although_nobody_reads_the_screen() -> None:
             assert console.next_line() == "frame"
             frames += 1
         assert frames
-        os.write(console.terminal, b"\x1b[27u")  # escape, as terminals with the extended keyboard protocol send it
-        assert console.next_command() == "interrupt"
+        for key in (b"\x1b[27u", b"\x1b"):  # with the extended keyboard protocol, and without
+            os.write(console.terminal, key)
+            assert console.next_command() == "interrupt"
+
+
+def test_escape_acts_before_anything_could_follow_it_and_only_once() -> None:
+    acted: queue.SimpleQueue[str] = queue.SimpleQueue()  # keys as they act, and (in brackets) as they are queued
+    ended = threading.Event()
+    inside, outside = os.pipe()
+
+    class Unshown(LinuxDriver):
+        def __init__(self) -> None:
+            self.fileno, self._debug, self.cursor_origin = inside, False, None
+            self.exit_event = threading.Event()
+            self._app = None  # type: ignore[assignment]
+
+        def send_message(self, message: object) -> None:
+            acted.put(f"({message.key})")  # type: ignore[attr-defined]
+
+    class Listening(listening_driver(Unshown, acted.put, ended.set)):  # type: ignore[misc]
+        def __init__(self) -> None:
+            Unshown.__init__(self)
+
+    thread = threading.Thread(target=Listening().run_input_thread)
+    thread.start()
+    for data, keys in (
+        (b"\x1b", ["escape", "(escape)"]),
+        (b"\x1b[A", ["up", "(up)"]),
+        (b"\x1b[27u", ["escape", "(escape)"]),
+        (b"\x1b", ["escape", "(escape)"]),
+        (b"a", ["a", "(a)"]),
+    ):
+        os.write(outside, data)
+        assert [acted.get(timeout=PATIENCE_S) for _ in keys] == keys
+    assert acted.empty()
+    os.close(outside)
+    thread.join(PATIENCE_S)
+    os.close(inside)
+    assert ended.is_set(), "the end of the terminal was told"
+    assert not thread.is_alive()
 
 
 @pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGTERM])
@@ -123,10 +173,25 @@ def test_a_terminal_that_goes_away_ends_the_session(number: signal.Signals) -> N
         assert os.waitstatus_to_exitcode(status) == 130
 
 
-def test_a_closed_terminal_ends_the_process() -> None:
-    with session() as console:
-        console.read_until(b"READY")
+@pytest.mark.parametrize("controlled", [True, False], ids=["with SIGHUP", "without a signal"])
+@pytest.mark.parametrize("state", [b"READY", b"LISTENING"], ids=["idle", "drawing"])
+def test_a_closed_terminal_ends_the_process(controlled: bool, state: bytes) -> None:
+    with session(controlled=controlled) as console:
+        console.read_until(state)
         assert console.next_command() == "started"
         os.close(console.terminal)
         assert console.next_command() == "quit"
-        os.waitpid(console.pid, 0)
+        _, status = os.waitpid(console.pid, 0)
+        assert os.waitstatus_to_exitcode(status) == 130
+
+
+def test_a_signal_ends_a_console_whose_screen_nobody_reads() -> None:
+    with session() as console:
+        console.read_until(b"LISTENING")
+        assert console.next_command() == "started"
+        while select.select([console.told], [], [], 2.0)[0]:
+            assert console.next_line() == "frame"
+        os.kill(console.pid, signal.SIGTERM)
+        assert console.next_command() == "quit"
+        _, status = os.waitpid(console.pid, 0)
+        assert os.waitstatus_to_exitcode(status) == 130

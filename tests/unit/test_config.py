@@ -93,6 +93,19 @@ def test_a_part_of_a_place_amends_it(tmp_path: Path) -> None:
     assert "lounge" in place.aliases
 
 
+def test_a_skill_is_amended_replaced_added_and_removed_like_a_place(tmp_path: Path) -> None:
+    (tmp_path / "skills.yaml").write_text("skills: {patrol: {silence_s: null}, follow: {does: Follow., external: [f]}}")
+    skills = load(environ={}, user_folder=tmp_path).skills
+    assert skills["patrol"].silence_s is None
+    assert skills["patrol"].external[0] == "python"
+    assert skills["follow"].external == ("f",)
+    (tmp_path / "skills.yaml").write_text("skills: {patrol: {does: March., external: [march]}}")
+    patrol = load(environ={}, user_folder=tmp_path).skills["patrol"]
+    assert (patrol.external, patrol.occupies, patrol.parameters) == (("march",), (), {})
+    (tmp_path / "skills.yaml").write_text("skills: {patrol: null}")
+    assert load(environ={}, user_folder=tmp_path).skills == {}
+
+
 def test_a_variable_can_name_a_new_place() -> None:
     loaded = load(environ={"SAYSO_PLACES__shed": "{name: boat house, position: {x: 1, y: 2}}"}, user_folder=NOWHERE)
     assert loaded.places["shed"].name == "boat house"
@@ -182,6 +195,23 @@ def test_all_mistakes_are_told_at_once_and_in_reading_order(problems: Callable[.
         ("places:\n  shed: {name: kitchen, position: {x: 1, y: 1}}", "config.yaml:2", "names both A and shed"),
         ("places:\n  shed:\n    name: q", "config.yaml:2", "places.shed.position: is missing"),
         ("places: {A: {orientation: {w: 3}}}", "config.yaml:1", "length"),
+        ("skills:\n  patrol:\n    silense_s: 3", "config.yaml:3", "did you mean 'silence_s'?"),
+        ("skills:\n  patrol:\n    silence_s: 0", "config.yaml:3", "a number above 0"),
+        ("skills:\n  patrol:\n    occupies: [legs]", "config.yaml:3", "base | arm | camera | voice"),
+        ("skills:\n  patrol:\n    external: patrol.sh", "config.yaml:3", "a list of text"),
+        ("skills:\n  patrol:\n    external: []", "config.yaml:3", "skills.patrol.external: a list is not allowed here"),
+        ("skills:\n  follow:\n    external: [follow]", "config.yaml:2", "skills.follow.does: is missing"),
+        ("skills:\n  Follow me:\n    {does: x, external: [x]}", "config.yaml:2", "'Follow me' is no name for a skill"),
+        ("skills: {f: {does: x, external: [x], parameters: {2m: {kind: place}}}}", "config.yaml:1", "no name for a p"),
+        ("skills: {f: {does: x, external: [x], parameters: {d: {}}}}", "config.yaml:1", "(unit, min, max) or words"),
+        ("skills: {f: {does: x, external: [x], parameters: {d: {unit: m}}}}", "config.yaml:1", "needs limits"),
+        ("skills: {f: {does: x, external: [x], parameters: {d: {unit: mile}}}}", "config.yaml:1", "m | deg | s"),
+        (
+            "skills:\n  f:\n    does: x\n    external: [x]\n    parameters:\n      d:\n"
+            "        {unit: m, min: 0, max: 2, default: 3}",
+            "config.yaml:6",
+            "the default is a number from 0 to 2",
+        ),
         ("places:\n  A:\n    aliases:\n      - a\n      - 3", "config.yaml:5", "places.A.aliases.1: 3 is not allowed"),
     ],
 )

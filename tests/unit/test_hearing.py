@@ -323,8 +323,9 @@ def test_a_cancelled_transcription_returns_at_once_and_its_result_is_late() -> N
             loop = asyncio.get_running_loop()
 
             def emit(body: events.Body) -> events.Event:
+                event = it.emit(body)
                 loop.call_soon_threadsafe(late.set)
-                return it.emit(body)
+                return event
 
             waiting = asyncio.ensure_future(it.hearing.transcribe(an_utterance(), emit))
             await asyncio.to_thread(slow.began.wait)

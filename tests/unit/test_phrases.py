@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from config import load as load_settings
 from config.schema import Place, Position
 from engine.errors import UsageError
 from engine.plan import ActionCall, Quantity
@@ -16,6 +17,7 @@ from engine.planner.language import load
 from engine.planner.phrases import Matched, NoMatch, PhrasePlanner, UnknownPlace, is_end_task, is_stop
 from engine.planner.words import digits
 from engine.robot.robot import Capability
+from engine.skills.external.host import external_skill
 from engine.skills.library import LIBRARY
 from engine.skills.places import Places
 from engine.skills.registry import SkillRegistry
@@ -30,7 +32,8 @@ PLACES = {
 }
 PLANNER = PhrasePlanner(PLACES)
 ALL: frozenset[Capability] = frozenset({"base", "arm", "camera", "voice"})
-REGISTRY = SkillRegistry(LIBRARY, capabilities=ALL, vocabulary={"place": Places(PLACES).symbol})
+PATROL = external_skill("patrol", load_settings(environ={}).skills["patrol"])
+REGISTRY = SkillRegistry([*LIBRARY, PATROL], capabilities=ALL, vocabulary={"place": Places(PLACES).symbol})
 COMMANDS = Path(__file__).parents[3] / "shared" / "data" / "commands_dev.json"
 
 
@@ -144,6 +147,37 @@ def test_turns_are_to_the_side_and_by_the_angle_that_was_said(said: str, actions
 )
 def test_places_are_found_by_name_alias_and_symbol(said: str, symbol: str) -> None:
     assert plan(said) == f"navigation({symbol})"
+
+
+@pytest.mark.parametrize(
+    ("said", "actions"),
+    [
+        ("patrol", "patrol()"),
+        ("Please patrol the flat.", "patrol()"),
+        ("patrol the whole house until I tell you to stop", "patrol()"),
+        ("do your rounds", "patrol()"),
+        ("keep watch", "patrol()"),
+        ("start patrolling", "patrol()"),
+        ("patrol the kitchen", "patrol(A)"),
+        ("patrol between the kitchen and the lounge", "patrol(A,B)"),
+        ("patrol the kitchen, the living room and room 2", "patrol(A,B,D)"),
+        ("patrol between the Bed & Breakfast Room and the kitchen", "patrol(C,A)"),
+        ("go back and forth between the kitchen and the charger", "patrol(A,E)"),
+        ("go to the kitchen, then keep watch", "navigation(A); patrol()"),
+    ],
+)
+def test_a_patrol_goes_through_the_places_that_were_said_or_all_rooms(said: str, actions: str) -> None:
+    assert plan(said) == actions
+
+
+@pytest.mark.parametrize("said", ["patrol between the kitchen", "patrol if you hear something", "patrol the wine"])
+def test_half_a_patrol_is_not_guessed(said: str) -> None:
+    assert not isinstance(PLANNER.plan(said), Matched)
+
+
+@pytest.mark.parametrize("said", ["stop patrolling", "stop the patrol!"])
+def test_a_patrol_is_stopped_by_its_name(said: str) -> None:
+    assert is_stop(said)
 
 
 @pytest.mark.parametrize(
@@ -399,6 +433,8 @@ def test_the_answer_tells_in_one_sentence_what_will_be_done() -> None:
         ("go to B and light off", "Going to the living room, then turning the light off."),
         ("return", "Going to the remembered place."),
         ("where are you", ""),  # the skill itself answers
+        ("patrol", "Patrolling from room to room."),
+        ("patrol the kitchen, lounge and room 2", "Patrolling the kitchen, the living room and the room 2."),
     ],
 )
 def test_answers_are_told_in_the_words_of_people(said: str, response: str) -> None:
@@ -517,3 +553,25 @@ def test_a_stammer_is_forgiven(said: str) -> None:
 
 def test_a_repeated_number_is_no_stammer() -> None:
     assert isinstance(PLANNER.plan("go forward 2 2 meters"), NoMatch)
+
+
+@pytest.mark.parametrize(
+    ("said", "together"),
+    [
+        ("go to the kitchen and raise your arm at the same time", [False, True]),
+        ("raise your arm and simultaneously turn left 90 degrees", [False, True]),
+        ("go to the kitchen, and meanwhile nod, then beep", [False, True, False]),
+        ("at the same time raise your arm", [False]),  # as what?
+        ("go to the kitchen, then raise your arm", [False, False]),
+    ],
+)
+def test_what_is_to_happen_at_the_same_time_starts_together(said: str, together: list[bool]) -> None:
+    match = PLANNER.plan(said)
+    assert isinstance(match, Matched)
+    assert [call.alongside for call in match.calls] == together
+
+
+def test_an_answer_says_what_happens_at_the_same_time() -> None:
+    match = PLANNER.plan("go to the kitchen and raise your arm at the same time, then beep")
+    assert isinstance(match, Matched)
+    assert match.response == "Going to the kitchen and at the same time raising the arm, then beeping."

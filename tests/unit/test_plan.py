@@ -56,7 +56,7 @@ def test_a_list_of_actions_keeps_its_order() -> None:
     [
         ("a(", "an argument"),
         ("a(1", "',' or ')'"),
-        ("a)", "',' or the end"),
+        ("a)", "',', '&' or the end"),
         ("a(,)", "an argument"),
         ("a(1 2)", "'2' at character 5"),
         ("a(b=)", "an argument"),
@@ -64,7 +64,7 @@ def test_a_list_of_actions_keeps_its_order() -> None:
         ("a(b=1, b=2)", "b is given twice"),
         ("a(x=y=z)", "'='"),
         ("a(((((1)))))", "an argument"),
-        ("a()()", "',' or the end"),
+        ("a()()", "',', '&' or the end"),
         ("a b", "'b' at character 3"),
         ("1(2)", "the name of an action"),
         ("()", "the name of an action"),

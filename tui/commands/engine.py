@@ -2,7 +2,7 @@
 
 The end of stdin means "no more commands": what was asked for is done, then the engine ends. SIGTERM, SIGHUP and
 SIGINT stop the robot and end it at once, and so does a reader of stdout who goes away. All of them exit with 0 but
-the last two, which exit with 130.
+the last two, which exit with 130. An engine that dies by a fault, or does not answer for ten seconds, exits with 1.
 """
 
 from __future__ import annotations
@@ -17,10 +17,15 @@ from engine.commands import MAX_LINE, Quit, parse_command
 from engine.engine import Engine
 from engine.errors import ExitCode, UsageError
 from engine.loading import Sound
-from tui.commands.headless import Printer, Terminated, signals_raise
+from tui.commands.headless import LOOK_S, Printer, Pulse, Terminated, end, signals_raise
+from tui.commands.output import say
 from tui.commands.settings import load_settings
 
 READ_BYTES = 65536
+WARN_S = 2.0
+"""From so long without a sign of life, people are told that the engine does not answer, s."""
+HUNG_S = 10.0
+"""After so long it is given up, s."""
 
 
 def run(arguments: Namespace) -> int:
@@ -32,17 +37,29 @@ def run(arguments: Namespace) -> int:
         engine.start()
         threading.Thread(target=_read_commands, args=(engine, sys.stdin.fileno()), name="stdin", daemon=True).start()
         try:
-            while not engine.join(None):
-                pass
+            watch(engine)
         except Terminated:
             pass
         except KeyboardInterrupt:
             code = ExitCode.INTERRUPTED
         finally:
             engine.send(Quit())
-            engine.join()
+            end(engine)
             printer.close()
+    if engine.failure is not None:
+        code = ExitCode.FAILED
     return int(ExitCode.INTERRUPTED if printer.reader_gone else code)
+
+
+def watch(engine: Engine) -> None:
+    """Wait for the engine to end; tell people when it does not answer, and when it does again."""
+    pulse, silent = Pulse(engine, HUNG_S), False
+    while not engine.join(LOOK_S):
+        was, silent = silent, pulse.silence() > WARN_S
+        if silent and not was:
+            say("sayso: the engine does not answer; the robot has stopped by itself.")
+        elif was and not silent:
+            say("sayso: the engine answers again.")
 
 
 def _read_commands(engine: Engine, fd: int) -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import queue
 import signal
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from ulid import ULID
 
@@ -22,6 +24,13 @@ if TYPE_CHECKING:
     from config.schema import Settings
     from engine.engine import Engine
     from engine.loading import Sound
+
+SILENT_S: Final = 5.0
+"""An engine that shows no sign of life for so long is given up by those who wait for a result."""
+LOOK_S: Final = 0.5
+"""How often somebody who waits feels the engine's pulse."""
+END_S: Final = 10.0
+"""How long an engine may take to end."""
 
 _ENDED = TurnResult(ExitCode.INTERRUPTED, "interrupted", "The session ended before this was done.")
 
@@ -61,6 +70,36 @@ def signals_raise() -> Iterator[None]:
     finally:
         for number, handler in kept.items():
             signal.signal(number, handler)
+
+
+class Pulse:
+    """Feels an engine's pulse for somebody who waits for it."""
+
+    def __init__(self, engine: Engine, limit_s: float = SILENT_S) -> None:
+        """After ``limit_s`` of silence the engine is given up."""
+        self._engine = engine
+        self._limit_s = limit_s
+        self._felt = time.monotonic()
+
+    def silence(self) -> float:
+        """For how long the engine has shown no sign of life, s; ends the process when that is for good.
+
+        To be asked every ``LOOK_S``: whoever was away himself (a paused process) cannot know yet, and gets 0.
+        """
+        now, felt = time.monotonic(), self._felt
+        self._felt = now
+        silence = self._engine.pulse() if now - felt < 4 * LOOK_S else 0.0
+        if silence > self._limit_s:
+            say(f"sayso: the engine has not answered for {silence:.0f} s. The robot has stopped by itself.")
+            os._exit(ExitCode.FAILED)  # the interpreter would wait for the thread that hangs
+        return silence
+
+
+def end(engine: Engine) -> None:
+    """Wait for an engine that has been asked to end."""
+    pulse, limit = Pulse(engine), time.monotonic() + END_S
+    while not engine.join(LOOK_S) and time.monotonic() < limit:
+        pulse.silence()
 
 
 class Printer:
@@ -108,23 +147,37 @@ class Headless:
         return self._printer.reader_gone
 
     def perform(self, command: Say | Wake, timeout_s: float | None) -> TurnResult:
-        """Send ``command`` and wait for the result of its turn; after ``timeout_s`` stop the robot and say so."""
+        """Send ``command`` and wait for the result of its turn; after ``timeout_s`` stop the robot and say so.
+
+        An engine that does not answer any more ends the process (see :class:`Pulse`).
+        """
         self._awaited = key = str(ULID())
         self._engine.send(replace(command, id=key))
-        try:
-            while True:
-                answered, result = self._results.get(timeout=timeout_s)
-                if answered in (key, None):
-                    return result
-        except queue.Empty:
-            assert timeout_s is not None, "only a wait with a limit ends empty"
-            self._engine.send(Interrupt())
-            return TurnResult(ExitCode.TIMEOUT, "timeout", f"No result within {timeout_s:g} s; the robot was stopped.")
+        limit = float("inf") if timeout_s is None else time.monotonic() + timeout_s
+        pulse = Pulse(self._engine)
+        while (left := limit - time.monotonic()) > 0:
+            pulse.silence()
+            try:
+                answered, result = self._results.get(timeout=min(left, LOOK_S))
+            except queue.Empty:
+                continue
+            if answered == key:
+                return result
+            if answered is None:
+                return self._how_it_ended()
+        self._engine.send(Interrupt())
+        return TurnResult(ExitCode.TIMEOUT, "timeout", f"No result within {timeout_s:g} s; the robot was stopped.")
+
+    def _how_it_ended(self) -> TurnResult:
+        end(self._engine)
+        if (fault := self._engine.failure) is None:
+            return _ENDED
+        return TurnResult(ExitCode.FAILED, "failed", f"The engine ended by a fault: {fault!r}.")
 
     def finish(self) -> None:
         """End the engine and print what is left."""
         self._engine.send(Quit())
-        self._engine.join()
+        end(self._engine)
         self._printer.close()
 
     def _see(self, event: Event) -> None:

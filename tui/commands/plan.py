@@ -12,7 +12,7 @@ from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import ExitCode
 from engine.planner.build import build_planner
-from engine.planner.planner import NoPlan, Planner
+from engine.planner.planner import NoPlan, Planner, PlanRequest
 from tui.commands.ask import requests
 from tui.commands.output import data, say
 from tui.commands.settings import load_settings
@@ -33,7 +33,7 @@ def run(arguments: Namespace) -> int:
 
 def _plan(planner: Planner, bus: Bus, text: str, *, json: bool) -> ExitCode:
     emit = bus.bound(turn=str(ULID()), epoch=0)
-    plan = asyncio.run(planner.plan(text))
+    plan = asyncio.run(planner.plan(PlanRequest(text)))
     if isinstance(plan, NoPlan):
         emit(plan.as_event())
         if not json:

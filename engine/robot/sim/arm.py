@@ -43,6 +43,16 @@ class Arm:
         """Measured, 0 closed … 1 open."""
         return max(0.0, min(1.0, float(self._data.qpos[self._fingers].mean()) / FINGER_TRAVEL))
 
+    @property
+    def grip_target(self) -> float:
+        """What the gripper is told, 0 … 1."""
+        return self._opening
+
+    def resume_grip(self, opening: float) -> None:
+        """Grip as it was told before, at once: what it holds must not fall."""
+        self._opening = self._wanted_opening = opening
+        self._tell()
+
     def move(self, joints: Sequence[float], speed: float) -> bool:
         """Set a goal; within the ranges of the joints. One that is not finite is refused."""
         goal = clamp_joints(joints, JOINT_RANGES)

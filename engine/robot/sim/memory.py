@@ -5,7 +5,8 @@ heartbeat, the tick counter. A stop is one such word, so giving it never waits f
 newest of a record (a state, a command) in a ring of slots: the writer never waits either, a reader never sees half
 a record, and a process killed in the middle of writing leaves the last whole record behind.
 
-The file behind it has no name from the moment it exists, so nothing is left over however the processes end.
+The file behind it has no name from the moment it exists, so nothing is left over however the processes end. It
+outlives the robot process: the next one finds in it where the robot was, and the epoch that is in force.
 """
 
 from __future__ import annotations
@@ -36,10 +37,12 @@ STATE = np.dtype(
         ("joints", "f8", 5),
         ("joint_targets", "f8", 5),
         ("gripper", "f8"),
+        ("grip", "f8"),  # what the gripper is told, which is less than it measures when it holds something
         ("light", "i8", 3),
         ("buzzer_until", "f8"),  # robot time
         ("blocked", "S96"),
         ("halted", "S96"),
+        ("halted_in", "i8"),  # epoch
         ("true_pose", "f8", 3),  # without odometry noise, for tests and evaluation
         ("qpos", "f8", MAX_QPOS),  # of the whole scene, for cameras
     ]
@@ -139,6 +142,12 @@ class Memory:
         memory = cls(fd)
         memory.ints[STOP_EPOCH] = 1
         return memory
+
+    def begin_again(self) -> None:
+        """Ready for another robot process, after the last one has gone: what it left as its state stays, and so does
+        the epoch; the rest is as new. Nobody beats for a robot that is not there yet."""
+        for word in (HEARTBEAT, WAITERS, QUIT, READY, ALIVE):
+            self.ints[word] = 0  # zero seconds, too
 
 
 _MAILBOXES = (STATE, SCAN, DRIVE, ARM, GRIPPER, SIGNAL)

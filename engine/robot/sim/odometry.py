@@ -24,6 +24,10 @@ class Odometry:
         self._true = start
         self.pose = start
 
+    def resume(self, true: Pose, believed: Pose) -> None:
+        """Go on from where the robot is and where it believes it is."""
+        self._true, self.pose = true, believed
+
     def update(self, true: Pose) -> Pose:
         """The robot is at ``true`` now; returns where it believes it is."""
         if self._noise == 0:

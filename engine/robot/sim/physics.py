@@ -2,18 +2,27 @@
 
 In real time it steps every 2 ms against absolute deadlines; the first thing of every step is the stop stamp, the
 second the heartbeat. At full speed it stands still until the engine asks for the next tick over a socket, so that
-time passes only while somebody waits for it. Either way it ends when the socket closes or its parent is gone.
+time passes only while somebody waits for it.
+
+It halts by itself when the engine falls silent, and then nothing moves it but a new epoch: an engine that was away
+must not go on where it was. The base brakes a little earlier, so that it stands soon after. When the socket closes,
+its parent is gone or it is told to end, it brings the robot to rest first and leaves a last state that says so.
+
+Memory that holds a state already is that of a robot that was lost: it goes on from there.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import signal
 import socket
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
+from types import FrameType
 
 from config.schema import Robot as RobotSettings
 from engine.errors import SaysoError
@@ -29,6 +38,11 @@ TICK_STEPS = 10
 """Physics steps per tick (20 ms)."""
 DEBT = 0.05
 """s that real time may run ahead before the simulation stops trying to catch up."""
+BRAKE_PART = 0.7
+"""Of the silence that is allowed: then the base brakes, and goes on if the engine is back in time. From full speed it
+needs 0.1 s to stand, and 0.3 s after the engine's last sign of life it must."""
+SETTLE_LIMIT = 0.5
+"""s of robot time in which the base comes to rest before the process ends; from full speed it needs 0.1."""
 
 
 class Firmware:
@@ -37,9 +51,11 @@ class Firmware:
     def __init__(self, memory: Memory, world: World, settings: RobotSettings) -> None:
         self._memory = memory
         self._world = world
-        self._silence = settings.heartbeat_s if settings.speed == "real" else float("inf")
+        self._allowed = settings.heartbeat_s if settings.speed == "real" else float("inf")
         self._epoch = memory.ints[m.STOP_EPOCH]
         self._halted = ""
+        self._halted_in = 0  # the epoch that was in force when the robot halted
+        self._braked = False  # the engine is late
         self._stopping = False
         self._seen = {box: box.count for box in (memory.drive, memory.arm, memory.gripper, memory.signal)}
         self._scanned = -1.0
@@ -50,24 +66,32 @@ class Firmware:
         epoch = memory.ints[m.STOP_EPOCH]
         if epoch != self._epoch:
             self._world.stop()
-            memory.times[m.ZERO_TIME] = time.monotonic()
-            memory.ints[m.STOPPED_EPOCH] = self._epoch = epoch
-            self._stopping = True
+            self._stamp_zero()
+            self._epoch = epoch
+            memory.ints[m.STOPPED_EPOCH] = epoch
             self.publish()
         self._watch(now, memory.times[m.HEARTBEAT])
-        if not self._halted:
-            self._take_commands()
-        self._world.step()
-        if self._stopping and self._world.at_rest:
-            memory.times[m.REST_TIME] = time.monotonic()
-            self._stopping = False
+        if not (self._halted or self._braked):
+            self._take_motions()
+        self._take_signals()
+        self._advance()
+
+    def settle(self, why: str, pace: Callable[[], object] = lambda: None) -> None:
+        """The last thing of all: come to rest, whatever was commanded, and leave that as the last state."""
+        self._halt(why)
+        for _ in range(round(SETTLE_LIMIT / TIMESTEP)):
+            if not self._stopping:
+                break
+            pace()
+            self._advance()
+        self.publish()
 
     def publish(self) -> None:
         """Show the readings of now."""
         world, box = self._world, self._memory.state
         world.fill(box.scratch)
         box.scratch["epoch"] = self._epoch
-        box.scratch["halted"] = self._halted.encode()
+        box.scratch["halted"], box.scratch["halted_in"] = self._halted.encode(), self._halted_in
         box.put()
         if world.scan_time != self._scanned:
             self._scanned = world.scan_time
@@ -76,19 +100,40 @@ class Firmware:
             scan.put()
 
     def _watch(self, now: float, heartbeat: float) -> None:
-        """Halt while the engine is silent. What it had commanded is void: only a new command moves the robot again."""
-        silent = heartbeat > 0 and now - heartbeat > self._silence
-        if silent and not self._halted:
-            self._world.stop()
-            self._halted = "heartbeat lost"
-            self.publish()
-        elif self._halted and not silent:
-            for box in (self._memory.drive, self._memory.arm, self._memory.gripper):
-                self._seen[box] = box.count
-            self._halted = ""
-            self.publish()
+        """Halt when the engine is silent, and stay halted until it beats again *and* a new epoch has begun."""
+        silence = now - heartbeat if heartbeat > 0 else 0.0
+        if self._halted:
+            if silence <= self._allowed and self._epoch != self._halted_in:
+                self._halted = ""
+                self.publish()
+        elif silence > self._allowed:
+            self._halt("heartbeat lost")
+        elif (late := silence > BRAKE_PART * self._allowed) != self._braked:
+            self._braked = late
+            if late:
+                self._world.brake()
+                self._stamp_zero()
 
-    def _take_commands(self) -> None:
+    def _halt(self, why: str) -> None:
+        self._halted, self._halted_in = why, self._epoch
+        self._world.stop()
+        if not self._braked:
+            self._stamp_zero()
+        self._braked = False
+        self.publish()
+
+    def _stamp_zero(self) -> None:
+        """The motors have just been told to stand."""
+        self._memory.times[m.ZERO_TIME] = time.monotonic()
+        self._stopping = True
+
+    def _advance(self) -> None:
+        self._world.step()
+        if self._stopping and self._world.at_rest:
+            self._memory.times[m.REST_TIME] = time.monotonic()
+            self._stopping = False
+
+    def _take_motions(self) -> None:
         memory, world = self._memory, self._world
         if (box := memory.drive).count != self._seen[box]:
             record = box.get()
@@ -102,11 +147,14 @@ class Firmware:
             record = box.get()
             if self._is_ours(box, record):
                 world.grip(float(record["opening"]))
-        if (box := memory.signal).count != self._seen[box]:
+
+    def _take_signals(self) -> None:
+        """Light and sound move nothing: they belong to no epoch."""
+        if (box := self._memory.signal).count != self._seen[box]:
             self._seen[box] = box.count
             record = box.get()
             red, green, blue = record["light"].tolist()
-            world.signal((red, green, blue), float(record["beep"]))
+            self._world.signal((red, green, blue), float(record["beep"]))
 
     def _is_ours(self, box: Mailbox, record: m.Record) -> bool:
         """Whether a command is of the epoch in force. One of a coming epoch is left for when its stop has arrived:
@@ -118,42 +166,62 @@ class Firmware:
 
 
 def run_in_real_time(memory: Memory, firmware: Firmware, link: socket.socket) -> None:
-    """Step every 2 ms until the engine closes the link."""
+    """Step every 2 ms until the engine closes the link; then come to rest."""
     ints, times, loop = memory.ints, memory.times, memory.loop
     parent = os.getppid()
     link.setblocking(False)
-    step, deadline = 0, time.monotonic()
-    while not ints[m.QUIT]:
-        deadline += TIMESTEP
-        wait = deadline - time.monotonic()
-        if wait > 0:
-            time.sleep(wait)
+    pace = Pace()
+    step, linked = 0, True
+    while linked and not ints[m.QUIT]:
+        late = pace.wait()
         now = time.monotonic()
-        late = now - deadline
         if late > DEBT:
             ints[m.OVERRUNS] += 1
-            deadline = now
         firmware.step(now)
         times[m.ALIVE] = now
         step += 1
         if step % TICK_STEPS == 0:
             firmware.publish()
             ints[m.TICKS] += 1
-            if not _still_linked(link, wake=ints[m.WAITERS] != 0) or os.getppid() != parent:
-                return
+            linked = _still_linked(link, wake=ints[m.WAITERS] != 0) and os.getppid() == parent
         loop[step % m.LOOP_SAMPLES] = (late, time.monotonic() - now)
         ints[m.STEPS] = step
+    firmware.settle(_why_it_ends(memory), pace.wait)
 
 
 def run_on_demand(memory: Memory, firmware: Firmware, link: socket.socket) -> None:
-    """Step one tick per request until the engine closes the link."""
+    """Step one tick per request until the engine closes the link; then come to rest."""
     link.setblocking(True)
-    while link.recv(1):
-        for _ in range(TICK_STEPS):
-            firmware.step(time.monotonic())
-        firmware.publish()
-        memory.ints[m.TICKS] += 1
-        link.send(b".")
+    with contextlib.suppress(OSError):  # an engine that was killed between asking and hearing
+        while link.recv(1):
+            for _ in range(TICK_STEPS):
+                firmware.step(time.monotonic())
+            firmware.publish()
+            memory.ints[m.TICKS] += 1
+            link.send(b".")
+    firmware.settle(_why_it_ends(memory))
+
+
+class Pace:
+    """Absolute deadlines, one for every physics step."""
+
+    def __init__(self) -> None:
+        self._deadline = time.monotonic()
+
+    def wait(self) -> float:
+        """Sleep to the next deadline and return how late it has become, s; what is much too late is let go."""
+        self._deadline += TIMESTEP
+        left = self._deadline - time.monotonic()
+        if left > 0:
+            time.sleep(left)
+        late = time.monotonic() - self._deadline
+        if late > DEBT:
+            self._deadline += late
+        return late
+
+
+def _why_it_ends(memory: Memory) -> str:
+    return "switched off" if memory.ints[m.QUIT] else "engine gone"
 
 
 def _still_linked(link: socket.socket, *, wake: bool) -> bool:
@@ -179,13 +247,20 @@ def main(argv: list[str]) -> int:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the engine's business: it stops us when it is done
     settings = RobotSettings.model_validate_json(args.settings)
     memory = Memory(args.memory)
+    link = socket.socket(fileno=args.link)
+
+    def terminate(number: int, frame: FrameType | None) -> None:
+        memory.ints[m.QUIT] = 1
+        link.shutdown(socket.SHUT_RD)  # wakes the loop that waits for a request
+
+    signal.signal(signal.SIGTERM, terminate)
     try:
-        world = World(load_scene(args.scene), settings)
+        world = World(load_scene(args.scene), settings, memory.state.get() if memory.state.count else None)
     except SaysoError as error:
         print(error, file=sys.stderr)  # noqa: T201 - SimRobot puts our stderr into its own error
         return int(error.exit_code)
     firmware = Firmware(memory, world, settings)
-    with socket.socket(fileno=args.link) as link:
+    with link:
         if settings.speed == "real" and settings.realtime_priority:
             memory.ints[m.SCHEDULING] = as_word(raise_priority())
         quiet_memory()

@@ -2,6 +2,7 @@
 
 It shares an unnamed piece of memory and one socket pair with us, both inherited, so nothing has a name that could
 be left over. When either side dies in whatever way, the kernel closes its end of the socket and the other side knows.
+The memory belongs to whoever starts the process, and may have served one before.
 """
 
 from __future__ import annotations
@@ -23,25 +24,25 @@ from engine.robot.sim.memory import Memory
 
 START_LIMIT = 60.0
 """s until the robot process must have built its world."""
-_LEAVE_LIMIT = 1.0  # s in which it leaves when asked; a tick is enough
+_LEAVE_LIMIT = 1.5  # s in which it leaves when asked: it comes to rest first
 
 
 class RobotProcess:
     """One running robot process. Whoever makes it closes it."""
 
-    def __init__(self, scene: Path, settings: RobotSettings) -> None:
+    def __init__(self, scene: Path, settings: RobotSettings, memory: Memory) -> None:
         """Start the process. Raises :class:`RobotError`."""
-        self.memory = Memory.create()
+        self._memory = memory
         self.link, theirs = socket.socketpair()
         # No pipe for stderr: nobody would read it while all is well, and a full pipe stops the writer.
         self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 - closed in release()
         command = [sys.executable, "-P", "-m", "engine.robot.sim.physics"]
-        command += [f"--memory={self.memory.fd}", f"--link={theirs.fileno()}"]
+        command += [f"--memory={memory.fd}", f"--link={theirs.fileno()}"]
         command += [f"--scene={scene}", f"--settings={settings.model_dump_json()}"]
         try:
             self._process = subprocess.Popen(
                 command,
-                pass_fds=(self.memory.fd, theirs.fileno()),
+                pass_fds=(memory.fd, theirs.fileno()),
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=self._stderr,
@@ -87,18 +88,21 @@ class RobotProcess:
 
     def end(self) -> None:
         """Ask the process to leave and block until it has; kill it when it does not."""
-        self.memory.ints[m.QUIT] = 1
+        self._memory.ints[m.QUIT] = 1
         with contextlib.suppress(OSError):  # its end may be closed already
             self.link.shutdown(socket.SHUT_RDWR)
         try:
             self._process.wait(_LEAVE_LIMIT)
         except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+            self.kill()
+
+    def kill(self) -> None:
+        """End the process for good, also one that has been stopped, and block until it is gone."""
+        self._process.kill()
+        self._process.wait()
 
     def release(self) -> None:
-        """Close what is ours. The memory itself goes when its last reader lets go of it."""
-        os.close(self.memory.fd)
+        """Close what is ours."""
         self.link.close()
         self._stderr.close()
 

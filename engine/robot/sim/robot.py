@@ -2,15 +2,20 @@
 
 Stops, commands and readings are accesses to the memory shared with the robot process and never wait for it. Ticks
 come over a socket: in real time the robot process sends one while somebody waits, at full speed it is asked for one.
+
+The memory outlives the process. When the process is lost (it died, was killed, does not answer), everybody who waits
+for it gets an error, and ``start`` puts another one in its place, in the same memory: the robot stands where it was,
+and what was commanded before moves nothing.
 """
 
 from __future__ import annotations
 
 import asyncio
 import math
+import os
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from config.schema import Robot as RobotSettings
 from engine.errors import RobotError
@@ -22,7 +27,7 @@ from engine.robot.sim.memory import Memory, Record
 from engine.robot.sim.process import RobotProcess
 from engine.robot.sim.scene import load_scene, scene_path
 
-ANSWER_LIMIT = 5.0
+ANSWER_LIMIT = 2.5
 """s of silence after which a robot process that has not ended counts as lost."""
 _AGAIN = "Start it again."
 
@@ -42,6 +47,7 @@ class SimRobot:
         self._map = floor_map(self.scene)
         self._in_real_time = settings.speed == "real"
         self._writing = threading.Lock()  # one writer at a time for the command mailboxes; stop() never takes it
+        self._memory: Memory | None = None
         self._process: RobotProcess | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._lost: str | None = "The robot has not been started."
@@ -76,13 +82,24 @@ class SimRobot:
         return self._process.pid if self._process is not None else None
 
     async def start(self) -> None:
-        """Start the robot process and wait until its world is built. Raises :class:`RobotError`."""
-        if self._process is not None:
-            raise RobotError("The simulated robot is started already.", hint="Close it first.")
+        """Start the robot process and wait until its world is built; one that was lost is replaced, and the robot
+        goes on from where it was. Raises :class:`RobotError`."""
+        if self._process is not None and self._lost is None:
+            if (why := self._process.epitaph()) is None:
+                raise RobotError("The simulated robot is started already.", hint="Close it first.")
+            self._lose(why)  # the loop has not heard of it yet
         self._loop = asyncio.get_running_loop()
-        self._process = process = RobotProcess(self._path, self._settings)
+        await self._bury()
+        if self._memory is None:
+            self._memory = Memory.create()
+        else:
+            self._memory.begin_again()
         try:
+            self._process = process = RobotProcess(self._path, self._settings, self._memory)
             await asyncio.to_thread(process.wait_until_ready)
+        except RobotError:
+            await self._bury()  # but keep the memory: there may be another try
+            raise
         except BaseException:
             await self.close()
             raise
@@ -97,15 +114,26 @@ class SimRobot:
     async def close(self) -> None:
         """Stop the robot, end its process and release everything. Harmless when nothing runs."""
         process = self._process
-        if process is None:
-            return
-        self._lose("The robot has been closed.")
+        if process is not None and self._lost is None:
+            self._lose("The robot has been closed.")
+            await self._end(process, process.end)
+        await self._bury()
+        memory, self._memory = self._memory, None
+        if memory is not None:
+            os.close(memory.fd)
+
+    async def _bury(self) -> None:
+        """Leave nothing of a process that is lost or never became ready."""
+        if (process := self._process) is not None:
+            await self._end(process, process.kill)
+
+    async def _end(self, process: RobotProcess, end: Callable[[], None]) -> None:
         self._process = None
-        ending = asyncio.ensure_future(asyncio.to_thread(process.end))
+        ending = asyncio.ensure_future(asyncio.to_thread(end))
         try:
             await asyncio.shield(ending)
         except asyncio.CancelledError:
-            await ending  # a second at most; nothing may be left running
+            await ending  # a moment at most; nothing may be left running
             raise
         finally:
             process.release()
@@ -113,20 +141,20 @@ class SimRobot:
     # Commands. A stop is two stores into shared memory: it takes no lock and meets no queue.
 
     def stop(self, epoch: int) -> None:
-        process = self._process
-        if process is not None:
-            process.memory.times[m.STOP_TIME] = time.monotonic()
-            process.memory.ints[m.STOP_EPOCH] = epoch
+        memory = self._memory  # also while there is no process: the next one obeys it
+        if memory is not None:
+            memory.times[m.STOP_TIME] = time.monotonic()
+            memory.ints[m.STOP_EPOCH] = epoch
 
     def heartbeat(self) -> None:
-        process, loop = self._process, self._loop
-        if process is None or loop is None or self._lost is not None:
+        memory, loop = self._memory, self._loop
+        if memory is None or loop is None or self._lost is not None:
             return
         now = time.monotonic()
-        process.memory.times[m.HEARTBEAT] = now
+        memory.times[m.HEARTBEAT] = now
         if not self._in_real_time:
             return
-        alive = process.memory.times[m.ALIVE]
+        alive = memory.times[m.ALIVE]
         # A gap between our own beats (a paused machine) says nothing about the robot process.
         if alive != self._alive or now - self._beaten > 1.0:
             self._alive, self._alive_since = alive, now
@@ -195,7 +223,7 @@ class SimRobot:
         a session at full speed the same at every run."""
         self._exchange_due = False
         process = self._process
-        if process is None or not self._waiters:
+        if process is None or self._lost is not None or not self._waiters:
             return
         try:
             process.link.send(b".")
@@ -210,7 +238,7 @@ class SimRobot:
     def _on_link(self) -> None:
         """In real time: a tick has passed, or the process has ended."""
         process = self._process
-        if process is None:
+        if process is None or self._lost is not None:
             return
         try:
             answered = process.link.recv(4096) != b""
@@ -225,27 +253,32 @@ class SimRobot:
         if not answered:
             self._lose(process.epitaph(wait=1.0) or "The robot process closed its connection.")
             return
-        now = process.memory.ints[m.TICKS]
+        assert self._memory is not None, "a process has memory"
+        ints = self._memory.ints
+        now = ints[m.TICKS]
         for waiter, after in list(self._waiters.items()):
             if now > after and not waiter.done():
                 del self._waiters[waiter]
                 waiter.set_result(None)
         if not self._waiters:
-            process.memory.ints[m.WAITERS] = 0
+            ints[m.WAITERS] = 0
 
     def _running(self, *values: float) -> Memory:
         """The memory of a living robot, for a command with these values."""
-        process = self._process
-        if self._lost is None and process is not None:
-            self._lost = process.epitaph()
-        if self._lost is not None or process is None:
-            raise RobotError(self._lost or "The robot is gone.", hint=_AGAIN)
+        process, memory = self._process, self._memory
+        why = self._lost
+        if why is None and process is not None:
+            why = process.epitaph()  # the loop may not have heard of it yet
+        if why is not None or memory is None:
+            raise RobotError(why or "The robot is gone.", hint=_AGAIN)
         if not all(math.isfinite(value) for value in values):
             raise ValueError(f"{values} is nothing a robot can be told: a value is not finite")
-        return process.memory
+        return memory
 
     def _lose(self, why: str) -> None:
         """From now on there is no robot; tell everybody who waits for it."""
+        if self._lost is not None:
+            return
         self._lost = why
         process, loop = self._process, self._loop
         if process is not None and loop is not None and self._in_real_time and not loop.is_closed():
@@ -258,6 +291,7 @@ class SimRobot:
 
 def _state(record: Record) -> RobotState:
     x, y, yaw = record["pose"].tolist()
+    halted = record["halted"].item().decode() or None
     return RobotState(
         t=float(record["t"]),
         epoch=int(record["epoch"]),
@@ -269,5 +303,6 @@ def _state(record: Record) -> RobotState:
         gripper=float(record["gripper"]),
         light=tuple(record["light"].tolist()),
         blocked=record["blocked"].item().decode() or None,
-        halted=record["halted"].item().decode() or None,
+        halted=halted,
+        halted_in=int(record["halted_in"]) if halted else None,
     )

@@ -40,7 +40,8 @@ _REST_SPEED, _REST_TURN = 0.003, 0.01  # m/s, rad/s: what RobotState.moving coun
 class World:
     """The scene, the robot and its controllers."""
 
-    def __init__(self, scene: Scene, settings: RobotSettings) -> None:
+    def __init__(self, scene: Scene, settings: RobotSettings, last: Record | None = None) -> None:
+        """``last`` is the state to go on from, in a robot that stands still; without one it begins at the start."""
         self.model: Any = build(scene)
         if self.model.nq > MAX_QPOS:
             raise SceneError(
@@ -49,6 +50,9 @@ class World:
             )
         self.data: Any = mujoco.MjData(self.model)
         initial_qpos(self.model, self.data, scene.start.pose)
+        if last is not None:
+            self.data.time = last["t"]
+            self.data.qpos[:] = last["qpos"][: self.model.nq]
         mujoco.mj_forward(self.model, self.data)
         self._base_qpos = np.array([self.model.joint(name).qposadr[0] for name in BASE_JOINTS])
         self._base_dofs = np.array([self.model.joint(name).dofadr[0] for name in BASE_JOINTS])
@@ -67,6 +71,12 @@ class World:
         self._blocked: str | None = None
         self._light_rgb = (0, 0, 0)
         self._buzzer_until = 0.0
+        if last is not None:
+            self._odometry.resume(self.true_pose, Pose(*last["pose"].tolist()))
+            self.arm.resume_grip(float(last["grip"]))
+            red, green, blue = last["light"].tolist()
+            self.signal((red, green, blue), 0.0)
+            self._buzzer_until = float(last["buzzer_until"])
         self._scan()
 
     # Commands. Each returns False when its values are unusable; nothing moves then.
@@ -90,10 +100,14 @@ class World:
 
     def stop(self) -> None:
         """Base to zero velocity now, arm where it is, gripper as it grips."""
+        self.brake()
+        self.arm.hold()
+
+    def brake(self) -> None:
+        """Base to zero velocity now, until the next command."""
         self._envelope.halt()
         self._blocked = None
         self._tell(ZERO)
-        self.arm.hold()
 
     # Time
 
@@ -184,7 +198,7 @@ class World:
         record["twist"] = (twist.vx, twist.vy, twist.wz)
         record["command"] = (told.vx, told.vy, told.wz)
         record["joints"], record["joint_targets"] = self.arm.joints, self.arm.targets
-        record["gripper"] = self.arm.opening
+        record["gripper"], record["grip"] = self.arm.opening, self.arm.grip_target
         record["light"] = self._light_rgb
         record["buzzer_until"] = self._buzzer_until
         record["blocked"] = (self._blocked or "").encode()

@@ -1,0 +1,134 @@
+"""The robot, its map and its places as plain data for JSON, and back. ``protocol`` documents the shapes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from config.schema import Place, Position, Quaternion
+from engine.events import Value
+from engine.robot.robot import FloorMap, Footprint, Furniture, Pose, RobotState, Room, Scan, Twist
+from engine.skills.context import SkillContext
+from engine.skills.places import ZERO_SYMBOL, Places
+
+Facts = dict[str, Any]
+
+
+def start_facts(name: str, args: Mapping[str, Value], context: SkillContext) -> Facts:
+    """All that a program is told before it begins."""
+    robot = context.robot
+    return {
+        "name": name,
+        "args": dict(args),
+        "epoch": context.epoch,
+        "robot": {
+            "name": robot.name,
+            "capabilities": sorted(robot.capabilities),
+            "footprint": {"length": robot.footprint.length, "width": robot.footprint.width},
+        },
+        "places": _places_facts(context.places),
+        "map": _map_facts(robot.floor_map),
+        "state": state_facts(robot.state()),
+    }
+
+
+def state_facts(state: RobotState) -> Facts:
+    return {
+        "t": state.t,
+        "pose": [state.pose.x, state.pose.y, state.pose.yaw],
+        "twist": _twist_facts(state.twist),
+        "command": _twist_facts(state.command),
+        "joints": list(state.joints),
+        "joint_targets": list(state.joint_targets),
+        "gripper": state.gripper,
+        "light": list(state.light),
+        "blocked": state.blocked,
+        "halted": state.halted,
+    }
+
+
+def state_of(facts: Facts, epoch: int) -> RobotState:
+    """The state as it was; the epoch is the program's own."""
+    return RobotState(
+        t=facts["t"],
+        epoch=epoch,
+        pose=Pose(*facts["pose"]),
+        twist=Twist(*facts["twist"]),
+        command=Twist(*facts["command"]),
+        joints=tuple(facts["joints"]),
+        joint_targets=tuple(facts["joint_targets"]),
+        gripper=facts["gripper"],
+        light=tuple(facts["light"]),
+        blocked=facts["blocked"],
+        halted=facts["halted"],
+    )
+
+
+def scan_facts(scan: Scan) -> Facts:
+    ranges = [round(distance, 4) if math.isfinite(distance) else None for distance in scan.ranges.tolist()]
+    return {"t": scan.t, "angles": scan.angles.tolist(), "ranges": ranges}
+
+
+def scan_of(facts: Facts) -> Scan:
+    ranges = [math.inf if distance is None else distance for distance in facts["ranges"]]
+    return Scan(facts["t"], np.array(facts["angles"], dtype=np.float64), np.array(ranges, dtype=np.float64))
+
+
+def map_of(facts: Facts) -> FloorMap:
+    rows = [[cell == "#" for cell in row] for row in facts["rows"]]
+    return FloorMap(
+        resolution=facts["resolution"],
+        origin=(facts["origin"][0], facts["origin"][1]),
+        occupied=np.array(rows, dtype=np.bool_),
+        rooms=tuple(Room(**room) for room in facts["rooms"]),
+        furniture=tuple(Furniture(**thing) for thing in facts["furniture"]),
+    )
+
+
+def footprint_of(facts: Facts) -> Footprint:
+    return Footprint(facts["length"], facts["width"])
+
+
+def places_of(facts: Mapping[str, Facts]) -> Places:
+    places = Places({symbol: _place(place) for symbol, place in facts.items() if symbol != ZERO_SYMBOL})
+    if zero := facts.get(ZERO_SYMBOL):
+        places.remember(Pose(zero["x"], zero["y"], zero["yaw"]))
+    return places
+
+
+def _place(facts: Facts) -> Place:
+    name, *aliases = facts["names"]
+    half = facts["yaw"] / 2
+    return Place(
+        name=name,
+        aliases=tuple(aliases),
+        position=Position(x=facts["x"], y=facts["y"]),
+        orientation=Quaternion(z=math.sin(half), w=math.cos(half)),
+    )
+
+
+def _places_facts(places: Places) -> dict[str, Facts]:
+    found: dict[str, Facts] = {}
+    for symbol in places.known():
+        if (pose := places.pose(symbol)) is not None:
+            names = [ZERO_SYMBOL] if symbol == ZERO_SYMBOL else list(places.words(symbol))
+            found[symbol] = {"names": names, "x": pose.x, "y": pose.y, "yaw": pose.yaw}
+    return found
+
+
+def _map_facts(floor: FloorMap) -> Facts:
+    return {
+        "resolution": floor.resolution,
+        "origin": list(floor.origin),
+        "rows": ["".join("#" if cell else "." for cell in row) for row in floor.occupied.tolist()],
+        "rooms": [asdict(room) for room in floor.rooms],
+        "furniture": [asdict(thing) for thing in floor.furniture],
+    }
+
+
+def _twist_facts(twist: Twist) -> list[float]:
+    return [twist.vx, twist.vy, twist.wz]

@@ -1,0 +1,65 @@
+"""``sayso engine`` in a process of its own: commands in, events out, in real time."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import psutil
+
+from tests.e2e.sayso import command, environment
+
+
+class Engine:
+    """``sayso engine`` in a process of its own."""
+
+    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+        self.process = process
+        self.seen: list[dict[str, Any]] = []
+
+    def until_loaded(self) -> None:
+        """Wait for the robot and the recogniser: while models load, a busy machine can starve the heartbeat."""
+        waited = {"robot", "recogniser"}
+        while waited:
+            waited.discard(self.until("log")["source"])
+
+    def send(self, **words: Any) -> None:
+        assert self.process.stdin is not None
+        self.process.stdin.write(json.dumps(words).encode() + b"\n")
+        self.process.stdin.flush()
+
+    def until(self, kind: str, met: Callable[[dict[str, Any]], object] = lambda body: True) -> dict[str, Any]:
+        """Read events until one of this kind meets the condition; its body."""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.seen.append(json.loads(line))
+            if self.seen[-1]["kind"] == kind and met(self.seen[-1]["body"]):
+                body: dict[str, Any] = self.seen[-1]["body"]
+                return body
+        raise AssertionError(f"ended without {kind}: {[event['kind'] for event in self.seen]}")
+
+    def rest(self) -> list[dict[str, Any]]:
+        """All events to the end."""
+        assert self.process.stdout is not None
+        self.seen += [json.loads(line) for line in self.process.stdout]
+        return self.seen
+
+
+@contextmanager
+def engine(state: Path, before: str = "") -> Iterator[Engine]:
+    """A running engine, of which nothing is left afterwards."""
+    argv = command("engine", "--json", "--source", "none", before=before)
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(argv, env=environment(state), **pipes) as process:  # type: ignore[call-overload]
+        children: list[psutil.Process] = []
+        try:
+            yield Engine(process)
+            if process.poll() is None:
+                children = psutil.Process(process.pid).children(recursive=True)
+        finally:
+            process.kill()
+    assert psutil.wait_procs(children, timeout=10)[1] == []

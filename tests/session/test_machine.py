@@ -1,0 +1,29 @@
+"""Random conversations, ten thousand steps of them: see ``tests.session.machine``."""
+
+from __future__ import annotations
+
+from hypothesis import HealthCheck, settings
+from hypothesis.stateful import run_state_machine_as_test
+
+from tests.session.machine import SessionMachine, counts
+
+STEPS = 10_000
+LENGTH = 60
+"""Steps of one conversation."""
+
+
+def test_ten_thousand_random_steps_break_no_rule_of_interruption() -> None:
+    counts.clear()
+    while counts["steps"] < STEPS:
+        run_state_machine_as_test(  # type: ignore[no-untyped-call]
+            SessionMachine,
+            settings=settings(
+                max_examples=STEPS // LENGTH,
+                stateful_step_count=LENGTH,
+                deadline=None,
+                suppress_health_check=list(HealthCheck),
+            ),
+        )
+    assert counts["interruptions"] > STEPS / 10, counts
+    for outcome in ("ok", "failed", "interrupted", "uncertain"):
+        assert counts[f"actions {outcome}"] > 20, counts

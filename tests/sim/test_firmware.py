@@ -1,0 +1,120 @@
+"""What the robot does when its engine is late, silent, and back, step by step of a clock of our own."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from engine.robot.robot import Twist
+from engine.robot.sim import memory as m
+from engine.robot.sim.build import TIMESTEP
+from engine.robot.sim.memory import Memory
+from engine.robot.sim.physics import BRAKE_PART, Firmware
+from engine.robot.sim.world import World
+from tests.sim.rig import in_the_flat, settings
+
+ALLOWED = settings().heartbeat_s
+FULL_SPEED = settings().limits.linear_speed
+STANDS_WITHIN_S = 0.3
+
+
+class Rig:
+    """The firmware over a world, a clock, and the engine's side of the memory."""
+
+    def __init__(self, memory: Memory, world: World) -> None:
+        self.memory, self.world, self.now = memory, world, 100.0
+        self.firmware = Firmware(memory, world, settings(speed="real"))
+
+    def let_pass(self, seconds: float, *, beating: bool, speed: float | None = None, epoch: int = 1) -> None:
+        """Let time pass, while the engine beats or not, and repeats a command or not."""
+        for _ in range(round(seconds / TIMESTEP)):
+            if beating:
+                self.memory.times[m.HEARTBEAT] = self.now
+            if speed is not None:
+                box = self.memory.drive
+                box.scratch["epoch"], box.scratch["twist"] = epoch, (speed, 0, 0)
+                box.put()
+            self.now += TIMESTEP
+            self.firmware.step(self.now)
+        self.firmware.publish()
+
+    @property
+    def halted(self) -> str:
+        return str(self.memory.state.get()["halted"].item().decode())
+
+
+@contextmanager
+def driving(speed: float = FULL_SPEED) -> Iterator[Rig]:
+    """A robot at speed, with an engine that beats and commands."""
+    memory = Memory.create()
+    try:
+        rig = Rig(memory, in_the_flat())
+        rig.let_pass(1.0, beating=True, speed=speed)
+        assert abs(rig.world.twist.vx - speed) < 0.01
+        yield rig
+    finally:
+        os.close(memory.fd)
+
+
+def test_from_full_speed_the_robot_stands_soon_after_the_last_sign_of_life() -> None:
+    with driving() as rig:
+        rig.let_pass(STANDS_WITHIN_S, beating=False)
+        assert rig.world.at_rest
+        assert rig.halted == "heartbeat lost"
+
+
+def test_an_engine_that_is_late_makes_the_base_brake_and_finds_it_ready_to_go_on() -> None:
+    with driving(0.3) as rig:
+        rig.world.move_arm((0.5, 0.2, 1.0, 0.8, -0.3), 1.0)
+        rig.let_pass(BRAKE_PART * ALLOWED + 0.01, beating=False)
+        assert rig.world.command.is_zero
+        rig.let_pass(0.6, beating=True, speed=0.3)
+        assert not rig.halted
+        assert rig.world.twist.vx > 0.25
+        assert rig.world.arm.joints[0] > 0.2, "the arm went on: nobody stopped it"
+
+
+def test_an_engine_that_is_merely_busy_does_not_make_it_brake() -> None:
+    with driving(0.3) as rig:
+        rig.let_pass(BRAKE_PART * ALLOWED - 0.01, beating=False)
+        assert rig.world.command == Twist(0.3)
+
+
+def test_a_robot_that_halted_waits_for_a_new_epoch_and_a_living_engine() -> None:
+    with driving() as rig:
+        rig.let_pass(ALLOWED + 0.3, beating=False)
+        at = rig.world.true_pose
+        rig.let_pass(0.5, beating=True, speed=0.3)
+        assert rig.halted
+        rig.let_pass(ALLOWED + 0.1, beating=False)
+        rig.memory.ints[m.STOP_EPOCH] = 2
+        rig.let_pass(0.3, beating=False, speed=0.3, epoch=2)
+        assert rig.halted, "the epoch is new, but nobody lives"
+        rig.let_pass(0.5, beating=True, speed=0.3, epoch=1)
+        assert not rig.halted
+        assert rig.world.true_pose.distance_to(at) < 0.005, "released, but what is over stays over"
+        rig.let_pass(0.5, beating=True, speed=0.3, epoch=2)
+        assert rig.world.twist.vx > 0.25
+
+
+def test_a_robot_that_halts_a_second_time_waits_for_an_epoch_of_its_own() -> None:
+    with driving(0.3) as rig:
+        for epoch in (2, 3):
+            rig.let_pass(ALLOWED + 0.1, beating=False, speed=0.3, epoch=epoch - 1)
+            rig.let_pass(0.1, beating=True)
+            assert rig.halted
+            rig.memory.ints[m.STOP_EPOCH] = epoch
+            rig.let_pass(0.3, beating=True, speed=0.3, epoch=epoch)
+            assert rig.world.twist.vx > 0.25
+
+
+def test_the_moments_of_zero_and_rest_are_those_of_the_braking() -> None:
+    with driving(0.3) as rig:
+        rig.let_pass(BRAKE_PART * ALLOWED + 0.01, beating=False)
+        zero = rig.memory.times[m.ZERO_TIME]
+        assert zero > 0
+        rig.let_pass(0.3, beating=False)
+        assert rig.halted
+        assert rig.memory.times[m.ZERO_TIME] == zero
+        assert rig.memory.times[m.REST_TIME] > zero
