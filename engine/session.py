@@ -224,12 +224,16 @@ class Session:
         epoch in which the robot can move again."""
         message = halted.reason if halted.lost else f"I stopped by myself: {halted.reason}."
         code: ErrorCode = "robot_lost" if halted.lost else "robot_halted"
-        if not halted.lost:  # whoever lost it has said so
-            self._bus.publish(events.ErrorRaised(code, message, "Say it again to go on."), epoch=request.epoch)
         turn = self._turn
+        concerned = turn is not None and turn.epoch < request.epoch and self._state in EXPRESSING
+        if not halted.lost:  # whoever lost it has said so
+            said: events.Body = events.Log("warning", "robot", message)
+            if concerned:
+                said = events.ErrorRaised(code, message, "Say it again to go on.")
+            self._bus.publish(said, epoch=request.epoch)
         if turn is None or turn.epoch >= request.epoch:
             return
-        if self._state in EXPRESSING:
+        if concerned:
             exit_code = ExitCode.MISSING if halted.lost else ExitCode.FAILED
             await self._interrupt("halted", request, TurnResult(exit_code, "failed", message), code)
             return

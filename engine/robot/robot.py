@@ -4,7 +4,7 @@ Frames: *map* is fixed to the floor, x east, y north, yaw counter-clockwise from
 forward, y left. Units are SI and radians throughout.
 
 Two rules hold for every robot. **Stop wins**: :meth:`Robot.stop` may be called from any thread, never blocks, and
-takes effect in the robot's next control tick. **Epochs**: every command that moves something carries the epoch it
+takes effect in the robot's next control tick. **Epochs**: every command carries the epoch it
 belongs to, and the robot ignores commands of any epoch but the one last given to ``stop`` (1 before that), so a late
 command of an interrupted plan cannot move anything.
 """
@@ -215,11 +215,11 @@ class Robot(Protocol):
         """Open (1) or close (0) the gripper."""
         ...
 
-    def set_light(self, rgb: tuple[int, int, int]) -> None:
+    def set_light(self, rgb: tuple[int, int, int], epoch: int) -> None:
         """Set the colour of the light."""
         ...
 
-    def beep(self, seconds: float) -> None:
+    def beep(self, seconds: float, epoch: int) -> None:
         """Sound the buzzer."""
         ...
 

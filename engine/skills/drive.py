@@ -22,6 +22,7 @@ ANGLE_TOLERANCE = math.radians(0.5)
 CREEP = 0.02  # m/s, slowest commanded approach
 TURN_CREEP = 0.05  # rad/s
 STALL_S = 0.6  # s of robot time without progress that count as held back
+LOOK_S = 0.1  # s of robot time, longest between two looks at the robot that counts
 SETTLE_S = 1.0  # s of robot time that the base is given to come to rest
 
 Axis = Literal["forward", "sideways"]
@@ -50,14 +51,18 @@ class Stall:
 
     def __init__(self, t: float, remaining: float, step: float) -> None:
         self._t = t
+        self._idle = 0.0
         self._best = remaining
         self._step = step
 
     def update(self, t: float, remaining: float) -> bool:
-        """True when ``remaining`` has not shrunk by a step for ``STALL_S``."""
+        """True when ``remaining`` has not shrunk by a step for ``STALL_S`` of watching. Time in which nobody looked (the
+        engine was busy, and the robot stood) counts as one look."""
+        self._idle += min(t - self._t, LOOK_S)
+        self._t = t
         if remaining < self._best - self._step:
-            self._best, self._t = remaining, t
-        return t - self._t > STALL_S
+            self._best, self._idle = remaining, 0.0
+        return self._idle > STALL_S
 
 
 async def settle(context: SkillContext) -> RobotState:

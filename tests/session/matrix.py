@@ -26,7 +26,7 @@ WHAT_HAPPENS: Final[dict[tuple[State, ...], dict[str, str]]] = {
         "command": "does it",
         "command-queue": "does it",
         "command-reject": "does it",
-        "halted": "says why",
+        "halted": "goes on",
         "quit": "ends",
     },
     ("LISTENING",): {
@@ -41,7 +41,7 @@ WHAT_HAPPENS: Final[dict[tuple[State, ...], dict[str, str]]] = {
         "command": "stops, does it",
         "command-queue": "waits",
         "command-reject": "not taken",
-        "halted": "goes on, says why",
+        "halted": "goes on",
         "quit": "stops, ends",
     },
     ("TRANSCRIBING", "DECIDING", "PLANNING"): {
@@ -56,7 +56,7 @@ WHAT_HAPPENS: Final[dict[tuple[State, ...], dict[str, str]]] = {
         "command": "stops, does it",
         "command-queue": "waits",
         "command-reject": "not taken",
-        "halted": "goes on, says why",
+        "halted": "goes on",
         "quit": "stops, ends",
     },
     ("CLARIFYING", "SPEAKING", "ACTING", "FEEDBACK"): {
@@ -148,11 +148,10 @@ CONSEQUENCES: Final[dict[str, Consequence]] = {
     "arm home, new task": Consequence(("IDLE",), arm_home=True, new_cycle=True),
     "says so": Consequence(("SPEAKING", "WAITING"), says=("Stopped.",)),
     "does it": Consequence(_TURNS, does=("move_left",), says=_TURNED),
-    "says why": Consequence(error=_HALTED),
     "ends": Consequence(ends_session=True),
     # what runs goes on
     "not overheard": Consequence(),
-    "goes on, says why": Consequence(error=_HALTED),
+    "goes on": Consequence(),
     "waits": Consequence(_TURNS, does=("move_left",), says=_TURNED),
     "not taken": Consequence(acknowledged=False),
     # what runs ends

@@ -10,7 +10,7 @@ from engine.robot.robot import Twist
 from engine.robot.sim import memory as m
 from engine.robot.sim.build import TIMESTEP
 from engine.robot.sim.memory import Memory
-from engine.robot.sim.physics import BRAKE_PART, Firmware
+from engine.robot.sim.physics import BRAKE_PART, HALT_S, Firmware
 from engine.robot.sim.world import World
 from tests.sim.rig import in_the_flat, settings
 
@@ -61,18 +61,24 @@ def test_from_full_speed_the_robot_stands_soon_after_the_last_sign_of_life() -> 
     with driving() as rig:
         rig.let_pass(STANDS_WITHIN_S, beating=False)
         assert rig.world.at_rest
+        rig.let_pass(HALT_S - STANDS_WITHIN_S + 0.01, beating=False)
         assert rig.halted == "heartbeat lost"
 
 
-def test_an_engine_that_is_late_makes_the_base_brake_and_finds_it_ready_to_go_on() -> None:
+def test_an_engine_that_is_late_makes_the_robot_stand_and_finds_it_ready_to_go_on() -> None:
     with driving(0.3) as rig:
         rig.world.move_arm((0.5, 0.2, 1.0, 0.8, -0.3), 1.0)
-        rig.let_pass(BRAKE_PART * ALLOWED + 0.01, beating=False)
+        rig.let_pass(STANDS_WITHIN_S, beating=False)
         assert rig.world.command.is_zero
+        stood = rig.world.arm.targets
+        rig.let_pass(HALT_S - STANDS_WITHIN_S - 0.05, beating=False, speed=0.3)
+        assert rig.world.command.is_zero, "commands of a silent engine"
+        assert rig.world.arm.targets == stood
+        assert rig.world.at_rest
         rig.let_pass(0.6, beating=True, speed=0.3)
         assert not rig.halted
         assert rig.world.twist.vx > 0.25
-        assert rig.world.arm.joints[0] > 0.2, "the arm went on: nobody stopped it"
+        assert rig.world.arm.joints[0] > 0.2, "the arm went on to where it was told to go"
 
 
 def test_an_engine_that_is_merely_busy_does_not_make_it_brake() -> None:
@@ -83,7 +89,7 @@ def test_an_engine_that_is_merely_busy_does_not_make_it_brake() -> None:
 
 def test_a_robot_that_halted_waits_for_a_new_epoch_and_a_living_engine() -> None:
     with driving() as rig:
-        rig.let_pass(ALLOWED + 0.3, beating=False)
+        rig.let_pass(HALT_S + 0.3, beating=False)
         at = rig.world.true_pose
         rig.let_pass(0.5, beating=True, speed=0.3)
         assert rig.halted
@@ -101,7 +107,7 @@ def test_a_robot_that_halted_waits_for_a_new_epoch_and_a_living_engine() -> None
 def test_a_robot_that_halts_a_second_time_waits_for_an_epoch_of_its_own() -> None:
     with driving(0.3) as rig:
         for epoch in (2, 3):
-            rig.let_pass(ALLOWED + 0.1, beating=False, speed=0.3, epoch=epoch - 1)
+            rig.let_pass(HALT_S + 0.1, beating=False, speed=0.3, epoch=epoch - 1)
             rig.let_pass(0.1, beating=True)
             assert rig.halted
             rig.memory.ints[m.STOP_EPOCH] = epoch
@@ -114,7 +120,7 @@ def test_the_moments_of_zero_and_rest_are_those_of_the_braking() -> None:
         rig.let_pass(BRAKE_PART * ALLOWED + 0.01, beating=False)
         zero = rig.memory.times[m.ZERO_TIME]
         assert zero > 0
-        rig.let_pass(0.3, beating=False)
+        rig.let_pass(HALT_S, beating=False)
         assert rig.halted
         assert rig.memory.times[m.ZERO_TIME] == zero
         assert rig.memory.times[m.REST_TIME] > zero

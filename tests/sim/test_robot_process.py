@@ -138,9 +138,22 @@ def test_a_robot_that_halted_still_shows_its_light() -> None:
     async def main() -> None:
         async with running(speed="real") as robot:
             await silence(robot, 1)
-            robot.set_light((255, 0, 0))
+            robot.set_light((255, 0, 0), 1)
             state = await ticks_until(robot, lambda state: state.light == (255, 0, 0))
             assert state.halted
+
+    run(main)
+
+
+def test_not_even_a_light_comes_from_an_epoch_that_is_over() -> None:
+    async def main() -> None:
+        async with running() as robot:
+            robot.stop(2)
+            robot.set_light((255, 0, 0), 1)
+            for _ in range(5):
+                assert (await robot.tick()).light == (0, 0, 0)
+            robot.set_light((0, 255, 0), 2)
+            await ticks_until(robot, lambda state: state.light == (0, 255, 0))
 
     run(main)
 
@@ -220,7 +233,7 @@ def test_a_lost_robot_starts_again_where_it_was(
 
     async def main() -> None:
         async with running(speed=speed) as robot, beating(robot):
-            robot.set_light((0, 0, 255))
+            robot.set_light((0, 0, 255), 1)
             robot.move_arm((0.5, 0.2, 1.0, 0.8, -0.3), 1)
             robot.set_gripper(1.0, 1)
             await keep_driving(robot, Twist(vx=0.5, wz=0.5), 1, 60)
@@ -328,7 +341,7 @@ def test_arm_gripper_and_light_do_as_told() -> None:
             goal = (0.5, 0.2, 1.0, 0.8, -0.3)
             robot.move_arm(goal, 1)
             robot.set_gripper(1.0, 1)
-            robot.set_light((255, 128, 0))
+            robot.set_light((255, 128, 0), 1)
             before = await robot.tick()
             for _ in range(150):
                 state = await robot.tick()

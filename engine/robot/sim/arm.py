@@ -27,6 +27,8 @@ class Arm:
         self._fingers = np.array([model.joint(f"finger {side}").qposadr[0] for side in ("left", "right")])
         self._servos = np.array([model.actuator(name).id for name in ARM_JOINTS])
         self._motor = model.actuator("gripper").id
+        self.paused = False
+        """It stays where it is, and goes on to its goal when it is let go."""
         self.targets = self.joints
         self._goal = self.targets
         self._most, self._speed = MAX_SPEED, 0.0
@@ -77,6 +79,9 @@ class Arm:
 
     def step(self, dt: float) -> None:
         """Advance the targets by ``dt`` seconds."""
+        if self.paused:
+            self._speed = 0.0
+            return
         if self.targets == self._goal and self._opening == self._wanted_opening:
             return
         left = [goal - target for goal, target in zip(self._goal, self.targets, strict=True)]

@@ -51,7 +51,7 @@ SCAN = np.dtype([("t", "f8"), ("ranges", "f8", RAYS)])
 DRIVE = np.dtype([("epoch", "i8"), ("twist", "f8", 3)])
 ARM = np.dtype([("epoch", "i8"), ("joints", "f8", 5), ("speed", "f8")])
 GRIPPER = np.dtype([("epoch", "i8"), ("opening", "f8")])
-SIGNAL = np.dtype([("light", "i8", 3), ("beep", "f8")])
+SIGNAL = np.dtype([("epoch", "i8"), ("light", "i8", 3), ("beep", "f8")])
 LOOP = np.dtype([("late", "f4"), ("busy", "f4")])
 
 # Words of the engine.

@@ -4,9 +4,10 @@ In real time it steps every 2 ms against absolute deadlines; the first thing of 
 second the heartbeat. At full speed it stands still until the engine asks for the next tick over a socket, so that
 time passes only while somebody waits for it.
 
-It halts by itself when the engine falls silent, and then nothing moves it but a new epoch: an engine that was away
-must not go on where it was. The base brakes a little earlier, so that it stands soon after. When the socket closes,
-its parent is gone or it is told to end, it brings the robot to rest first and leaves a last state that says so.
+It stands by itself when the engine falls silent. An engine that was merely busy finds it ready to go on; one that was
+away for longer must not go on where it was: the robot has *halted*, and nothing moves it but a new epoch. When the
+socket closes, its parent is gone or it is told to end, it brings the robot to rest first and leaves a last state that
+says so.
 
 Memory that holds a state already is that of a robot that was lost: it goes on from there.
 """
@@ -39,8 +40,10 @@ TICK_STEPS = 10
 DEBT = 0.05
 """s that real time may run ahead before the simulation stops trying to catch up."""
 BRAKE_PART = 0.7
-"""Of the silence that is allowed: then the base brakes, and goes on if the engine is back in time. From full speed it
-needs 0.1 s to stand, and 0.3 s after the engine's last sign of life it must."""
+"""Of the silence that is allowed: then the base brakes. From full speed it needs 0.1 s to stand, and 0.3 s after the
+engine's last sign of life it must."""
+HALT_S = 1.0
+"""s of silence after which the robot has halted. A model that loads can hold up a busy engine for half of that."""
 SETTLE_LIMIT = 0.5
 """s of robot time in which the base comes to rest before the process ends; from full speed it needs 0.1."""
 
@@ -100,19 +103,21 @@ class Firmware:
             scan.put()
 
     def _watch(self, now: float, heartbeat: float) -> None:
-        """Halt when the engine is silent, and stay halted until it beats again *and* a new epoch has begun."""
+        """Stand while the engine is silent; after long, halt until it beats again *and* a new epoch has begun."""
         silence = now - heartbeat if heartbeat > 0 else 0.0
         if self._halted:
             if silence <= self._allowed and self._epoch != self._halted_in:
                 self._halted = ""
                 self.publish()
-        elif silence > self._allowed:
+        elif silence > max(HALT_S, self._allowed):
             self._halt("heartbeat lost")
         elif (late := silence > BRAKE_PART * self._allowed) != self._braked:
             self._braked = late
             if late:
-                self._world.brake()
+                self._world.pause()
                 self._stamp_zero()
+            else:
+                self._world.resume()
 
     def _halt(self, why: str) -> None:
         self._halted, self._halted_in = why, self._epoch
@@ -149,12 +154,12 @@ class Firmware:
                 world.grip(float(record["opening"]))
 
     def _take_signals(self) -> None:
-        """Light and sound move nothing: they belong to no epoch."""
+        """Light and sound move nothing: a robot that stands may use them."""
         if (box := self._memory.signal).count != self._seen[box]:
-            self._seen[box] = box.count
             record = box.get()
-            red, green, blue = record["light"].tolist()
-            self._world.signal((red, green, blue), float(record["beep"]))
+            if self._is_ours(box, record):
+                red, green, blue = record["light"].tolist()
+                self._world.signal((red, green, blue), float(record["beep"]))
 
     def _is_ours(self, box: Mailbox, record: m.Record) -> bool:
         """Whether a command is of the epoch in force. One of a coming epoch is left for when its stop has arrived:

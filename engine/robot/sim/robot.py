@@ -181,16 +181,16 @@ class SimRobot:
             box.scratch["epoch"], box.scratch["opening"] = epoch, opening
             box.put()
 
-    def set_light(self, rgb: tuple[int, int, int]) -> None:
+    def set_light(self, rgb: tuple[int, int, int], epoch: int) -> None:
         box = self._running(*rgb).signal
         with self._writing:
-            box.scratch["light"], box.scratch["beep"] = rgb, 0.0
+            box.scratch["epoch"], box.scratch["light"], box.scratch["beep"] = epoch, rgb, 0.0
             box.put()
 
-    def beep(self, seconds: float) -> None:
+    def beep(self, seconds: float, epoch: int) -> None:
         box = self._running(seconds).signal
         with self._writing:
-            box.scratch["beep"] = seconds
+            box.scratch["epoch"], box.scratch["beep"] = epoch, seconds
             box.put()
 
     # Readings

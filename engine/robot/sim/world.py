@@ -100,14 +100,20 @@ class World:
 
     def stop(self) -> None:
         """Base to zero velocity now, arm where it is, gripper as it grips."""
-        self.brake()
+        self.pause()
         self.arm.hold()
+        self.resume()
 
-    def brake(self) -> None:
-        """Base to zero velocity now, until the next command."""
+    def pause(self) -> None:
+        """Base to zero velocity now, arm and gripper where they are, until :meth:`resume`."""
         self._envelope.halt()
         self._blocked = None
         self._tell(ZERO)
+        self.arm.paused = True
+
+    def resume(self) -> None:
+        """The arm goes on to its goal, the base with its next command."""
+        self.arm.paused = False
 
     # Time
 

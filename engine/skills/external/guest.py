@@ -146,11 +146,13 @@ class GuestRobot:
         if epoch == self._epoch:
             self._wire.say(gripper=opening)
 
-    def set_light(self, rgb: tuple[int, int, int]) -> None:
-        self._wire.say(light=list(rgb))
+    def set_light(self, rgb: tuple[int, int, int], epoch: int) -> None:
+        if epoch == self._epoch:
+            self._wire.say(light=list(rgb))
 
-    def beep(self, seconds: float) -> None:
-        self._wire.say(beep=seconds)
+    def beep(self, seconds: float, epoch: int) -> None:
+        if epoch == self._epoch:
+            self._wire.say(beep=seconds)
 
     async def tick(self) -> RobotState:
         loop = asyncio.get_running_loop()

@@ -172,9 +172,9 @@ class _Host:
             case Gripper(opening):
                 robot.set_gripper(opening, context.epoch)
             case Light(rgb):
-                robot.set_light(rgb)
+                robot.set_light(rgb, context.epoch)
             case Beep(seconds):
-                robot.beep(seconds)
+                robot.beep(seconds, context.epoch)
             case Report(fraction, words, path):
                 context.progress(fraction, words, path=path)
             case Speech(text):

@@ -27,7 +27,7 @@ COLOURS: dict[str, tuple[int, int, int]] = {
 @skill()
 async def beep(context: SkillContext, seconds: Annotated[float, Measure("s", 0.01, 5)] = BEEP_S) -> Result:
     """Sound the buzzer."""
-    context.robot.beep(seconds)
+    context.robot.beep(seconds, context.epoch)
     await context.sleep(seconds)
     return ok("Beeped.")
 
@@ -35,5 +35,5 @@ async def beep(context: SkillContext, seconds: Annotated[float, Measure("s", 0.0
 @skill()
 async def light(context: SkillContext, color: Annotated[str, Word("colour")]) -> Result:
     """Set the colour of the light: white, red, green, blue, yellow, orange, purple, pink, cyan, or off."""
-    context.robot.set_light(COLOURS[color])
+    context.robot.set_light(COLOURS[color], context.epoch)
     return ok("The light is off." if color == "off" else f"The light is {color}.")
