@@ -56,8 +56,8 @@ class Stall:
         self._step = step
 
     def update(self, t: float, remaining: float) -> bool:
-        """True when ``remaining`` has not shrunk by a step for ``STALL_S`` of watching. Time in which nobody looked (the
-        engine was busy, and the robot stood) counts as one look."""
+        """True when ``remaining`` has not shrunk by a step for ``STALL_S`` of watching. Time in which nobody looked
+        (the engine was busy, and the robot stood) counts as one look."""
         self._idle += min(t - self._t, LOOK_S)
         self._t = t
         if remaining < self._best - self._step:
