@@ -112,6 +112,7 @@ class Dispatcher:
         self._epoch = epoch
         self._holds = holds
         self._describe_skills = describe_skills
+        self._last_time = 0.0
 
     def is_endless(self, plan: Plan) -> bool:
         """Whether an action of the plan goes on until somebody interrupts it."""
@@ -171,7 +172,7 @@ class Dispatcher:
             self._write(run, action, key, self._cut(run, action, remains), began)
             raise
         except RobotError as error:
-            result = Result("uncertain", "robot_lost", f"{error} How far {action} got is not known.")
+            result = Result("uncertain", "robot_lost", f"{error.message} How far {action} got is not known.")
         except Exception as error:  # noqa: BLE001 - a fault in one skill ends that action, not the session
             result = fail("crashed", f"{action.name} has a fault: {error!r}.")
             message = f"The skill {action.name} has a fault: {error!r}."
@@ -244,10 +245,10 @@ class Dispatcher:
             emit(view(self._robot.state()))
 
     def _robot_time(self) -> float:
-        try:
-            return self._robot.state().t
-        except RobotError:
-            return 0.0
+        """Robot time, s; of a lost robot, the last that was known."""
+        with contextlib.suppress(RobotError):
+            self._last_time = self._robot.state().t
+        return self._last_time
 
     def _where(self) -> str:
         try:

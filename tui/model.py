@@ -57,8 +57,7 @@ class ConsoleModel:
     @property
     def path(self) -> Path:
         """The planned way ahead, map frame, m."""
-        running = self.running
-        return running.path if running else ()
+        return next((row.path for row in self.queue if row.phase == "running" and row.path), ())
 
     @property
     def busy(self) -> bool:
@@ -170,7 +169,7 @@ def _(body: ev.TranscriptPartial, model: ConsoleModel, event: ev.Event) -> Conso
 @_fold.register
 def _(body: ev.TranscriptFinal, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
     model = replace(_without_problem(model), partial="", plan=Plan("thinking", goal=printable(body.text)))
-    return model.with_line(Line("you", printable(body.text), strings.TYPED if body.source == "text" else ""))
+    return model.with_line(Line("you", printable(body.text), strings.HOW_SAID[body.source]))
 
 
 @_fold.register

@@ -56,7 +56,7 @@ PANE_LOG: Final = "Log"
 # Conversation
 YOU: Final = "you"
 ROBOT: Final = "robot"
-TYPED: Final = "typed"
+HOW_SAID: Final[dict[str, str]] = {"speech": "", "text": "typed", "overheard": "overheard"}
 CUT_OFF: Final = "cut off"
 WELCOME: Final = "Press {wake} and speak, or {type} and type."
 WELCOME_TYPING: Final = "Press {type} and type what the robot should do."
@@ -108,6 +108,7 @@ TURNING: Final = "turning"
 GRIPPER: Final = "gripper"
 OPEN: Final = "open"
 CLOSED: Final = "closed"
+HALF_OPEN: Final = "half open"
 AT_REST: Final = "at rest"
 MOVING: Final = "moving"
 

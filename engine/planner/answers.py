@@ -38,7 +38,12 @@ class Answers:
 
     def steps(self, calls: Iterable[ActionCall]) -> tuple[str, ...]:
         """One sentence for each action."""
-        return tuple(self._tell(call, 0) for call in calls)
+        return tuple(
+            self._words["together_step"].format(step=self._tell(call, 0).removesuffix("."))
+            if call.alongside
+            else self._tell(call, 0)
+            for call in calls
+        )
 
     def response(self, calls: Sequence[ActionCall]) -> str:
         """What the robot is about to do, in one sentence; empty where the actions speak for themselves."""

@@ -154,3 +154,8 @@ def test_very_long_texts_are_cut_and_lists_are_bounded() -> None:
 
 def test_a_session_that_ended_says_why() -> None:
     assert after(ev.SessionEnded("the robot was lost")).ended == "the robot was lost"
+
+
+def test_what_was_overheard_or_typed_says_so() -> None:
+    lines = after(said("stop", "overheard"), said("go", "text"), said("come")).conversation
+    assert [line.note for line in lines] == ["overheard", "typed", ""]

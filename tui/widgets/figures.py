@@ -47,7 +47,7 @@ def figure_lines(robot: RobotState, wide: bool) -> list[tuple[Piece, ...]]:
     heading = _figure(strings.HEADING, f"{round(math.degrees(pose.yaw), 0) % 360:>3.0f}°")
     speed = _figure(strings.SPEED, f"{math.hypot(twist.vx, twist.vy):.2f} m/s")
     turning = _figure(strings.TURNING, f"{_plain(math.degrees(twist.wz), 0):>4}°/s")
-    grip = strings.OPEN if robot.gripper > 0.5 else strings.CLOSED
+    grip = strings.OPEN if robot.gripper > 0.8 else strings.CLOSED if robot.gripper < 0.1 else strings.HALF_OPEN
     holding_back = robot.halted or robot.blocked
     if holding_back:
         state: Piece = (f"▲ {holding_back}", "bold $text-warning")
