@@ -4,17 +4,15 @@ A *session* is a row of *task cycles*, a cycle is a row of *turns* (``engine.tur
 outlives its scope. One asyncio task, :meth:`Session.run`, owns all state and takes what happens one thing at a time: a
 request from outside, or the end of a turn. The states, and what each interruption does, are in ``engine.states``.
 
-Interruptions take two steps. :meth:`Session.request` is called in the thread of whoever asks (the key handler, a reader
-of the network, the recogniser) and advances the epoch there and then, which stops the robot before the call returns.
-The loop then learns of it, ends the turn, and goes on as the kind of interruption says. A request that is overtaken by
-a newer epoch before the loop sees it has no effect but an acknowledgement that says so.
+Interruptions take two steps. The first, in ``engine.inbox``, stops the robot in the thread of whoever asks. Here is the
+second: the loop learns of it, ends the turn, and goes on as the kind of interruption says. A request that is overtaken
+by a newer one before the loop sees it has no effect but an acknowledgement that says so.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-import threading
 from collections import deque
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass
@@ -28,26 +26,13 @@ from engine.epoch import Epoch
 from engine.errors import ExitCode, RobotError, SaysoError
 from engine.events import Scope, State, TurnResult
 from engine.history import Interrupted, TaskCycle
-from engine.planner.stopping import is_end_task, is_stop
+from engine.inbox import Inbox, Request
 from engine.robot.robot import ARM_INITIAL
 from engine.skills.outcome import ErrorCode
 from engine.states import EFFECTS, EXPRESSING, NEXT
 from engine.turn import Needs, Overtaken, Turn
 
 ARM_RETURN_SPEED = 0.5  # rad/s: after an interruption the arm goes home slowly, it may hold something
-
-
-LASTING: frozenset[Scope] = frozenset({"end_task", "halted", "shutdown"})
-"""Interruptions that do more than end a turn: they take place even when a newer one has come in the meantime."""
-
-
-@dataclass(frozen=True, slots=True)
-class Request:
-    """A command, the epoch it was given in, and the interruption that it raised, if any."""
-
-    command: Command
-    epoch: int
-    scope: Scope | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,11 +64,8 @@ class Session:
         self._epoch = epoch
         self._needs = needs
         self._hear_audio = hear_audio
-        self._mark_wake = mark_wake
         self._loop = asyncio.get_running_loop()
-        self._inbox: asyncio.Queue[Request | TurnOver] = asyncio.Queue()
-        self._order = threading.Lock()
-        self._newest = 1  # epoch of the newest interruption by somebody, not by the robot itself
+        self._inbox: Inbox[TurnOver] = Inbox(epoch, settings.busy, lambda: self._state, mark_wake)
         self._state: State = "IDLE"
         self._cycle = TaskCycle(1)
         self._turn: Turn | None = None
@@ -98,42 +80,9 @@ class Session:
         """Where the session is; safe to read from any thread."""
         return self._state
 
-    # Asking, in any thread
-
     def request(self, command: Command) -> None:
         """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot."""
-        with self._order:
-            scope = self._scope_of(command)
-            epoch = self._epoch.current if scope is None else self._epoch.advance()
-            if scope not in (None, "halted"):
-                self._newest = epoch
-        if isinstance(command, Wake):
-            self._mark_wake()
-        with contextlib.suppress(RuntimeError):  # the loop has ended: there is nothing left to ask, and it stands
-            self._loop.call_soon_threadsafe(self._inbox.put_nowait, Request(command, epoch, scope))
-
-    def _scope_of(self, command: Command) -> Scope | None:
-        """The interruption that a command is: decided before any queue is involved."""
-        match command:
-            case Quit(drain):
-                return None if drain else "shutdown"
-            case EndTask():
-                return "end_task"
-            case Interrupt():
-                return "interrupt"
-            case Wake():
-                return "wake"
-            case Halted(lost=lost, epoch=epoch):
-                return "halted" if lost or self._epoch.is_current(epoch) else None  # else it is over already
-            case Heard(text):
-                return "stop" if self._state in EXPRESSING and is_stop(text) else None
-            case Say(text) if is_stop(text):
-                return "stop"
-            case Say(text) if is_end_task(text):
-                return "end_task"
-            case Say() if self._settings.busy == "interrupt":
-                return "replaced"
-        return None
+        self._inbox.request(command)
 
     # The loop
 
@@ -172,7 +121,7 @@ class Session:
     async def _admit(self, request: Request) -> bool:
         """Let a request interrupt what it interrupts; whether it is to be carried out now."""
         command, scope = request.command, request.scope
-        if scope is not None and scope not in LASTING and request.epoch < self._newest:
+        if self._inbox.is_overtaken(request):
             stopped = scope == "interrupt"  # which is all it was to do
             self._ack(request, "A newer request replaced this one.", ok=stopped)
             return False
@@ -237,9 +186,7 @@ class Session:
             exit_code = ExitCode.MISSING if halted.lost else ExitCode.FAILED
             await self._interrupt("halted", request, TurnResult(exit_code, "failed", message), code)
             return
-        with self._order:
-            if turn.epoch >= self._newest:  # else it is about to be interrupted
-                turn.move_on(self._epoch.current)
+        turn.move_on(self._inbox.epoch_for(turn.epoch))
 
     def _new_cycle(self, reason: str) -> None:
         self._bus.publish(events.TaskEnded(reason), epoch=self._epoch.current)
@@ -255,13 +202,12 @@ class Session:
         def enter(state: State, reason: str) -> None:
             self._enter(state, reason, turn)
 
-        with self._order:  # only the robot itself may have come in between, and nothing has moved yet
-            number = self._epoch.current if request.epoch >= self._newest else request.epoch
+        number = self._inbox.epoch_for(request.epoch)
         turn = Turn(number, self._epoch, self._bus, self._needs, self._cycle, enter)
         self._turn = turn
         self._ack(request, turn=turn)
         turn.task = self._turns.create_task(self._run_turn(turn, work), name=f"turn {turn.id}")
-        turn.task.add_done_callback(lambda task: self._inbox.put_nowait(TurnOver(turn)))
+        turn.task.add_done_callback(lambda task: self._inbox.put(TurnOver(turn)))
         return turn
 
     async def _run_turn(self, turn: Turn, work: Callable[[Turn], Awaitable[TurnResult]]) -> TurnResult:
@@ -334,7 +280,7 @@ class Session:
         self._enter("WAITING" if self._cycle.entries else "IDLE", result.outcome, turn, result)
         if self._waiting:
             following = self._waiting.popleft()
-            self._inbox.put_nowait(Request(following.command, self._epoch.current, following.scope))
+            self._inbox.put(Request(following.command, self._epoch.current, following.scope))
 
     def _drop_waiting(self) -> None:
         """An interruption concerns what waits, too; what was asked to end the session stays asked."""

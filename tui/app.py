@@ -225,7 +225,7 @@ class SaysoApp(App[None]):
         if not model.busy:
             self._quit_asked = False
         if model.problem is not None and model.problem.fatal and self._exit_code is ExitCode.DONE:
-            self._exit_code = ExitCode.FAILED
+            self._exit_code = ExitCode.MISSING if model.problem.code == "robot_lost" else ExitCode.FAILED
         self._model = model
         if model.log is not self._logged:
             self._logged = model.log
