@@ -274,7 +274,7 @@ def test_a_robot_that_cannot_be_had_again_can_be_tried_again(monkeypatch: pytest
             with pytest.raises(RobotError):
                 await robot.tick()
             with monkeypatch.context() as broken:
-                broken.setattr("engine.robot.sim.process.sys.executable", "/nonexistent/python")
+                broken.setattr("engine.child.sys.executable", "/nonexistent/python")
                 with pytest.raises(RobotError, match="cannot be started"):
                     await robot.start()
             with pytest.raises(RobotError, match="SIGKILL"):

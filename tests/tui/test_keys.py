@@ -184,13 +184,13 @@ async def test_a_mistake_in_starting_is_shown_and_not_swallowed() -> None:
         assert desk.app.return_code == ExitCode.FAILED
 
 
-async def test_an_engine_that_dies_is_shown_and_quitting_tells_the_shell() -> None:
+async def test_a_robot_that_is_lost_for_good_is_shown_and_quitting_tells_the_shell() -> None:
     async with console() as desk:
         desk.engine.play(scripted.failed())
         await desk.settled()
         assert "does not answer any more" in desk.text
         await desk.pilot.press("q")
-        assert desk.app.return_code == ExitCode.FAILED
+        assert desk.app.return_code == ExitCode.MISSING
 
 
 async def test_a_command_that_is_not_taken_is_explained() -> None:
