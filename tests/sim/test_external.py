@@ -339,6 +339,37 @@ for _ in range(3):
     on_the_robot(test)
 
 
+FOLLOW_THE_CAMERA = """
+import subprocess
+script = "import os, time\\nwhile True: os.write(1, b'.'); time.sleep(0.01)"
+camera = subprocess.Popen([sys.executable, "-I", "-S", "-c", script], stdout=subprocess.PIPE)
+say(progress={"message": str(camera.pid)})
+while os.read(camera.stdout.fileno(), 1):  # drives while there are pictures, and on nothing else
+    say(drive=[0.3, 0, 0], tick=True)
+    say(progress={"message": str(camera.pid)})
+    hear("state")
+say(result={"outcome": "failed", "error_code": "no_progress", "message": "The camera is gone."})
+"""
+
+
+@pytest.mark.parametrize(
+    ("number", "says"), [(signal.SIGKILL, "The camera is gone."), (signal.SIGSTOP, "said nothing for 0.5 s")]
+)
+def test_a_follower_whose_camera_dies_or_freezes_leaves_a_robot_that_stands(number: signal.Signals, says: str) -> None:
+    async def test(rig: Rig) -> None:
+        following = asyncio.create_task(rig.run(FOLLOW_THE_CAMERA, occupies=["base", "camera"], silence_s=0.5))
+        await rig.until(lambda: rig.pose.x > 0.2, doing=following)
+        os.kill(int(rig.told[-1]), number)
+        began = rig.robot.state().t
+        result = await following
+        assert (result.outcome, result.error_code) == ("failed", "no_progress")
+        assert says in result.message
+        state = await ticks_until(rig.robot, lambda state: not state.moving)
+        assert state.t - began < 0.5, "robot time: the last command lives for 0.25 s, and the base comes to rest"
+
+    on_the_robot(test)
+
+
 # Ends that nobody wished for
 
 
