@@ -98,6 +98,22 @@ async def running(**changes: Any) -> AsyncIterator[SimRobot]:
         await robot.close()
 
 
+@asynccontextmanager
+async def beating(robot: SimRobot) -> AsyncIterator[None]:
+    """An engine's heartbeat."""
+
+    async def beat() -> None:
+        while True:
+            robot.heartbeat()
+            await asyncio.sleep(0.05)
+
+    task = asyncio.create_task(beat())
+    try:
+        yield
+    finally:
+        task.cancel()
+
+
 async def keep_driving(robot: SimRobot, twist: Twist, epoch: int, ticks: int, *, beating: bool = True) -> RobotState:
     """Command ``twist`` for ``ticks`` ticks; returns the last state."""
     for _ in range(ticks):

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Awaitable, Callable, Mapping
-from contextlib import asynccontextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,7 +26,7 @@ from engine.skills.context import SkillContext
 from engine.skills.external.host import MAX_UNSPOKEN, external_skill
 from engine.skills.outcome import Result
 from engine.skills.places import Places
-from tests.sim.rig import running, ticks_until
+from tests.sim.rig import beating, running, ticks_until
 
 PLACES = load(environ={}).places
 DEADLINE_S = 60.0
@@ -118,20 +118,6 @@ def on_the_robot(test: Callable[[Rig], Awaitable[None]]) -> None:
             assert rig.left_behind() == []
 
     asyncio.run(run())
-
-
-@asynccontextmanager
-async def beating(robot: SimRobot) -> Any:
-    async def beat() -> None:
-        while True:
-            robot.heartbeat()
-            await asyncio.sleep(0.05)
-
-    task = asyncio.create_task(beat())
-    try:
-        yield
-    finally:
-        task.cancel()
 
 
 async def interrupted(action: asyncio.Task[Any]) -> None:

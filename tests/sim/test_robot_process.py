@@ -10,8 +10,6 @@ import signal
 import subprocess
 import sys
 import textwrap
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +20,7 @@ from engine.errors import RobotError, SceneError
 from engine.robot.robot import ZERO, Pose, RobotState, Twist
 from engine.robot.sim.memory import LOOP_SAMPLES, REST_TIME, STEPS, ZERO_TIME, Memory
 from engine.robot.sim.robot import SimRobot
-from tests.sim.rig import keep_driving, run, running, settings, ticks_until
+from tests.sim.rig import beating, keep_driving, run, running, settings, ticks_until
 
 FORWARD = Twist(vx=0.3)
 
@@ -206,22 +204,6 @@ def test_a_frozen_robot_process_is_not_waited_for_for_ever(monkeypatch: pytest.M
                 await _tick_for_ever(robot)
 
     run(main)
-
-
-@asynccontextmanager
-async def beating(robot: SimRobot) -> AsyncIterator[None]:
-    """An engine's heartbeat."""
-
-    async def beat() -> None:
-        while True:
-            robot.heartbeat()
-            await asyncio.sleep(0.05)
-
-    task = asyncio.create_task(beat())
-    try:
-        yield
-    finally:
-        task.cancel()
 
 
 @pytest.mark.parametrize("speed", ["max", "real"])
