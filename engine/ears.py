@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from contextlib import AsyncExitStack
 
 from config.schema import Settings
 from engine.audio.pipe import PushSource
@@ -14,7 +15,7 @@ from engine.audio.simulated import SimulatedMicrophone
 from engine.audio.source import Source
 from engine.audio.vad import make_vad
 from engine.hearing import Hearing
-from engine.loading import Sound, make_demo, make_recogniser, vocabulary
+from engine.loading import Sound, make_demo, make_isolated_recogniser, vocabulary
 from engine.overhearing import Alert
 from engine.parts import Part
 from engine.planner.stopping import is_stop
@@ -60,19 +61,14 @@ class Ears:
             self._woken_early = True
 
     async def keep(self) -> None:
-        """Load the recogniser, open the source, and close both when cancelled."""
-        hearing: Hearing | None = None
-        try:
-            await self._hearing.load(self._load, lambda ears: ears.recogniser_name)
-            hearing = self._hearing.value
+        """Load the recogniser, open the source, and close both when cancelled, however far that was."""
+        async with AsyncExitStack() as closing:
+            await self._hearing.load(lambda: self._load(closing), lambda ears: ears.recogniser_name)
             await asyncio.Event().wait()
-        finally:
-            if hearing is not None:
-                await hearing.__aexit__(None, None, None)
 
-    async def _load(self) -> Hearing:
+    async def _load(self, closing: AsyncExitStack) -> Hearing:
         settings = self._settings
-        recogniser = make_recogniser(settings)
+        recogniser = make_isolated_recogniser(settings)
         hearing = Hearing(
             self._open_source,
             make_vad(settings.vad),
@@ -83,6 +79,7 @@ class Ears:
             on_lost=self._microphone.fail,
             alert=Alert(make_vad(settings.vad), is_stop, self._on_words) if self._on_words is not None else None,
         )
+        closing.push_async_exit(hearing)
         await hearing.load()
         if self._woken_early:
             hearing.mark()

@@ -1,9 +1,9 @@
 """Hearing: from sound to a transcript. Joins a source, voice activity, endpointing and a recogniser.
 
 A live source is read all the time, so that the moment before the wake is not lost and the level meter lives; other
-sources are read only while somebody listens, and go on where they stopped. The recogniser has one worker thread of its
-own: loading and decoding queue up there, and a decoding that nobody waits for any more ends as ``transcript.rejected``
-with the reason ``late``, in the turn and epoch that it belonged to.
+sources are read only while somebody listens, and go on where they stopped. One worker thread waits for the recogniser
+(an engine's decodes in a process of its own): loading and decoding queue up there, and a decoding that nobody waits for
+any more ends as ``transcript.rejected`` with the reason ``late``, in the turn and epoch that it belonged to.
 
     async with Hearing(...) as hearing:
         heard = await hearing.listen(emit)
@@ -53,6 +53,7 @@ class Hearing:
     ``open_source`` makes the source; it is called again when a live one was lost and somebody listens. ``vocabulary``:
     nouns and names to expect. ``gain_db`` is applied before anything else. ``on_lost`` is called, in the loop's
     thread, at the moment a live source is lost. ``alert`` is told of a stop that is overheard (see :meth:`overhear`).
+    Leaving closes the source and the recogniser, whatever it is doing.
     """
 
     def __init__(
@@ -96,10 +97,11 @@ class Hearing:
     ) -> None:
         self._closed = True
         self._overhearing.drop()
-        await self._close_source()
         for work in tuple(self._pending):
             work.cancel()  # or its end would be reported to a loop that may be closed by then
         self._worker.shutdown(wait=False, cancel_futures=True)
+        self._recogniser.close()  # the worker's thread comes back by that
+        await self._close_source()
 
     @property
     def recogniser_name(self) -> str:

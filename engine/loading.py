@@ -44,14 +44,27 @@ def model_store(settings: Settings) -> ModelStore:
 
 
 def make_recogniser(settings: Settings) -> Recogniser:
-    """The configured recogniser, not loaded yet. Raises ``ModelError`` with the command that fetches its model."""
+    """The configured recogniser, in this process and not loaded yet. Raises ``ModelError`` with the command that
+    fetches its model."""
     from engine.asr.whisper import WhisperRecogniser
 
+    return WhisperRecogniser(_speech_model(settings), settings.asr)
+
+
+def make_isolated_recogniser(settings: Settings) -> Recogniser:
+    """The same in a process of its own, for whoever must not be held up while it decodes."""
+    from engine.asr.isolated import IsolatedRecogniser
+
+    return IsolatedRecogniser(_speech_model(settings), settings.asr)
+
+
+def _speech_model(settings: Settings) -> Path:
+    """The folder that ``asr.model`` stands for. Raises ``ModelError``."""
     name = settings.asr.model
     folder = Path(name).expanduser()
-    if not (folder.is_absolute() or folder.is_dir()):
-        folder = model_store(settings).find(name)
-    return WhisperRecogniser(folder, settings.asr)
+    if folder.is_absolute() or folder.is_dir():
+        return folder
+    return model_store(settings).find(name)
 
 
 def make_demo() -> SimulatedMicrophone:

@@ -48,7 +48,7 @@ class Rejected:
 
 
 class Recogniser(Protocol):
-    """Turns utterances into text. Blocking and not thread-safe: it lives in one worker thread."""
+    """Turns utterances into text. Blocking, and for one thread at a time; only ``close`` may come from any."""
 
     @property
     def name(self) -> str:
@@ -77,4 +77,9 @@ class Recogniser(Protocol):
         result is whatever there is so far and will not be used. ``quick``: no second look, however doubtful the first.
         Raises ``ModelError``.
         """
+        ...
+
+    def close(self) -> None:
+        """End what runs for this recogniser elsewhere, at once, also in the middle of a decoding. What is asked of one
+        that lived elsewhere raises ``ModelError`` from then on."""
         ...

@@ -5,7 +5,8 @@ only when the result of the short one is doubtful. **Deaf**: Whisper was trained
 for any sound, above all in silence. A transcript is only let through past gates on its mean log-probability, its
 no-speech probability and the phrases that Whisper is known to invent.
 
-Importing this module is cheap; faster-whisper is imported by :meth:`WhisperRecogniser.load`, in the worker thread.
+Importing this module is cheap; faster-whisper is imported by :meth:`WhisperRecogniser.load`. An engine keeps both out
+of its own process (``engine.asr.isolated``): loading and decoding hold the interpreter lock for tens of milliseconds.
 """
 
 from __future__ import annotations
@@ -142,6 +143,9 @@ class WhisperRecogniser:
             window_s=window_s,
         )
         return judge(result.text, decoding, self._settings, vocabulary)
+
+    def close(self) -> None:
+        """Nothing runs elsewhere."""
 
     def _decode(
         self, samples: NDArray[np.float32], prompt: str | None, window_s: float, cancelled: Callable[[], bool]

@@ -7,10 +7,11 @@ terminal; a *wake*, from the byte written to its pipe, and on to the engine list
 written to its pipe; and *speech*, a "stop" at the simulated microphone, from the end of the word: where the voice of
 the recording has fallen 35 dB below its loudest 20 ms. Voice activity, recogniser and session come after that.
 
-All but "idle" have matrix multiplication in other processes beside them, and all but *speech* a recogniser, decoding
-all the time in the same process as what is interrupted. Ratios are figures over their budgets, so that 1 or less is
-inside, and the shares of what did not come about: stops that were not heard, wakes after which nobody listened, and
-drives that the robot broke off by itself because the machine was too busy for a heartbeat.
+All but "idle" have matrix multiplication in other processes beside them, and all but *speech* one more recogniser that
+decodes all the time: like a sayso's own, in a process that belongs to the one that is interrupted. Ratios are figures
+over their budgets, so that 1 or less is inside, and the shares of what did not come about: stops that were not heard,
+wakes after which nobody listened, and drives that the robot broke off by itself because the machine was too busy for a
+heartbeat.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ import numpy as np
 
 from config import load
 from engine.audio.wav import read_wav
-from engine.loading import make_recogniser
+from engine.loading import make_isolated_recogniser
 
 _WORK = """
 import numpy as np
@@ -44,8 +44,9 @@ def busy_machine(processes: int) -> Iterator[None]:
 
 @contextlib.contextmanager
 def busy_recogniser() -> Iterator[None]:
-    """Decode speech all the time in a thread of this process until the block ends."""
-    recogniser = make_recogniser(load())
+    """Decode speech all the time, as an engine does, until the block ends: a thread of this process waits for a
+    recogniser in another."""
+    recogniser = make_isolated_recogniser(load())
     recogniser.load()
     speech = read_wav(Path(str(files("assets") / "speech" / "go_to_the_bedroom_then_turn_around.wav")))
     samples = (speech / 32768).astype(np.float32)
@@ -62,3 +63,4 @@ def busy_recogniser() -> Iterator[None]:
     finally:
         done.set()
         thread.join()
+        recogniser.close()

@@ -171,6 +171,33 @@ def test_nobody_waits_for_ever_for_a_result(tmp_path: Path, before: str, words: 
     assert words in done.stderr.decode()
 
 
+# The recogniser process
+
+
+LIBRARIES = ("ctranslate2", "tokenizers", "onnxruntime")
+
+
+def test_an_engine_keeps_the_recogniser_out_of_its_own_process(tmp_path: Path) -> None:
+    with engine(tmp_path) as running:
+        running.until_loaded()
+        (recogniser,) = (child for child in below(running.process.pid) if "engine.asr.worker" in child.cmdline())
+        assert libraries(running.process.pid) == set()
+        assert "ctranslate2" in libraries(recogniser.pid)
+        running.send(do="quit")
+        assert running.process.wait(10) == ExitCode.DONE
+        assert gone(recogniser)
+
+
+def below(pid: int) -> list[psutil.Process]:
+    return psutil.Process(pid).children(recursive=True)
+
+
+def libraries(pid: int) -> set[str]:
+    """Those of the recogniser that a process has mapped."""
+    mapped = Path(f"/proc/{pid}/maps").read_text(encoding="utf-8")
+    return {library for library in LIBRARIES if library in mapped}
+
+
 # The robot process
 
 

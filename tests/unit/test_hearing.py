@@ -68,6 +68,8 @@ class Scripted:
             raise self.answer
         return self.answer
 
+    def close(self) -> None: ...
+
 
 class Ears:
     """A Hearing and what it published."""

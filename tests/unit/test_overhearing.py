@@ -125,6 +125,8 @@ class Scripted:
         assert self.may_answer.wait(20)
         return self.answer
 
+    def close(self) -> None: ...
+
 
 class Told:
     """Who is to know of a stop: what they were told, and in which thread."""
