@@ -8,6 +8,7 @@ the engine takes commands from the first moment. Whatever ends the loop, the rob
 from __future__ import annotations
 
 import asyncio
+import gc
 import os
 import sys
 import threading
@@ -37,6 +38,7 @@ from engine.parts import Part
 from engine.planner.build import build_planner, build_registry
 from engine.planner.planner import Planner
 from engine.robot.robot import FloorMap, Robot, RobotState, Scan
+from engine.scheduling import prefer
 from engine.session import Session
 from engine.skills.places import Places
 from engine.tts.voice import SilentVoice
@@ -134,6 +136,8 @@ class Engine:
     # The engine thread
 
     def _run(self) -> None:
+        if self._settings.robot.realtime_priority:
+            prefer()
         try:
             asyncio.run(self._main())
         except BaseException as error:  # noqa: BLE001 - handed to whoever waits in start(), or published
@@ -234,6 +238,10 @@ class Engine:
             self._emit(events.Log("info", status.name, f"ready: {status.detail}" if status.detail else "ready"))
         elif status.name != "robot":
             self._emit(events.Log("warning", status.name, status.detail))
+        if not any(part.status.state == "loading" for part in self._parts.values()):
+            # All that was loaded stays. Looking through it for garbage again and again would hold up everybody, also
+            # those who stop the robot, for a tenth of a second each time.
+            gc.freeze()
 
     def _emit(self, body: Body, /) -> Event:
         """Publish what belongs to no turn."""

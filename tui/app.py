@@ -28,6 +28,7 @@ from config.errors import ConfigError
 from engine.commands import Command, EndTask, Interrupt, Quit, Say, Wake
 from engine.errors import ExitCode, SaysoError
 from engine.events import ErrorRaised, Event, Log
+from engine.scheduling import prefer, raise_priority
 from tui import strings
 from tui.driver import listening_driver
 from tui.facts import Problem, printable
@@ -174,8 +175,14 @@ class SaysoApp(App[None]):
         if not self.post_message(self.Started(handle)):  # the console was left in the meantime
             handle.send(Quit())
 
-    def dress(self, theme: str, fps: float) -> None:
-        """Look as the settings say. Thread-safe: settings are read behind the first picture."""
+    def dress(self, theme: str, fps: float, *, prompt: bool = False) -> None:
+        """Look as the settings say. Thread-safe: settings are read behind the first picture.
+
+        ``prompt``: the thread that reads the keyboard goes before others, where the system allows it.
+        """
+        if prompt and (reader := getattr(self._driver, "reader", None)) is not None:
+            raise_priority(reader)
+            prefer(threading.main_thread().native_id or 0)
         self.post_message(self.Dressed(theme, fps))
 
     def on_sayso_app_dressed(self, message: Dressed) -> None:
@@ -435,7 +442,7 @@ def _robot_state(parts: Sequence[PartStatus]) -> PartState | None:
     return next((part.state for part in parts if part.name == "robot"), None)
 
 
-def run_console(start_engine: Callable[[Callable[[str, float], None]], EngineHandle]) -> int:
+def run_console(start_engine: Callable[[Callable[..., None]], EngineHandle]) -> int:
     """Run the console until somebody leaves it, and return the exit code of the process.
 
     ``start_engine`` runs in a thread behind the first picture and returns the engine. It is given

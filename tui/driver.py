@@ -19,6 +19,7 @@ import contextlib
 import errno
 import os
 import select
+import threading
 from collections.abc import Callable
 from typing import IO, Any, Final
 
@@ -61,6 +62,8 @@ def listening_driver(
 
     class TerminalDriver(ListeningDriver):
         _file: Any
+        reader: int | None = None
+        """The thread that reads, as the system knows it."""
 
         def __init__(self, *args: Any, **kwargs: Any) -> None:
             super().__init__(*args, **kwargs)
@@ -71,6 +74,7 @@ def listening_driver(
             parser = XTermParser(self._debug)
             decode = codecs.getincrementaldecoder("utf-8")(errors="replace").decode
             incomplete = False
+            self.reader = threading.get_native_id()
             while not self.exit_event.is_set():
                 if select.select([self.fileno], [], [], SEQUENCE_S if incomplete else IDLE_S)[0]:
                     data = self._read()

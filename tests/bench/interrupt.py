@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import os
 import random
 import threading
 import time
@@ -27,7 +28,7 @@ from contextlib import contextmanager
 from engine.robot.robot import Twist
 from engine.robot.sim.memory import REST_TIME, SCHEDULING, STOP_TIME, STOPPED_EPOCH, ZERO_TIME, Memory
 from engine.robot.sim.robot import SimRobot
-from engine.robot.sim.scheduling import Scheduling, from_word
+from engine.scheduling import Scheduling, from_word, raise_priority
 from tests.bench.load import busy_machine, busy_recogniser
 from tests.bench.report import Figure, figures, print_report, report
 from tests.bench.rig import PATIENCE_S, Rig, rig
@@ -85,9 +86,9 @@ def main(argv: list[str] | None = None) -> None:
             if scheduling in measured:
                 break  # real-time scheduling is not allowed here: both runs would be the same
             measured.add(scheduling)
-            with rig(decoding=True, settings=(f"robot.realtime_priority={str(wanted).lower()}",)) as sayso:
+            with rig(decoding=True, settings=(f"robot.realtime_priority={str(wanted).lower()}",)) as sayso, _punctual():
                 _interrupted(sayso, few, found)
-    with rig(decoding=False) as sayso:  # its own recogniser is the one that hears
+    with rig(decoding=False) as sayso, _punctual():  # its own recogniser is the one that hears
         with busy_machine(args.load):
             _spoken(sayso, few, found, "busy")
         _spoken(sayso, few, found, "idle")
@@ -150,6 +151,17 @@ def _busy_console() -> Iterator[None]:
 # A whole sayso
 
 
+@contextmanager
+def _punctual() -> Iterator[None]:
+    """Whoever looks at the clock and then interrupts must not be kept waiting in between: that would be measured."""
+    raise_priority()
+    try:
+        yield
+    finally:
+        if hasattr(os, "sched_setscheduler"):
+            os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+
+
 def _interrupted(sayso: Rig, n: int, found: Findings) -> None:
     """By key, wake and command in turn."""
     scheduling = from_word(sayso.memory.ints[SCHEDULING])
@@ -191,18 +203,22 @@ def _stop_since(sayso: Rig, began: float) -> tuple[float, float]:
 
 def _spoken(sayso: Rig, n: int, found: Findings, machine: str) -> None:
     memory: Memory = sayso.memory
-    zero, missed = [], 0
+    zero, rest, missed = [], [], 0
     for _ in range(n):
         sayso.drive()
         began = time.monotonic()
         end = sayso.say_stop()
         if sayso.came_true(lambda: memory.times[ZERO_TIME] >= began, end + HEARING_LIMIT - time.monotonic()):  # noqa: B023
-            zero.append(memory.times[ZERO_TIME] - end)
+            told, stood = _stop_since(sayso, began)
+            zero.append(told - end)
+            rest.append(stood - end)
         else:
             missed += 1
             sayso.command("interrupt")
-        _stop_since(sayso, began)
-    found.add("spoken", machine, from_word(memory.ints[SCHEDULING]), zero)
+            _stop_since(sayso, began)
+    scheduling = from_word(memory.ints[SCHEDULING])
+    found.add("spoken", machine, scheduling, zero)
+    found.add("rest, spoken", machine, scheduling, rest)
     found.ratios[f"spoken stops not heard, {machine}"] = missed / n
 
 

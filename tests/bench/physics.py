@@ -17,7 +17,7 @@ import numpy as np
 from engine.robot.robot import Twist
 from engine.robot.sim.build import TIMESTEP
 from engine.robot.sim.memory import LOOP_SAMPLES, OVERRUNS, SCHEDULING, STEPS
-from engine.robot.sim.scheduling import from_word
+from engine.scheduling import from_word
 from tests.bench.load import busy_machine
 from tests.bench.report import Figure, figures, print_report, report
 from tests.sim.rig import in_the_flat, running

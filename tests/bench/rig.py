@@ -36,6 +36,7 @@ from engine.engine import Engine
 from engine.events import Event
 from engine.loading import Sound
 from engine.robot.sim.memory import Memory
+from engine.scheduling import raise_priority
 from tests.bench.load import busy_recogniser
 from tests.bench.speech import DEMO, SHARED, speech_bounds
 from tests.bench.tui import Terminal, console
@@ -259,21 +260,24 @@ def main(argv: list[str]) -> int:
 
     def start(dress: Any) -> Engine:
         settings = load(overrides=tuple(args.set))
-        dress(settings.console.theme, settings.console.fps)
+        dress(settings.console.theme, settings.console.fps, prompt=settings.robot.realtime_priority)
         speaker = Speaker(tell)
         engine = Engine(settings, mode="console", sound=Sound("source", speaker))
         engine.start()
         engine.subscribe(see)
-        in_thread(_read_commands, engine, args.commands)
-        in_thread(each_byte, args.wakes, lambda: engine.send(Wake("serial")))
-        in_thread(each_byte, args.words, speaker.say_next)
+        prompt = settings.robot.realtime_priority
+        in_thread(_read_commands, engine, args.commands, prompt)
+        in_thread(each_byte, args.wakes, lambda: engine.send(Wake("serial")), prompt)
+        in_thread(each_byte, args.words, speaker.say_next, False)
         in_thread(report_ready, engine)
         return engine
 
     def in_thread(work: Callable[..., None], *arguments: Any) -> None:
         threading.Thread(target=work, args=arguments, daemon=True).start()
 
-    def each_byte(pipe: int, act: Callable[[], None]) -> None:
+    def each_byte(pipe: int, act: Callable[[], None], prompt: bool) -> None:
+        if prompt:
+            raise_priority()
         while os.read(pipe, 1):
             act()
 

@@ -25,10 +25,10 @@ def run(arguments: Namespace) -> int:
     os.environ.setdefault("ESCDELAY", "25")  # ms that Textual waits to tell the key from the start of a sequence
     from tui.app import run_console
 
-    def start(dress: Callable[[str, float], None]) -> EngineHandle:
+    def start(dress: Callable[..., None]) -> EngineHandle:
         """Everything that takes long: behind the first picture."""
         settings = load_settings(arguments)
-        dress(settings.console.theme, settings.console.fps)
+        dress(settings.console.theme, settings.console.fps, prompt=settings.robot.realtime_priority)
         from engine.engine import Engine
         from engine.loading import Sound
 

@@ -17,6 +17,7 @@ from engine.commands import MAX_LINE, Quit, parse_command
 from engine.engine import Engine
 from engine.errors import ExitCode, UsageError
 from engine.loading import Sound
+from engine.scheduling import raise_priority
 from tui.commands.headless import LOOK_S, Printer, Pulse, Terminated, end, signals_raise
 from tui.commands.output import say
 from tui.commands.settings import load_settings
@@ -30,12 +31,14 @@ HUNG_S = 10.0
 
 def run(arguments: Namespace) -> int:
     """Run until the commands end or a signal comes."""
-    engine = Engine(load_settings(arguments), mode="engine", sound=Sound(arguments.source))
+    settings = load_settings(arguments)
+    engine = Engine(settings, mode="engine", sound=Sound(arguments.source))
     printer = Printer(engine, json=arguments.json)
     code = ExitCode.DONE
     with signals_raise():
         engine.start()
-        threading.Thread(target=_read_commands, args=(engine, sys.stdin.fileno()), name="stdin", daemon=True).start()
+        reading = (engine, sys.stdin.fileno(), settings.robot.realtime_priority)
+        threading.Thread(target=_read_commands, args=reading, name="stdin", daemon=True).start()
         try:
             watch(engine)
         except Terminated:
@@ -62,8 +65,11 @@ def watch(engine: Engine) -> None:
             say("sayso: the engine answers again.")
 
 
-def _read_commands(engine: Engine, fd: int) -> None:
-    """Read commands to the end of ``fd``; what is no command is acknowledged as such."""
+def _read_commands(engine: Engine, fd: int, prompt: bool) -> None:
+    """Read commands to the end of ``fd``; what is no command is acknowledged as such. ``prompt``: this thread goes
+    before others, where the system allows it, because it may be told to stop the robot."""
+    if prompt:
+        raise_priority()
     for line in _lines(fd):
         if not line.strip():
             continue

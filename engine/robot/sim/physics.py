@@ -32,8 +32,8 @@ from engine.robot.sim import memory as m
 from engine.robot.sim.build import TIMESTEP
 from engine.robot.sim.memory import Mailbox, Memory
 from engine.robot.sim.scene import load_scene
-from engine.robot.sim.scheduling import as_word, quiet_memory, raise_priority
 from engine.robot.sim.world import World
+from engine.scheduling import as_word, quiet_memory, raise_priority
 
 TICK_STEPS = 10
 """Physics steps per tick (20 ms)."""
@@ -43,7 +43,8 @@ BRAKE_PART = 0.7
 """Of the silence that is allowed: then the base brakes. From full speed it needs 0.1 s to stand, and 0.3 s after the
 engine's last sign of life it must."""
 HALT_S = 1.0
-"""s of silence after which the robot has halted. A model that loads can hold up a busy engine for half of that."""
+"""s of silence after which the robot has halted. Anything that computes can hold up an engine for half of that where
+the machine is slow and busy, and the robot stands meanwhile."""
 SETTLE_LIMIT = 0.5
 """s of robot time in which the base comes to rest before the process ends; from full speed it needs 0.1."""
 
