@@ -194,6 +194,7 @@ class Engine:
             for task in background:
                 task.cancel()
             await asyncio.gather(*background, return_exceptions=True)
+            gc.unfreeze()  # what was loaded goes with the engine
             self._emit(events.SessionEnded(reason))
             if log is not None:
                 log.close()

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import signal
+
 from hypothesis import settings
 
 settings.register_profile("sayso", deadline=None)
 settings.load_profile("sayso")
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell starts what runs in the background like that, and the
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # programs under test would inherit it
