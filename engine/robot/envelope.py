@@ -71,7 +71,9 @@ class Envelope:
 
         ``obstacles`` are points in the base frame; None means that nothing can be seen, and then nothing moves.
         """
-        wanted = self._wanted if t < self._until else ZERO
+        if t >= self._until and not self._wanted.is_zero:
+            self.halt()  # whoever drove is gone: no ramp
+        wanted = self._wanted
         if obstacles is None and not wanted.is_zero:
             self._sent = ZERO
             return Shaped(ZERO, "no lidar scan")

@@ -351,7 +351,7 @@ def test_a_follower_whose_camera_dies_or_freezes_leaves_a_robot_that_stands(numb
         assert (result.outcome, result.error_code) == ("failed", "no_progress")
         assert says in result.message
         state = await ticks_until(rig.robot, lambda state: not state.moving)
-        assert state.t - began < 0.5, "robot time: the last command lives for 0.25 s, and the base comes to rest"
+        assert state.t - began <= 0.3, "s of robot time"
 
     on_the_robot(test)
 

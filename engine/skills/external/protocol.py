@@ -17,7 +17,7 @@ The program may say, one or several in an object:
 ======================================================  ==============================================================
 ``{"tick": true}``                                      answered by the state after the next control period (20 ms of
                                                         robot time); time may pass only while a program waits here
-``{"drive": [vx, vy, wz]}``                             needs ``base``; dies after 0.25 s, so repeat it every tick
+``{"drive": [vx, vy, wz]}``                             needs ``base``; dies after 0.2 s, so repeat it every tick
 ``{"arm": [5 joints], "speed": rad/s}``                 needs ``arm``; ``speed`` may be left out
 ``{"gripper": 0…1}``                                    needs ``arm``
 ``{"light": [r, g, b]}``, ``{"beep": s}``               need nothing
