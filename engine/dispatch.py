@@ -126,10 +126,12 @@ class Dispatcher:
         for group in run.plan.groups():
             if run.failure is not None or not self._epoch.is_current(run.epoch):
                 break
-            with contextlib.suppress(ExceptionGroup):  # of _Failed: run.failure tells
+            try:
                 async with asyncio.TaskGroup() as beside:
                     for index in group:
                         beside.create_task(self._act(run, index, keys[index]))
+            except* _Failed:
+                pass  # run.failure tells; any other error is a fault of ours and goes on
         return run.report()
 
     async def _act(self, run: Run, index: int, key: str) -> None:
