@@ -13,6 +13,9 @@ from engine.errors import SaysoError
 LOOKBACK_S = 10.0
 """How much sound after a mark waits for the listener, s."""
 
+CATCH_UP_S = 0.003
+"""Pause before each frame that has waited, s: the pre-roll is caught up within 0.04 s, ten seconds within two."""
+
 
 class Ring:
     """Frames of a live source on their way to a listener.
@@ -65,7 +68,13 @@ class Ring:
             self._listening = False
 
     async def get(self) -> Frame | None:
-        """The next frame; None after the last. Raises the error that ended the source."""
+        """The next frame; None after the last. Raises the error that ended the source.
+
+        What has waited for the listener is not given all at once: judging it takes a millisecond a frame, and the
+        robot process, which a wake has just told to stop, needs the processor more.
+        """
+        if len(self._frames) > 1:
+            await asyncio.sleep(CATCH_UP_S)
         while True:
             with self._lock:
                 if self._frames:

@@ -18,8 +18,9 @@ from engine.asr.recogniser import Decoding, Rejected, Transcript
 from engine.audio.endpoint import Utterance
 from engine.audio.level import SILENT
 from engine.audio.pipe import PushSource
+from engine.audio.ring import CATCH_UP_S, Ring
 from engine.audio.simulated import SimulatedMicrophone
-from engine.audio.source import FRAME_S, RATE, Samples, Source
+from engine.audio.source import FRAME_S, RATE, Frame, Samples, Source
 from engine.audio.vad import make_vad
 from engine.audio.wav import WavSource, read_wav
 from engine.bus import Bus
@@ -219,6 +220,26 @@ def test_a_second_mark_forgets_what_came_before_it() -> None:
             assert isinstance(await it.hearing.listen(it.emit), NothingHeard)
 
     asyncio.run(scenario())
+
+
+def test_sound_that_has_waited_is_not_given_all_at_once() -> None:
+    """Judging it would keep a processor busy that the robot process needs in order to stop."""
+
+    async def body() -> None:
+        loop = asyncio.get_running_loop()
+        ring = Ring(10)
+        for number in range(10):
+            ring.put(Frame(quiet(FRAME_S), number * FRAME_S))
+        ring.listen()
+        times = []
+        for _ in range(10):
+            await ring.get()
+            times.append(loop.time())
+        gaps = np.diff(times)
+        assert (gaps[:-1] > 0.9 * CATCH_UP_S).all()
+        assert times[-1] - times[0] < FRAME_S, "caught up before the next frame"
+
+    run(body())
 
 
 def test_the_simulated_microphone_is_heard_in_its_own_time() -> None:
