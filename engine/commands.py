@@ -7,7 +7,6 @@ carry an ``id`` of the sender's choice, which its acknowledgement (event ``ack``
 from __future__ import annotations
 
 from base64 import b64decode
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import msgspec
@@ -19,15 +18,13 @@ MAX_LINE = 4 * 1024 * 1024
 """Longest command line that is read, bytes: two minutes of base64 PCM."""
 
 
-@dataclass(frozen=True, slots=True)
-class Command:
+class Command(msgspec.Struct, frozen=True):
     """Base of all commands."""
 
     do: ClassVar[str]
 
 
-@dataclass(frozen=True, slots=True)
-class Say(Command):
+class Say(Command, frozen=True):
     """A typed request, treated as if it had been spoken and understood."""
 
     do: ClassVar[str] = "say"
@@ -35,8 +32,7 @@ class Say(Command):
     id: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Wake(Command):
+class Wake(Command, frozen=True):
     """Listen now; while speaking or acting this stops both first. ``angle_deg`` is where the speaker stands."""
 
     do: ClassVar[str] = "wake"
@@ -46,24 +42,21 @@ class Wake(Command):
     id: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Interrupt(Command):
+class Interrupt(Command, frozen=True):
     """Stop everything and keep the task cycle."""
 
     do: ClassVar[str] = "interrupt"
     id: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class EndTask(Command):
+class EndTask(Command, frozen=True):
     """Stop everything, reset arm and history, begin a new task cycle."""
 
     do: ClassVar[str] = "end_task"
     id: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Audio(Command):
+class Audio(Command, frozen=True):
     """Sound for the recogniser, as if from the microphone: 16 kHz mono signed 16-bit little-endian."""
 
     do: ClassVar[str] = "audio"
@@ -71,16 +64,14 @@ class Audio(Command):
     id: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Snapshot(Command):
+class Snapshot(Command, frozen=True):
     """Answer with the state of session and robot in the acknowledgement."""
 
     do: ClassVar[str] = "snapshot"
     id: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Quit(Command):
+class Quit(Command, frozen=True):
     """End the session: stop everything at once, or, with ``drain``, when what was asked for before is done."""
 
     do: ClassVar[str] = "quit"
@@ -91,16 +82,14 @@ class Quit(Command):
 # What the engine's own parts tell the session. It interrupts like a command, but nobody can send it from outside.
 
 
-@dataclass(frozen=True, slots=True)
-class Heard(Command):
+class Heard(Command, frozen=True):
     """Words overheard without a wake while the robot moves or speaks; only a stop among them is acted on."""
 
     do: ClassVar[str] = "heard"
     text: str
 
 
-@dataclass(frozen=True, slots=True)
-class Halted(Command):
+class Halted(Command, frozen=True):
     """The robot has stopped by itself in ``epoch``, or is ``lost``: what moves cannot go on. ``reason``: why, for
     people."""
 
@@ -135,8 +124,8 @@ def parse_command(line: bytes | str) -> Command:
             raise UsageError(f"audio: 'pcm' is not base64: {error}.") from error
         if len(raw["pcm"]) % 2:
             raise UsageError("audio: 'pcm' holds an odd number of bytes; samples have two.")
-    known = COMMANDS[do].__dataclass_fields__
-    if unknown := sorted(raw.keys() - known):
+    known = COMMANDS[do].__struct_fields__
+    if unknown := sorted(raw.keys() - set(known)):
         raise UsageError(f"{do}: unknown field {unknown[0]!r}.", hint=f"Allowed: {', '.join(known)}.")
     try:
         return msgspec.convert(raw, type=COMMANDS[do])

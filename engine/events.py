@@ -1,6 +1,6 @@
 """The vocabulary: everything that happens, as frozen facts.
 
-An :class:`Event` is an envelope (when, which session, turn and epoch) around a *body*, one small dataclass per
+An :class:`Event` is an envelope (when, which session, turn and epoch) around a *body*, one small struct per
 kind. The same JSON goes to stdout, into recordings and over the network; ``docs`` for outside tools are the
 docstrings here. Fields may be added to a body; none is renamed or removed while ``v`` stays 1, and readers
 ignore fields and kinds they do not know.
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, TypeVar
 
 import msgspec
@@ -41,10 +40,9 @@ WakeSource = Literal["key", "serial", "word", "command", "demo", "file"]
 PlanSource = Literal["phrases", "local", "openai", "dify", "direct"]
 
 
-class Body:
+class Body(msgspec.Struct, frozen=True):
     """Base of all event bodies; ``kind`` is the event's name on the wire."""
 
-    __slots__ = ()
     kind: ClassVar[str]
 
 
@@ -66,8 +64,7 @@ def kind(name: str) -> Callable[[B], B]:
 # Parts of bodies
 
 
-@dataclass(frozen=True, slots=True)
-class ActionView:
+class ActionView(msgspec.Struct, frozen=True):
     """One action of a plan: a registered skill's name and its typed arguments by name."""
 
     name: str
@@ -75,8 +72,7 @@ class ActionView:
     alongside: bool = False  # it starts together with the action before it
 
 
-@dataclass(frozen=True, slots=True)
-class PoseView:
+class PoseView(msgspec.Struct, frozen=True):
     """Pose on the floor, map frame."""
 
     x: float  # m
@@ -84,8 +80,7 @@ class PoseView:
     yaw: float  # rad, counter-clockwise
 
 
-@dataclass(frozen=True, slots=True)
-class TwistView:
+class TwistView(msgspec.Struct, frozen=True):
     """Velocity in the robot's frame."""
 
     vx: float  # m/s, forward
@@ -93,8 +88,7 @@ class TwistView:
     wz: float  # rad/s, counter-clockwise
 
 
-@dataclass(frozen=True, slots=True)
-class TurnResult:
+class TurnResult(msgspec.Struct, frozen=True):
     """How a turn ended, in words and as the process exit code it means (see ``errors.ExitCode``)."""
 
     exit_code: int
@@ -106,8 +100,7 @@ class TurnResult:
 
 
 @kind("session.started")
-@dataclass(frozen=True, slots=True)
-class SessionStarted(Body):
+class SessionStarted(Body, frozen=True):
     """First event of a session."""
 
     version: str
@@ -117,16 +110,14 @@ class SessionStarted(Body):
 
 
 @kind("session.ended")
-@dataclass(frozen=True, slots=True)
-class SessionEnded(Body):
+class SessionEnded(Body, frozen=True):
     """Last event of a session."""
 
     reason: str
 
 
 @kind("state.changed")
-@dataclass(frozen=True, slots=True)
-class StateChanged(Body):
+class StateChanged(Body, frozen=True):
     """The session moved to another state. ``result`` is set by the change that ends a turn."""
 
     previous: State
@@ -136,16 +127,14 @@ class StateChanged(Body):
 
 
 @kind("task.ended")
-@dataclass(frozen=True, slots=True)
-class TaskEnded(Body):
+class TaskEnded(Body, frozen=True):
     """A task cycle ended: history and arm are reset and a new cycle begins."""
 
     reason: str
 
 
 @kind("interrupt.raised")
-@dataclass(frozen=True, slots=True)
-class InterruptRaised(Body):
+class InterruptRaised(Body, frozen=True):
     """Something was interrupted. The envelope's epoch is the new one."""
 
     scope: Scope
@@ -157,8 +146,7 @@ class InterruptRaised(Body):
 
 
 @kind("wake.heard")
-@dataclass(frozen=True, slots=True)
-class WakeHeard(Body):
+class WakeHeard(Body, frozen=True):
     """Somebody wants the robot's attention."""
 
     source: WakeSource
@@ -167,8 +155,7 @@ class WakeHeard(Body):
 
 
 @kind("listen.started")
-@dataclass(frozen=True, slots=True)
-class ListenStarted(Body):
+class ListenStarted(Body, frozen=True):
     """The recording began."""
 
     source: str
@@ -176,8 +163,7 @@ class ListenStarted(Body):
 
 
 @kind("listen.level")
-@dataclass(frozen=True, slots=True)
-class ListenLevel(Body):
+class ListenLevel(Body, frozen=True):
     """Loudness and voice activity of the last stretch of sound, about ten times a second while listening."""
 
     rms_db: float  # dB relative to full scale
@@ -187,8 +173,7 @@ class ListenLevel(Body):
 
 
 @kind("listen.ended")
-@dataclass(frozen=True, slots=True)
-class ListenEnded(Body):
+class ListenEnded(Body, frozen=True):
     """The recording ended."""
 
     reason: Literal["silence", "max_length", "source_ended", "no_speech", "cancelled", "device_lost"]
@@ -197,8 +182,7 @@ class ListenEnded(Body):
 
 
 @kind("transcript.partial")
-@dataclass(frozen=True, slots=True)
-class TranscriptPartial(Body):
+class TranscriptPartial(Body, frozen=True):
     """Words so far; may still change."""
 
     text: str
@@ -206,8 +190,7 @@ class TranscriptPartial(Body):
 
 
 @kind("transcript.final")
-@dataclass(frozen=True, slots=True)
-class TranscriptFinal(Body):
+class TranscriptFinal(Body, frozen=True):
     """What was said (or typed, or overheard without a wake: ``source`` tells; only speech has all the figures)."""
 
     text: str
@@ -221,8 +204,7 @@ class TranscriptFinal(Body):
 
 
 @kind("transcript.rejected")
-@dataclass(frozen=True, slots=True)
-class TranscriptRejected(Body):
+class TranscriptRejected(Body, frozen=True):
     """Sound that was not taken for a command, with the reason."""
 
     reason: Literal["no_speech", "low_confidence", "too_short", "empty", "late", "artefact"]
@@ -234,8 +216,7 @@ class TranscriptRejected(Body):
 
 
 @kind("decision.made")
-@dataclass(frozen=True, slots=True)
-class DecisionMade(Body):
+class DecisionMade(Body, frozen=True):
     """The decision layer's steps, in words."""
 
     steps: tuple[str, ...]
@@ -243,8 +224,7 @@ class DecisionMade(Body):
 
 
 @kind("plan.made")
-@dataclass(frozen=True, slots=True)
-class PlanMade(Body):
+class PlanMade(Body, frozen=True):
     """A validated plan."""
 
     goal: str
@@ -255,8 +235,7 @@ class PlanMade(Body):
 
 
 @kind("plan.rejected")
-@dataclass(frozen=True, slots=True)
-class PlanRejected(Body):
+class PlanRejected(Body, frozen=True):
     """No plan came of it; nothing moves."""
 
     text: str
@@ -266,8 +245,7 @@ class PlanRejected(Body):
 
 
 @kind("clarification.asked")
-@dataclass(frozen=True, slots=True)
-class ClarificationAsked(Body):
+class ClarificationAsked(Body, frozen=True):
     """The request is ambiguous; the next utterance answers this question."""
 
     question: str
@@ -275,8 +253,7 @@ class ClarificationAsked(Body):
 
 
 @kind("refusal.made")
-@dataclass(frozen=True, slots=True)
-class RefusalMade(Body):
+class RefusalMade(Body, frozen=True):
     """The request was refused by the safety rules."""
 
     reason: str
@@ -287,8 +264,7 @@ class RefusalMade(Body):
 
 
 @kind("action.queued")
-@dataclass(frozen=True, slots=True)
-class ActionQueued(Body):
+class ActionQueued(Body, frozen=True):
     """An action of a validated plan waits for its turn."""
 
     action: str  # id, unique in the session
@@ -299,8 +275,7 @@ class ActionQueued(Body):
 
 
 @kind("action.started")
-@dataclass(frozen=True, slots=True)
-class ActionStarted(Body):
+class ActionStarted(Body, frozen=True):
     """An action began; exactly one ``action.finished`` follows."""
 
     action: str
@@ -311,8 +286,7 @@ class ActionStarted(Body):
 
 
 @kind("action.progress")
-@dataclass(frozen=True, slots=True)
-class ActionProgress(Body):
+class ActionProgress(Body, frozen=True):
     """A running action says how far it is."""
 
     action: str
@@ -323,8 +297,7 @@ class ActionProgress(Body):
 
 
 @kind("action.finished")
-@dataclass(frozen=True, slots=True)
-class ActionFinished(Body):
+class ActionFinished(Body, frozen=True):
     """A started action ended, exactly once. Actions that were queued and never started have no such event: the
     change of state that ends the turn ends them."""
 
@@ -339,8 +312,7 @@ class ActionFinished(Body):
 
 
 @kind("speech.started")
-@dataclass(frozen=True, slots=True)
-class SpeechStarted(Body):
+class SpeechStarted(Body, frozen=True):
     """The robot answers. ``audible`` is False in text mode: the answer is shown, not played."""
 
     text: str
@@ -348,8 +320,7 @@ class SpeechStarted(Body):
 
 
 @kind("speech.ended")
-@dataclass(frozen=True, slots=True)
-class SpeechEnded(Body):
+class SpeechEnded(Body, frozen=True):
     """The answer ended; ``heard`` is what was played (or shown) of it."""
 
     text: str
@@ -361,8 +332,7 @@ class SpeechEnded(Body):
 
 
 @kind("robot.state")
-@dataclass(frozen=True, slots=True)
-class RobotStateView(Body):
+class RobotStateView(Body, frozen=True):
     """Where the robot is and what it does; several times a second while it moves, else once when it rests."""
 
     robot_t: float  # s, the robot's own clock
@@ -375,8 +345,7 @@ class RobotStateView(Body):
 
 
 @kind("camera.frame")
-@dataclass(frozen=True, slots=True)
-class CameraFrame(Body):
+class CameraFrame(Body, frozen=True):
     """A picture was taken; its pixels travel by other means."""
 
     width: int
@@ -385,8 +354,7 @@ class CameraFrame(Body):
 
 
 @kind("perception.result")
-@dataclass(frozen=True, slots=True)
-class PerceptionResult(Body):
+class PerceptionResult(Body, frozen=True):
     """What was seen."""
 
     description: str
@@ -397,8 +365,7 @@ class PerceptionResult(Body):
 
 
 @kind("log")
-@dataclass(frozen=True, slots=True)
-class Log(Body):
+class Log(Body, frozen=True):
     """A line for people."""
 
     level: Literal["debug", "info", "warning", "error"]
@@ -407,8 +374,7 @@ class Log(Body):
 
 
 @kind("error")
-@dataclass(frozen=True, slots=True)
-class ErrorRaised(Body):
+class ErrorRaised(Body, frozen=True):
     """Something failed; ``hint`` says what to do."""
 
     code: str
@@ -418,8 +384,7 @@ class ErrorRaised(Body):
 
 
 @kind("timing")
-@dataclass(frozen=True, slots=True)
-class Timing(Body):
+class Timing(Body, frozen=True):
     """How long a stage took."""
 
     stage: str
@@ -427,8 +392,7 @@ class Timing(Body):
 
 
 @kind("ack")
-@dataclass(frozen=True, slots=True)
-class Ack(Body):
+class Ack(Body, frozen=True):
     """The answer to one command in (see ``engine.commands``); ``id`` repeats the command's own."""
 
     do: str
@@ -438,8 +402,7 @@ class Ack(Body):
     snapshot: Mapping[str, Any] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Event:
+class Event(msgspec.Struct, frozen=True):
     """One thing that happened."""
 
     seq: int  # 1, 2, 3… within the session

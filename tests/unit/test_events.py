@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import types
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
+import msgspec
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -36,9 +36,9 @@ def values_of(hint: Any) -> st.SearchStrategy[Any]:
     plain = {str: TEXT, bool: st.booleans(), int: INTEGERS, float: NUMBERS, type(None): st.none(), Any: TEXT}
     if hint in plain:
         return plain[hint]
-    if is_dataclass(hint):
+    if isinstance(hint, type) and issubclass(hint, msgspec.Struct):
         hints = get_type_hints(hint)
-        return st.builds(hint, **{field.name: values_of(hints[field.name]) for field in fields(hint)})
+        return st.builds(hint, **{name: values_of(hints[name]) for name in hint.__struct_fields__})
     arguments = get_args(hint)
     match get_origin(hint):
         case origin if origin is Literal:

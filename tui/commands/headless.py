@@ -8,10 +8,10 @@ import signal
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from types import FrameType
 from typing import TYPE_CHECKING, Final
 
+import msgspec
 from ulid import ULID
 
 from engine import events
@@ -152,7 +152,7 @@ class Headless:
         An engine that does not answer any more ends the process (see :class:`Pulse`).
         """
         self._awaited = key = str(ULID())
-        self._engine.send(replace(command, id=key))
+        self._engine.send(msgspec.structs.replace(command, id=key))
         limit = float("inf") if timeout_s is None else time.monotonic() + timeout_s
         pulse = Pulse(self._engine)
         while (left := limit - time.monotonic()) > 0:
