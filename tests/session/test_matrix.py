@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
 
 import pytest
+from msgspec import structs
 
 from engine import events
 from engine.commands import Command, Halted, Snapshot
@@ -126,7 +127,7 @@ async def send(talk: Conversation, scene: Scene, expected: Consequence, command:
         len(talk.robot.arm), before,
     )  # fmt: skip
     assert (turn is None) == (scene.reach is rest)
-    talk.send(replace(command, epoch=talk.epoch.current) if isinstance(command, Halted) else command)
+    talk.send(structs.replace(command, epoch=talk.epoch.current) if isinstance(command, Halted) else command)
     return trial
 
 
