@@ -99,6 +99,16 @@ class Limits(Section):
     )
 
 
+class Camera(Section):
+    """The camera of the simulated robot."""
+
+    backend: Literal["auto", "opengl", "rays"] = Field(
+        description="auto: OpenGL (EGL or OSMesa) where it works, rays cast in the simulation elsewhere."
+    )
+    width: int = Field(ge=32, le=640, description="Pixels; more makes small tags readable from farther away.")
+    height: int = Field(ge=24, le=480, description="Pixels; 48 degrees of view are divided among them.")
+
+
 class Robot(Section):
     """Which robot, and how fast it may be."""
 
@@ -110,6 +120,7 @@ class Robot(Section):
     odometry_noise: float = Field(ge=0, le=0.5, description="Relative error of odometry; 0 for none.")
     seed: int = Field(description="Seed of everything random in the simulation.")
     limits: Limits
+    camera: Camera
 
 
 class Quaternion(Section):

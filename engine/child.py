@@ -14,7 +14,7 @@ import socket
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import engine
@@ -31,9 +31,17 @@ class Child:
     ``link`` is our end of the socket pair; the child is told its own as ``--link=FD``.
     """
 
-    def __init__(self, name: str, module: str, arguments: Sequence[str] = (), *, shared: Sequence[int] = ()) -> None:
+    def __init__(
+        self,
+        name: str,
+        module: str,
+        arguments: Sequence[str] = (),
+        *,
+        shared: Sequence[int] = (),
+        environment: Mapping[str, str] | None = None,
+    ) -> None:
         """Start ``python -m module``; ``name`` is for people, ``shared`` are descriptors that it inherits under the
-        same number. Raises :class:`ProcessError`."""
+        same number, ``environment`` is added to ours. Raises :class:`ProcessError`."""
         self._name = name
         self.link, theirs = socket.socketpair()
         # No pipe for stderr: nobody would read it while all is well, and a full pipe stops the writer.
@@ -45,7 +53,7 @@ class Child:
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=self._stderr,
-                env=_environment(),
+                env={**_environment(), **(environment or {})},
                 start_new_session=True,  # Ctrl-C and the terminal's hang-up reach the engine alone
             )
         except OSError as error:

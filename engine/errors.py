@@ -67,6 +67,12 @@ class DeviceError(SaysoError):
     exit_code = ExitCode.MISSING
 
 
+class CameraError(DeviceError):
+    """The camera delivers no picture."""
+
+    code = "camera_lost"
+
+
 class ModelError(SaysoError):
     """A model file is missing, incomplete or wrong."""
 

@@ -10,9 +10,10 @@ from typing import Literal, Protocol
 from config.schema import Place
 from engine.bus import Subscriber
 from engine.commands import Command
+from engine.perception.memory import World
 from engine.robot.robot import FloorMap, RobotState, Scan
 
-PartName = Literal["robot", "microphone", "recogniser", "planner", "voice"]
+PartName = Literal["robot", "microphone", "recogniser", "planner", "voice", "camera"]
 PartState = Literal["loading", "ready", "missing", "failed"]
 
 
@@ -62,4 +63,8 @@ class EngineHandle(Protocol):
 
     def places(self) -> Mapping[str, Place]:
         """Places by symbol."""
+        ...
+
+    def world(self) -> World:
+        """What the robot remembers to have seen, and what it holds."""
         ...

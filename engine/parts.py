@@ -45,19 +45,28 @@ class Part(Generic[T]):
 
         A part that was lost can be loaded again: whoever asks for it then waits for how that ends.
         """
-        self._done.clear()
-        self._value = self._error = None
-        self.status = PartStatus(self.status.name, "loading")
+        self.begin()
         try:
-            self._value = value = await loader()
+            value = await loader()
         except SaysoError as error:
             self.fail(error)
         except Exception as error:  # noqa: BLE001 - a part that has a fault must not take the others with it
             name = self.status.name
             self.fail(SaysoError(f"The {name} has a fault: {error!r}.", hint="Please report it."))
         else:
-            self._change("ready", describe(value))
-            self._done.set()
+            self.succeed(value, describe(value))
+
+    def begin(self) -> None:
+        """The part is being loaded, for the first time or again: whoever asks for it waits."""
+        self._done.clear()
+        self._value = self._error = None
+        self.status = PartStatus(self.status.name, "loading")
+
+    def succeed(self, value: T, detail: str = "") -> None:
+        """The part is loaded."""
+        self._value = value
+        self._change("ready", detail)
+        self._done.set()
 
     def fail(self, error: SaysoError) -> None:
         """The part cannot be had (any more): everybody who asks for it gets ``error``."""

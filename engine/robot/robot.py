@@ -14,10 +14,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from engine.robot.arm import ArmModel
+    from engine.robot.camera import Picture
 
 Capability = Literal["base", "arm", "camera", "voice"]
 
@@ -125,6 +129,8 @@ class FloorMap:
     occupied: NDArray[np.bool_]  # shape (rows, columns); row is y, column is x
     rooms: tuple[Room, ...] = ()
     furniture: tuple[Furniture, ...] = ()
+    doors: tuple[Doorway, ...] = ()
+    tags: tuple[Landmark, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,6 +157,34 @@ class Furniture:
     y_min: float
     x_max: float
     y_max: float
+    height: float = 0.0  # of its top; 0 where that is not known
+    kind: str = ""  # bin, low_table, …
+
+    def holds(self, x: float, y: float, *, margin: float = 0.0) -> bool:
+        """Whether the point lies on it, at least ``margin`` m from its edges."""
+        return self.x_min + margin <= x <= self.x_max - margin and self.y_min + margin <= y <= self.y_max - margin
+
+
+@dataclass(frozen=True, slots=True)
+class Doorway:
+    """A gap in a wall between two rooms."""
+
+    between: tuple[str, str]
+    x: float  # of its middle, map frame, m
+    y: float
+    width: float  # m
+
+
+@dataclass(frozen=True, slots=True)
+class Landmark:
+    """An AprilTag of the family 36h11 that is fixed to the house, by which a robot can tell where it is."""
+
+    id: int
+    x: float  # of its middle, map frame, m
+    y: float
+    z: float
+    yaw: float  # direction in which its face looks, map frame, rad; it hangs upright
+    size: float  # edge of the black square, m
 
 
 class Robot(Protocol):
@@ -171,6 +205,11 @@ class Robot(Protocol):
 
     @property
     def floor_map(self) -> FloorMap: ...
+
+    @property
+    def arm(self) -> ArmModel:
+        """The geometry of its arm and of the camera on it."""
+        ...
 
     async def start(self) -> None:
         """Connect, or start the process. Raises ``RobotError`` or ``DeviceError``.
@@ -201,6 +240,18 @@ class Robot(Protocol):
 
     def scan(self) -> Scan:
         """The newest lidar scan; thread-safe."""
+        ...
+
+    async def look(self) -> Picture:
+        """Take a picture now. Raises ``CameraError`` when the camera does not deliver one.
+
+        In a simulation at full speed no time passes meanwhile.
+        """
+        ...
+
+    def relocate(self, believed: Pose, true: Pose) -> None:
+        """When the robot believed to be at ``believed`` it was at ``true`` (map frame): odometry goes on from there.
+        Moves nothing."""
         ...
 
     def drive(self, twist: Twist, epoch: int) -> None:

@@ -16,7 +16,17 @@ import mujoco
 
 from engine.robot.robot import ARM_INITIAL, ARM_JOINTS, Pose
 from engine.robot.sim.colours import rgba
-from engine.robot.sim.dimensions import FINGER_TRAVEL, FOOTPRINT, FOREARM, HAND, JOINT_RANGES, SHOULDER, UPPER_ARM
+from engine.robot.sim.dimensions import (
+    CAMERA_OFFSET,
+    CAMERA_VIEW,
+    FINGER_TRAVEL,
+    FOOTPRINT,
+    FOREARM,
+    HAND,
+    JOINT_RANGES,
+    SHOULDER,
+    UPPER_ARM,
+)
 
 FIXED, LOOSE, UNSEEN = 0, 1, 2
 """Geom groups: what is fixed, loose objects, and what the lidar cannot meet: the robot itself, and everything fixed
@@ -145,7 +155,7 @@ def _arm(spec: Node, base: Node) -> None:
     # The camera rides on the wrist, above the hand when the arm leans forward (local −x is up then).
     _solid(wrist, _BOX, (-0.036, 0, 0.014), (0.012, 0.03, 0.01), "black", mass=0.02)
     _solid(wrist, _CYLINDER, (-0.036, 0, 0.025), (0.008, 0.003), "blue", shade=0.6)
-    camera = wrist.add_camera(name=CAMERA, pos=[-0.036, 0, 0.03], fovy=48)
+    camera = wrist.add_camera(name=CAMERA, pos=CAMERA_OFFSET, fovy=math.degrees(CAMERA_VIEW))
     camera.alt.type = mujoco.mjtOrientation.mjORIENTATION_XYAXES
     camera.alt.xyaxes = [0, -1, 0, -1, 0, 0]  # looks along local +z, the picture's right is −y and its top −x
 

@@ -1,4 +1,4 @@
-"""From a scene to a MuJoCo model: floors, walls, furniture, loose objects, lights and the robot.
+"""From a scene to a MuJoCo model: floors, walls, furniture, signs, loose objects, people, lights and the robot.
 
 Everything is addressed by name afterwards: a loose object is a body with the name it has in the scene file, a piece
 of furniture too. Geom groups (see ``body``) tell the lidar what it can meet.
@@ -17,16 +17,19 @@ from engine.errors import SceneError
 from engine.robot.sim.body import FIXED, LOOSE, UNSEEN, Node, add_robot
 from engine.robot.sim.colours import rgba
 from engine.robot.sim.dimensions import LIDAR_HEIGHT
-from engine.robot.sim.floor import wall_pieces
+from engine.robot.sim.floor import WallPiece, door_leaf, wall_pieces
 from engine.robot.sim.furniture import FLAT, Solid, solids
-from engine.robot.sim.scene import FloorLine, FurniturePiece, LooseObject, RoomArea, Scene
-from engine.robot.sim.textures import planks, tag_cube, tiles
+from engine.robot.sim.person import add_person
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_parts import FloorLine, FurniturePiece, LooseObject, RoomArea, Sign
+from engine.robot.sim.textures import TAG_CELLS, cube, planks, qr_cells, tag_cells, tiles
 
 TIMESTEP = 0.002
 """s of simulated time per physics step."""
 
 _G = mujoco.mjtGeom
 _SHAPES = {"box": _G.mjGEOM_BOX, "cylinder": _G.mjGEOM_CYLINDER, "ellipsoid": _G.mjGEOM_ELLIPSOID}
+_SHEET = 0.002  # m, half of the thickness of a sign
 _PATTERN_SIZE = 1.6  # m that one picture of a floor pattern covers
 
 
@@ -52,13 +55,22 @@ def specify(scene: Scene) -> Node:
     _light(spec, scene)
     _floors(spec, scene)
     for index, wall in enumerate(wall_pieces(scene)):
-        _wall(spec, scene, f"wall {index}", (wall.x_min, wall.y_min, wall.x_max, wall.y_max))
+        _wall(spec, scene, f"wall {index}", wall)
+    for door in scene.doors:
+        if door.closed:
+            _door(spec, scene, f"door {door.between[0]} {door.between[1]}", door_leaf(scene, door))
     for name, piece in scene.furniture.items():
         _furniture(spec, name, piece)
     for name, line in scene.lines.items():
         _line(spec, name, line)
     for name, loose in scene.objects.items():
-        _object(spec, name, loose, _standing_height(scene, loose))
+        _object(spec, name, loose, scene.standing_height(loose) + (0.001 if loose.stands_on is not None else 0.0))
+    for mark in scene.landmarks:
+        _sign(spec, f"landmark {mark.id}", mark, tag_cells(mark.id), mark.size * TAG_CELLS / (TAG_CELLS - 2))
+    for index, poster in enumerate(scene.posters):
+        _sign(spec, f"poster {index}", poster, qr_cells(poster.text), poster.size)
+    for name, person in scene.people.items():
+        add_person(spec, name, person)
     add_robot(spec)
     return spec
 
@@ -120,8 +132,8 @@ def _material(spec: Node, name: str, picture: NDArray[np.uint8], kind: Node) -> 
     return material
 
 
-def _wall(spec: Node, scene: Scene, name: str, area: tuple[float, float, float, float]) -> None:
-    x0, y0, x1, y1 = area
+def _wall(spec: Node, scene: Scene, name: str, area: WallPiece) -> None:
+    x0, y0, x1, y1 = area.x_min, area.y_min, area.x_max, area.y_max
     height = scene.walls.height
     body = spec.worldbody.add_body(name=name, pos=[(x0 + x1) / 2, (y0 + y1) / 2, 0])
     half = ((x1 - x0) / 2, (y1 - y0) / 2)
@@ -134,10 +146,41 @@ def _wall(spec: Node, scene: Scene, name: str, area: tuple[float, float, float, 
         trim.rgba = rgba(scene.walls.colour, shade=shade)
 
 
+def _door(spec: Node, scene: Scene, name: str, area: WallPiece) -> None:
+    """A closed leaf, with a handle on either side."""
+    x0, y0, x1, y1 = area.x_min, area.y_min, area.x_max, area.y_max
+    height, along_x = 0.96 * scene.walls.height, x1 - x0 > y1 - y0
+    body = spec.worldbody.add_body(name=name, pos=[(x0 + x1) / 2, (y0 + y1) / 2, 0])
+    leaf = body.add_geom(
+        type=_G.mjGEOM_BOX, pos=[0, 0, height / 2], size=[(x1 - x0) / 2, (y1 - y0) / 2, height / 2], rgba=rgba("birch")
+    )
+    _fixed(leaf)
+    aside, out = 0.4 * max(x1 - x0, y1 - y0), min(x1 - x0, y1 - y0) / 2 + 0.015
+    at, size = (
+        ([aside, 0, 0.55 * height], [0.04, out, 0.01]) if along_x else ([0, aside, 0.55 * height], [out, 0.04, 0.01])
+    )
+    handle = body.add_geom(type=_G.mjGEOM_BOX, pos=at, size=size, rgba=rgba("steel", shade=0.7))
+    _for_the_eye(handle)
+
+
+def _sign(spec: Node, name: str, sign: Sign, cells: NDArray[np.bool_], size: float) -> None:
+    """A thin sheet; a box, because those carry their picture for either renderer."""
+    out = (math.cos(sign.yaw), math.sin(sign.yaw))
+    sheet = spec.worldbody.add_geom(
+        name=name,
+        type=_G.mjGEOM_BOX,
+        pos=[sign.at[0] - _SHEET * out[0], sign.at[1] - _SHEET * out[1], sign.z],
+        size=[_SHEET, size / 2, size / 2],
+        quat=[math.cos(sign.yaw / 2), 0, 0, math.sin(sign.yaw / 2)],
+    )
+    sheet.material = _material(spec, name, cube(cells), mujoco.mjtTexture.mjTEXTURE_CUBE).name
+    _for_the_eye(sheet)
+
+
 def _furniture(spec: Node, name: str, piece: FurniturePiece) -> None:
     turn = math.radians(piece.turn)
     body = spec.worldbody.add_body(
-        name=name, pos=[*piece.at, 0.001], quat=[math.cos(turn / 2), 0, 0, math.sin(turn / 2)]
+        name=name, pos=[*piece.stands, 0.001], quat=[math.cos(turn / 2), 0, 0, math.sin(turn / 2)]
     )
     for part in solids(piece):
         geom = _primitive(body, part)
@@ -176,10 +219,6 @@ def _line(spec: Node, name: str, line: FloorLine) -> None:
         _for_the_eye(disc)
 
 
-def _standing_height(scene: Scene, loose: LooseObject) -> float:
-    return 0.0 if loose.stands_on is None else scene.furniture[loose.stands_on].size[2] + 0.001
-
-
 def _object(spec: Node, name: str, loose: LooseObject, z: float) -> None:
     """A free body; its frame is at the middle of its bottom."""
     turn = math.radians(loose.turn)
@@ -190,9 +229,9 @@ def _object(spec: Node, name: str, loose: LooseObject, z: float) -> None:
     size, colour = loose.size, rgba(loose.colour)
     seen: list[Node] = []  # what is for the eye only
     if loose.kind in ("box", "tag_block"):
-        solid = body.add_geom(type=_G.mjGEOM_BOX, pos=[0, 0, size / 2], size=[size / 2] * 3)
+        solid = body.add_geom(type=_G.mjGEOM_BOX, pos=[0, 0, loose.tall / 2], size=[size / 2, size / 2, loose.tall / 2])
         if loose.tag is not None:
-            material = _material(spec, f"tag {name}", tag_cube(loose.tag), mujoco.mjtTexture.mjTEXTURE_CUBE)
+            material = _material(spec, f"tag {name}", cube(tag_cells(loose.tag)), mujoco.mjtTexture.mjTEXTURE_CUBE)
             solid.material, colour = material.name, (1.0, 1.0, 1.0, 1.0)
     elif loose.kind == "ball":
         solid = body.add_geom(type=_G.mjGEOM_SPHERE, pos=[0, 0, size / 2], size=[size / 2, 0, 0])

@@ -2,7 +2,7 @@
 
 A wall stands on every edge of a room, once where two rooms share it, and is cut where a door is. The floor map marks
 what stands on the floor, as a robot that had mapped the flat would know it: legs of a table count as the whole
-table, loose objects are not in it.
+table, furniture is where it was then, loose objects and people are not in it, and all doors are open.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ from typing import Literal
 import numpy as np
 
 from engine.errors import SceneError
-from engine.robot.robot import FloorMap, Furniture, Room
+from engine.robot.robot import Doorway, FloorMap, Furniture, Landmark, Room, wrap
 from engine.robot.sim.furniture import FLAT
-from engine.robot.sim.scene import Door, Scene, Span
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_parts import Door, Span
 
 RESOLUTION = 0.05
 """m per cell of the floor map."""
@@ -74,14 +75,35 @@ def floor_map(scene: Scene) -> FloorMap:
         c1, r1 = (math.ceil((v - o) / RESOLUTION - 1e-6) for v, o in zip((x_max, y_max), origin, strict=True))
         occupied[max(0, r0) : max(0, r1), max(0, c0) : max(0, c1)] = True
 
-    furniture = tuple(Furniture(name, *piece.area) for name, piece in scene.furniture.items() if piece.kind not in FLAT)
+    furniture = tuple(
+        Furniture(name, *piece.mapped_area, height=piece.size[2], kind=piece.kind)
+        for name, piece in scene.furniture.items()
+        if piece.mapped and piece.kind not in FLAT
+    )
     for wall in wall_pieces(scene):
         mark(wall.x_min, wall.y_min, wall.x_max, wall.y_max)
     for thing in furniture:
         mark(thing.x_min, thing.y_min, thing.x_max, thing.y_max)
     occupied.setflags(write=False)
     rooms = tuple(Room(name, r.x[0], r.y[0], r.x[1], r.y[1]) for name, r in scene.rooms.items())
-    return FloorMap(RESOLUTION, origin, occupied, rooms, furniture)
+    doors = tuple(_doorway(scene, door) for door in scene.doors)
+    tags = tuple(Landmark(mark.id, *mark.at, mark.z, wrap(mark.yaw), mark.size) for mark in scene.landmarks)
+    return FloorMap(RESOLUTION, origin, occupied, rooms, furniture, doors, tags)
+
+
+def door_leaf(scene: Scene, door: Door) -> WallPiece:
+    """What fills the gap when the door is closed."""
+    (axis, at), (low, high) = _gap(scene, door)
+    half = scene.walls.thickness / 4
+    if axis == "x":
+        return WallPiece(at - half, low, at + half, high)
+    return WallPiece(low, at - half, high, at + half)
+
+
+def _doorway(scene: Scene, door: Door) -> Doorway:
+    (axis, at), _ = _gap(scene, door)
+    x, y = (at, door.at) if axis == "x" else (door.at, at)
+    return Doorway(door.between, x, y, door.width)
 
 
 def _gap(scene: Scene, door: Door) -> tuple[_Line, Span]:

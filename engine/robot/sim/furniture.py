@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from engine.robot.sim.scene import FurniturePiece
+from engine.robot.sim.scene_parts import FurniturePiece
 
 FLAT = frozenset({"rug"})
 """Kinds that lie on the floor and can be driven over."""

@@ -44,6 +44,7 @@ STATE = np.dtype(
         ("halted", "S96"),
         ("halted_in", "i8"),  # epoch
         ("true_pose", "f8", 3),  # without odometry noise, for tests and evaluation
+        ("correction", "f8", 3),  # of odometry, in ``pose`` already
         ("qpos", "f8", MAX_QPOS),  # of the whole scene, for cameras
     ]
 )
@@ -52,6 +53,7 @@ DRIVE = np.dtype([("epoch", "i8"), ("twist", "f8", 3)])
 ARM = np.dtype([("epoch", "i8"), ("joints", "f8", 5), ("speed", "f8")])
 GRIPPER = np.dtype([("epoch", "i8"), ("opening", "f8")])
 SIGNAL = np.dtype([("epoch", "i8"), ("light", "i8", 3), ("beep", "f8")])
+CORRECTION = np.dtype([("pose", "f8", 3)])  # of the frame in which odometry adds up, on the map
 LOOP = np.dtype([("late", "f4"), ("busy", "f4")])
 
 # Words of the engine.
@@ -127,19 +129,13 @@ class Memory:
         for dtype in _MAILBOXES:
             boxes.append(Mailbox(self._map, offset, dtype))
             offset += _aligned(Mailbox.size(dtype))
-        self.state, self.scan, self.drive, self.arm, self.gripper, self.signal = boxes
+        self.state, self.scan, self.drive, self.arm, self.gripper, self.signal, self.correction = boxes
         self.loop: NDArray[Any] = np.ndarray((LOOP_SAMPLES,), LOOP, self._map, offset)
 
     @classmethod
     def create(cls) -> Memory:
         """New, zeroed memory behind a file without a name. The caller closes ``fd``."""
-        if hasattr(os, "memfd_create"):
-            fd = os.memfd_create("sayso-robot", os.MFD_CLOEXEC)
-        else:
-            with tempfile.TemporaryFile() as file:
-                fd = os.dup(file.fileno())
-        os.ftruncate(fd, _layout_size())
-        memory = cls(fd)
+        memory = cls(unnamed_file("sayso-robot", _layout_size()))
         memory.ints[STOP_EPOCH] = 1
         return memory
 
@@ -150,7 +146,18 @@ class Memory:
             self.ints[word] = 0  # zero seconds, too
 
 
-_MAILBOXES = (STATE, SCAN, DRIVE, ARM, GRIPPER, SIGNAL)
+def unnamed_file(purpose: str, size: int) -> int:
+    """The descriptor of a file of zeros that is in no folder, to be shared with a child. The caller closes it."""
+    if hasattr(os, "memfd_create"):
+        fd = os.memfd_create(purpose, os.MFD_CLOEXEC)
+    else:
+        with tempfile.TemporaryFile() as file:
+            fd = os.dup(file.fileno())
+    os.ftruncate(fd, size)
+    return fd
+
+
+_MAILBOXES = (STATE, SCAN, DRIVE, ARM, GRIPPER, SIGNAL, CORRECTION)
 
 
 def _aligned(size: int) -> int:

@@ -27,7 +27,7 @@ from types import FrameType
 
 from config.schema import Robot as RobotSettings
 from engine.errors import SaysoError
-from engine.robot.robot import Twist
+from engine.robot.robot import Pose, Twist
 from engine.robot.sim import memory as m
 from engine.robot.sim.build import TIMESTEP
 from engine.robot.sim.memory import Mailbox, Memory
@@ -62,6 +62,7 @@ class Firmware:
         self._braked = False  # the engine is late
         self._stopping = False
         self._seen = {box: box.count for box in (memory.drive, memory.arm, memory.gripper, memory.signal)}
+        self._seen[memory.correction] = 0  # what came while there was no robot process holds all the same
         self._scanned = -1.0
 
     def step(self, now: float) -> None:
@@ -78,6 +79,7 @@ class Firmware:
         if not (self._halted or self._braked):
             self._take_motions()
         self._take_signals()
+        self._take_correction()
         self._advance()
 
     def settle(self, why: str, pace: Callable[[], object] = lambda: None) -> None:
@@ -161,6 +163,12 @@ class Firmware:
             if self._is_ours(box, record):
                 red, green, blue = record["light"].tolist()
                 self._world.signal((red, green, blue), float(record["beep"]))
+
+    def _take_correction(self) -> None:
+        """Where the robot is on the map is so in every epoch."""
+        if (box := self._memory.correction).count != self._seen[box]:
+            self._seen[box] = box.count
+            self._world.correct(Pose(*box.get()["pose"].tolist()))
 
     def _is_ours(self, box: Mailbox, record: m.Record) -> bool:
         """Whether a command is of the epoch in force. One of a coming epoch is left for when its stop has arrived:

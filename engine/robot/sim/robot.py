@@ -5,7 +5,7 @@ come over a socket: in real time the robot process sends one while somebody wait
 
 The memory outlives the process. When the process is lost (it died, was killed, does not answer), everybody who waits
 for it gets an error, and ``start`` puts another one in its place, in the same memory: the robot stands where it was,
-and what was commanded before moves nothing.
+and what was commanded before moves nothing. The camera has a process of its own, see ``camera``.
 """
 
 from __future__ import annotations
@@ -19,11 +19,16 @@ from collections.abc import Callable, Sequence
 
 from config.schema import Robot as RobotSettings
 from engine.errors import RobotError
+from engine.robot.arm import ArmModel
+from engine.robot.camera import Picture
+from engine.robot.camera_news import CameraNews, TellOfCamera
 from engine.robot.robot import Capability, FloorMap, Footprint, Pose, RobotState, Scan, Twist
 from engine.robot.sim import memory as m
-from engine.robot.sim.dimensions import FOOTPRINT, LIDAR_ANGLES
+from engine.robot.sim.camera import SimCamera
+from engine.robot.sim.dimensions import ARM, FOOTPRINT, LIDAR_ANGLES
 from engine.robot.sim.floor import floor_map
 from engine.robot.sim.memory import Memory, Record
+from engine.robot.sim.odometry import believed, compose, inverse
 from engine.robot.sim.process import RobotProcess
 from engine.robot.sim.scene import load_scene, scene_path
 
@@ -35,12 +40,16 @@ _AGAIN = "Start it again."
 class SimRobot:
     """A :class:`engine.robot.robot.Robot` that lives in a MuJoCo scene.
 
-    ``tick`` belongs to the asyncio loop that ``start`` ran in; everything else may be called from any thread. A
-    command with values that are not finite raises ``ValueError``.
+    ``tick`` and ``look`` belong to the asyncio loop that ``start`` ran in; everything else may be called from any
+    thread. A command with values that are not finite raises ``ValueError``.
     """
 
-    def __init__(self, settings: RobotSettings) -> None:
-        """Read the scene; raises :class:`SceneError`."""
+    def __init__(self, settings: RobotSettings, on_camera: TellOfCamera | None = None) -> None:
+        """Read the scene; raises :class:`SceneError`.
+
+        With ``on_camera`` the camera opens in the background as soon as the robot has started, and this is told how
+        it is doing; otherwise it opens when somebody looks.
+        """
         self._settings = settings
         self._path = scene_path(settings.scene)
         self.scene = load_scene(self._path)
@@ -53,6 +62,9 @@ class SimRobot:
         self._lost: str | None = "The robot has not been started."
         self._waiters: dict[asyncio.Future[None], int] = {}  # each waits for a tick later than this one
         self._exchange_due = False
+        self._on_camera = on_camera
+        self._camera: SimCamera | None = None
+        self._looking = 0  # who waits for a picture
         self._alive = self._alive_since = self._beaten = 0.0
 
     @property
@@ -72,6 +84,10 @@ class SimRobot:
         return self._map
 
     @property
+    def arm(self) -> ArmModel:
+        return ARM
+
+    @property
     def memory(self) -> Memory:
         """The shared memory, for cameras, benchmarks and tests. Raises :class:`RobotError` when there is none."""
         return self._running()
@@ -80,6 +96,11 @@ class SimRobot:
     def pid(self) -> int | None:
         """Of the robot process."""
         return self._process.pid if self._process is not None else None
+
+    @property
+    def camera_pid(self) -> int | None:
+        """Of the camera process, while it takes pictures."""
+        return self._camera.pid if self._camera is not None else None
 
     async def start(self) -> None:
         """Start the robot process and wait until its world is built; one that was lost is replaced, and the robot
@@ -110,14 +131,19 @@ class SimRobot:
             self._loop.add_reader(process.link, self._on_link)
         else:
             process.link.settimeout(ANSWER_LIMIT)
+        if self._on_camera is not None:
+            self._open_camera(self._memory)
 
     async def close(self) -> None:
-        """Stop the robot, end its process and release everything. Harmless when nothing runs."""
+        """Stop the robot, end its processes and release everything. Harmless when nothing runs."""
         process = self._process
         if process is not None and self._lost is None:
             self._lose("The robot has been closed.")
             await self._end(process, process.end)
         await self._bury()
+        camera, self._camera = self._camera, None
+        if camera is not None:
+            await camera.close()
         memory, self._memory = self._memory, None
         if memory is not None:
             os.close(memory.fd)
@@ -193,14 +219,41 @@ class SimRobot:
             box.scratch["epoch"], box.scratch["beep"] = epoch, seconds
             box.put()
 
+    def relocate(self, believed: Pose, true: Pose) -> None:
+        """See :meth:`engine.robot.robot.Robot.relocate`; thread-safe. States and pictures are corrected at once."""
+        poses = (*_numbers(believed), *_numbers(true))
+        box = self._running(*poses).correction
+        with self._writing:
+            correction = compose(compose(true, inverse(believed)), Pose(*box.scratch["pose"].tolist()))
+            box.scratch["pose"] = _numbers(correction)
+            box.put()
+
     # Readings
 
     def state(self) -> RobotState:
-        return _state(self._running().state.get())
+        memory = self._running()
+        record = memory.state.get()
+        return _state(record, believed(record, memory.correction.scratch))
 
     def scan(self) -> Scan:
         record = self._running().scan.get()
         return Scan(float(record["t"]), LIDAR_ANGLES, record["ranges"].copy())
+
+    async def look(self, *, labels: bool = False) -> Picture:
+        """See :meth:`engine.robot.robot.Robot.look`; ``labels`` adds the geoms' ids, for debugging."""
+        camera = self._open_camera(self._running())
+        self._looking += 1
+        try:
+            return await camera.look(labels=labels)
+        finally:
+            self._looking -= 1
+            if self._exchange_due and not self._looking:
+                asyncio.get_running_loop().call_soon(self._exchange)
+
+    def _open_camera(self, memory: Memory) -> SimCamera:
+        if self._camera is None:
+            self._camera = SimCamera(self._path, self._settings.camera, memory, self._on_camera or _ignore)
+        return self._camera
 
     async def tick(self) -> RobotState:
         memory, loop = self._running(), asyncio.get_running_loop()
@@ -220,7 +273,9 @@ class SimRobot:
 
     def _exchange(self) -> None:
         """At full speed: let one tick pass. The loop stands still for it (about a millisecond), which is what makes
-        a session at full speed the same at every run."""
+        a session at full speed the same at every run. Time also stands still for whoever takes a picture."""
+        if self._looking:
+            return  # look() comes back to it
         self._exchange_due = False
         process = self._process
         if process is None or self._lost is not None or not self._waiters:
@@ -289,13 +344,20 @@ class SimRobot:
                 waiter.set_exception(RobotError(why, hint=_AGAIN))
 
 
-def _state(record: Record) -> RobotState:
-    x, y, yaw = record["pose"].tolist()
+def _numbers(pose: Pose) -> tuple[float, float, float]:
+    return pose.x, pose.y, pose.yaw
+
+
+def _ignore(news: CameraNews) -> None:
+    """Nobody wants to know."""
+
+
+def _state(record: Record, pose: Pose) -> RobotState:
     halted = record["halted"].item().decode() or None
     return RobotState(
         t=float(record["t"]),
         epoch=int(record["epoch"]),
-        pose=Pose(x, y, yaw),
+        pose=pose,
         twist=Twist(*record["twist"].tolist()),
         command=Twist(*record["command"].tolist()),
         joints=tuple(record["joints"].tolist()),

@@ -1,4 +1,4 @@
-"""Pictures on surfaces, made by program: AprilTags, wooden planks and kitchen tiles.
+"""Pictures on surfaces, made by program: AprilTags, QR codes, wooden planks and kitchen tiles.
 
 A tag block carries its tag on all six sides, as a cube texture. For cameras that cast rays instead of rendering,
 :func:`tag_cells` gives the same picture as black and white cells.
@@ -16,6 +16,10 @@ from engine.robot.sim.colours import rgba
 TAG_CELLS = 10
 """Cells along a side of a block: 6 of code, 1 of black border and 1 of white margin on either side."""
 _PIXELS = 8  # per cell
+_QUARTERS = (1, 3, 2, 0, 0, 2)  # turns to the left, of the faces towards +x, −x, +y, −y, +z and −z
+UPRIGHT_FACE = 3
+"""Of those six, one that is not turned."""
+_QUIET = 3  # cells of white around a QR code
 
 
 @cache
@@ -31,12 +35,26 @@ def tag_cells(tag: int) -> NDArray[np.bool_]:
     return cells
 
 
-def tag_cube(tag: int) -> NDArray[np.uint8]:
-    """Six faces below one another, RGB, for a cube texture."""
-    face = np.kron(tag_cells(tag), np.ones((_PIXELS, _PIXELS), dtype=np.bool_))
+@cache
+def qr_cells(text: str) -> NDArray[np.bool_]:
+    """A QR code with its quiet zone; True is white. Square, row 0 on top."""
+    import cv2
+
+    white = np.asarray(cv2.QRCodeEncoder.create().encode(text)) > 127
+    rows, columns = (np.flatnonzero(~white.all(axis=axis)) for axis in (1, 0))  # OpenCV's own margin varies
+    cells = white[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    cells = np.pad(cells, _QUIET, constant_values=True)
+    cells.setflags(write=False)
+    return cells
+
+
+def cube(cells: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """Six faces below one another, RGB, for a cube texture, turned so that the four sides stand upright in OpenGL."""
+    face = np.kron(cells, np.ones((_PIXELS, _PIXELS), dtype=np.bool_))
     grey = np.where(face, 245, 15).astype(np.uint8)
-    cube: NDArray[np.uint8] = np.tile(np.repeat(grey[:, :, None], 3, axis=2), (6, 1, 1))
-    return cube
+    turned = [np.rot90(grey, quarters) for quarters in _QUARTERS]
+    faces: NDArray[np.uint8] = np.repeat(np.concatenate(turned)[:, :, None], 3, axis=2)
+    return faces
 
 
 def planks(colour: str, seed: int = 0, *, pixels: int = 512) -> NDArray[np.uint8]:

@@ -27,6 +27,7 @@ from engine.robot.sim.dimensions import FOOTPRINT
 from engine.robot.sim.lidar import Lidar, points
 from engine.robot.sim.memory import MAX_QPOS, Record
 from engine.robot.sim.odometry import Odometry
+from engine.robot.sim.person import Walkers
 from engine.robot.sim.scene import Scene
 
 CONTROL_STEPS = 5
@@ -53,6 +54,7 @@ class World:
         if last is not None:
             self.data.time = last["t"]
             self.data.qpos[:] = last["qpos"][: self.model.nq]
+        self._walkers = Walkers(self.model, self.data, scene.people, again=last is not None)
         mujoco.mj_forward(self.model, self.data)
         self._base_qpos = np.array([self.model.joint(name).qposadr[0] for name in BASE_JOINTS])
         self._base_dofs = np.array([self.model.joint(name).dofadr[0] for name in BASE_JOINTS])
@@ -68,11 +70,12 @@ class World:
         self.arm = Arm(self.model, self.data)
         self._steps = 0
         self._told = ZERO
+        self._seen: Points = np.empty((0, 2))  # by the lidar, map frame
         self._blocked: str | None = None
         self._light_rgb = (0, 0, 0)
         self._buzzer_until = 0.0
         if last is not None:
-            self._odometry.resume(self.true_pose, Pose(*last["pose"].tolist()))
+            self._odometry.resume(self.true_pose, Pose(*last["pose"].tolist()), Pose(*last["correction"].tolist()))
             self.arm.resume_grip(float(last["grip"]))
             red, green, blue = last["light"].tolist()
             self.signal((red, green, blue), 0.0)
@@ -97,6 +100,12 @@ class World:
         self.model.geom_rgba[self._light] = [*(v / 255 for v in rgb), 1.0] if any(rgb) else [0.95, 0.95, 0.93, 1]
         if beep > 0:
             self._buzzer_until = self.t + min(beep, 5.0)
+
+    def correct(self, correction: Pose) -> None:
+        """Believe from now on to be where odometry is after this rigid motion of the map; nothing moves."""
+        before = self._odometry.pose
+        # What was seen stays where it is around the robot.
+        self._seen = into_map_frame(into_base_frame(self._seen, before), self._odometry.correct(correction))
 
     def stop(self) -> None:
         """Base to zero velocity now, arm where it is, gripper as it grips."""
@@ -130,6 +139,7 @@ class World:
             self._control()
         self._tell(self._told)
         self.arm.step(TIMESTEP)
+        self._walkers.step(TIMESTEP, self.true_pose)
         mujoco.mj_step(self.model, self.data)
         self._steps += 1
 
@@ -198,8 +208,10 @@ class World:
     def fill(self, record: Record) -> None:
         """Write the readings into a record of ``memory.STATE``; epoch and halted are not ours."""
         pose, true, twist, told = self._odometry.pose, self.true_pose, self.twist, self._told
+        correction = self._odometry.correction
         record["t"] = self.t
         record["pose"] = (pose.x, pose.y, pose.yaw)
+        record["correction"] = (correction.x, correction.y, correction.yaw)
         record["true_pose"] = (true.x, true.y, true.yaw)
         record["twist"] = (twist.vx, twist.vy, twist.wz)
         record["command"] = (told.vx, told.vy, told.wz)
