@@ -1,0 +1,235 @@
+"""What was seen where and when: the robot's memory of loose things.
+
+Every sight updates it. A sighting close to a remembered thing that it could be is that thing, moved or not; another one
+is new. What should be in the picture and is not there any more is forgotten, as long as nothing hides the place. What
+the gripper holds is remembered apart: it moves with the robot. Positions age: see :meth:`Thing.is_stale`.
+
+Thread-safe: the loop that runs skills writes, the console reads frozen facts.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from engine.perception.naming import Wanted
+from engine.perception.sighting import Colour, Kind, Sight, Sighting
+from engine.robot.camera import Picture
+
+STALE_S: Final = 60.0
+"""Robot time after which a position counts as stale, s: people move things."""
+SAME: Final = 0.12
+"""Two sightings of things alike are one thing within this distance, m, and three standard deviations."""
+VISIBLE_RANGE: Final = 1.0
+"""m within which a small thing that is in the picture is certain to be noticed."""
+SPOT: Final = 0.035
+"""m within which two small things cannot stand."""
+_UNLIKE = 0.03  # m that count against something else on the same spot
+_PILED = 0.03  # m between the middles of things in one picture that are not the same thing
+_EDGE = 6  # pixels at the picture's edge where a thing may be cut off and not be noticed
+
+
+@dataclass(frozen=True, slots=True)
+class Thing:
+    """One remembered thing. Positions as in :class:`Sighting`."""
+
+    number: int  # unique in the session
+    kind: Kind
+    colour: Colour
+    tag: int | None
+    position: tuple[float, float, float]
+    sigma: float
+    size: tuple[float, float]
+    surface: float
+    yaw: float | None
+    seen_at: float  # robot time, s
+    named_from: float = math.inf  # m, how close the look was that told what it is
+
+    @property
+    def name(self) -> str:
+        """What people would call it."""
+        return f"block {self.tag}" if self.tag is not None else f"{self.colour} {self.kind}"
+
+    def distance_to(self, x: float, y: float) -> float:
+        """On the floor, m."""
+        return math.hypot(self.position[0] - x, self.position[1] - y)
+
+    def is_stale(self, now: float) -> bool:
+        """Whether it was seen too long before ``now`` (robot time, s) to be sure that it still is there."""
+        return now - self.seen_at > STALE_S
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """What is remembered at one moment."""
+
+    things: tuple[Thing, ...] = ()
+    held: Thing | None = None
+
+
+class WorldMemory:
+    """All things seen so far, and what is held."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._things: dict[int, Thing] = {}
+        self._numbers = 0
+        self._held: Thing | None = None
+        self._pitch = math.pi
+
+    @property
+    def things(self) -> tuple[Thing, ...]:
+        """Everything that lies or stands about, the newest sighting first."""
+        with self._lock:
+            return tuple(sorted(self._things.values(), key=lambda thing: -thing.seen_at))
+
+    def snapshot(self) -> World:
+        """Everything, for those who only look."""
+        return World(self.things, self._held)
+
+    @property
+    def held(self) -> Thing | None:
+        """What the gripper holds, as far as the robot knows."""
+        return self._held
+
+    @property
+    def held_pitch(self) -> float:
+        """Of the hand when it took what it holds, rad: with the hand like this, it is upright."""
+        return self._pitch
+
+    def find(self, what: Wanted, near: tuple[float, float] | None = None) -> tuple[Thing, ...]:
+        """The things that are what is wanted: the nearest first where ``near`` is given, else the newest."""
+        found = [thing for thing in self.things if what.fits(thing.kind, thing.colour, thing.tag)]
+        if near is not None:
+            found.sort(key=lambda thing: thing.distance_to(*near))
+        return tuple(found)
+
+    def take(self, thing: Thing, pitch: float = math.pi) -> None:
+        """The gripper holds it now, taken with the hand at ``pitch`` rad."""
+        with self._lock:
+            self._things.pop(thing.number, None)
+            self._held, self._pitch = thing, pitch
+
+    def put(self, position: tuple[float, float, float] | None, t: float) -> None:
+        """What was held lies at ``position`` (of its middle, map frame) now; None: nobody knows where."""
+        with self._lock:
+            held, self._held = self._held, None
+            if held is not None and position is not None:
+                self._things[held.number] = replace(held, position=position, sigma=max(held.sigma, 0.03), seen_at=t)
+
+    def forget(self, thing: Thing) -> None:
+        """It is not where it was."""
+        with self._lock:
+            self._things.pop(thing.number, None)
+
+    def clear(self) -> None:
+        """Begin anew."""
+        with self._lock:
+            self._things.clear()
+            self._held = None
+
+    def update(self, sight: Sight) -> tuple[Thing, ...]:
+        """Take in what was seen; gives the things in the picture in the order of ``sight.objects``."""
+        with self._lock:
+            seen: dict[int, Thing] = {}
+            found = []
+            for sighting in sight.objects:
+                known = self._match(sighting, seen.keys())
+                if known is not None and known.number in seen:  # another part of what is in the picture already
+                    found.append(seen[known.number])
+                    continue
+                thing = self._remember(sighting, known, sight.t)
+                seen[thing.number] = thing
+                found.append(thing)
+            for number in self._missing(sight.picture, seen.keys()) | self._doubles(seen):
+                del self._things[number]
+            return tuple(found)
+
+    def _match(self, sighting: Sighting, taken: Collection[int]) -> Thing | None:
+        """The remembered thing that this is, if there is one: one like it near by, or whatever stands on that spot."""
+        best, nearest = None, math.inf
+        for thing in self._things.values():
+            distance = math.dist(thing.position, sighting.position)
+            if _alike(thing, sighting) and thing.number not in taken:
+                limit = max(SAME, 3 * math.hypot(thing.sigma, sighting.sigma)) if sighting.tag is None else math.inf
+            elif (sighting.tag is not None and thing.tag is not None) or (thing.number in taken and distance > _PILED):
+                continue  # another block, or one stands on the other
+            else:
+                limit, distance = SPOT + _UNLIKE, distance + _UNLIKE
+            if distance < min(limit, nearest):
+                best, nearest = thing, distance
+        return best
+
+    def _remember(self, sighting: Sighting, known: Thing | None, t: float) -> Thing:
+        """Where it is, the newest look tells unless an older one knew much better; what it is, the closest one."""
+        if known is None:
+            self._numbers += 1
+        better = known is None or sighting.sigma <= 1.5 * known.sigma or _moved(known, sighting)
+        place: Sighting | Thing = sighting if better or known is None else known
+        surer = (
+            known is None or known.kind == "thing" or (sighting.complete and sighting.range <= 1.2 * known.named_from)
+        )
+        shape: Sighting | Thing = sighting if surer or known is None else known
+        thing = Thing(
+            number=known.number if known is not None else self._numbers,
+            kind=shape.kind,
+            colour=shape.colour,
+            tag=sighting.tag if sighting.tag is not None or known is None else known.tag,
+            position=place.position,
+            sigma=place.sigma,
+            size=shape.size,
+            surface=place.surface,
+            yaw=place.yaw,
+            seen_at=t,
+            named_from=sighting.range if surer or known is None else known.named_from,
+        )
+        self._things[thing.number] = thing
+        return thing
+
+    def _doubles(self, seen: Mapping[int, Thing]) -> set[int]:
+        """Remembered things that are nothing but older, worse looks at what was seen now."""
+        return {
+            number
+            for number, thing in self._things.items()
+            if number not in seen
+            and any(
+                other.named_from < thing.named_from
+                and other.distance_to(*thing.position[:2]) < max(SPOT, min(SAME, 2 * thing.sigma))
+                for other in seen.values()
+            )
+        }
+
+    def _missing(self, picture: Picture, seen: Collection[int]) -> set[int]:
+        """Things that the picture should show, near and unhidden, and does not."""
+        rest = [thing for thing in self._things.values() if thing.number not in seen]
+        if not rest:
+            return set()
+        points = picture.from_map(np.array([thing.position for thing in rest]))
+        depth = picture.mount.into(points)[:, 2]
+        pixels = picture.pixels(points)
+        height, width = picture.depth.shape
+        gone = set()
+        for thing, z, (column, row) in zip(rest, depth, pixels, strict=True):
+            if not 0.05 < z < VISIBLE_RANGE:
+                continue
+            inside = _EDGE < column < width - _EDGE and _EDGE < row < height - _EDGE
+            if inside and picture.depth[int(row), int(column)] > z + 0.03 + 2 * thing.sigma:
+                gone.add(thing.number)
+        return gone
+
+
+def _alike(thing: Thing, sighting: Sighting) -> bool:
+    if thing.tag is not None and sighting.tag is not None:
+        return thing.tag == sighting.tag
+    if thing.tag is not None or sighting.tag is not None:  # a block whose tag does not show is a box
+        return {thing.kind, sighting.kind} <= {"block", "box", "thing"}
+    return thing.colour == sighting.colour and (thing.kind == sighting.kind or "thing" in (thing.kind, sighting.kind))
+
+
+def _moved(thing: Thing, sighting: Sighting) -> bool:
+    return thing.distance_to(*sighting.position[:2]) > 3 * math.hypot(thing.sigma, sighting.sigma)
