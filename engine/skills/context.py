@@ -1,5 +1,5 @@
-"""What a running skill is given: the robot under the epoch it may move in, the places, a voice, and a way to say
-how far it is. A skill reaches nothing else."""
+"""What a running skill is given: the robot under the epoch it may move in, eyes and a memory of what they saw, the
+places, a voice, and a way to say how far it is. A skill reaches nothing else."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+from engine.perception.memory import WorldMemory
+from engine.perception.sighting import Sight
 from engine.robot.robot import Pose, Robot, RobotState, Twist
 from engine.skills.places import Places
 
@@ -25,6 +27,12 @@ class Say(Protocol):
     async def __call__(self, text: str) -> None: ...
 
 
+class See(Protocol):
+    """Take a picture and understand it; what it shows is in the memory when this returns. Raises ``CameraError``."""
+
+    async def __call__(self) -> Sight: ...
+
+
 @dataclass(frozen=True, slots=True)
 class SkillContext:
     """One invocation's view of the world."""
@@ -35,6 +43,8 @@ class SkillContext:
     say: Say
     progress: Progress
     describe_skills: Callable[[], str]
+    see: See
+    world: WorldMemory
 
     def drive(self, twist: Twist) -> None:
         """Command a velocity in this invocation's epoch; it dies within the command lifetime unless repeated."""

@@ -12,6 +12,17 @@ ErrorCode = Literal[
     "path_blocked",  # something is in the way
     "unreachable",  # there is no way to that place
     "unknown_place",
+    "door_closed",  # the only way leads through a door that is shut
+    "object_not_found",  # nothing like it was seen
+    "out_of_reach",  # the arm cannot get there from anywhere the base can stand
+    "grasp_failed",  # the fingers closed on nothing, or it slipped out
+    "dropped",  # it was held, and is not any more
+    "nothing_held",
+    "hand_full",  # something else is held
+    "no_room",  # there is no free place to put it down
+    "target_lost",  # what was followed is out of sight
+    "camera_lost",
+    "needs_answer",  # a question to the user; the message is the question
     "no_progress",  # commanded to move, but it does not
     "robot_lost",  # the robot does not answer; what it did is uncertain
     "robot_halted",  # the robot stopped itself: watchdog, envelope

@@ -32,9 +32,15 @@ class Measure(NamedTuple):
 
 
 class Word(NamedTuple):
-    """Annotation of a text: what kind of word it is; ``place`` and ``colour`` are checked against a vocabulary."""
+    """Annotation of a text: what kind of word it is. All but sentences are checked against a vocabulary, which also
+    says what skills get.
 
-    kind: Literal["place", "colour", "sentence"]
+    place: a symbol of the map, or zero. colour: of the light. thing_colour: of things that can be seen. object: a loose
+    thing, as ``str`` of :class:`~engine.perception.naming.Wanted` (``red box``, ``block 3``). surface: the name of a
+    piece of furniture, ``bin``, ``floor``, or where that makes sense a room or another place by name. room: its name.
+    """
+
+    kind: Literal["place", "colour", "thing_colour", "object", "surface", "room", "sentence"]
 
 
 Distance = Annotated[float, Measure("m", -50, 50)]
@@ -123,8 +129,9 @@ class Skill:
         }
 
 
-def skill(*, occupies: Iterable[Capability] = ()) -> Callable[[Run], Skill]:
-    """Make a coroutine function ``(context, …parameters) -> Result`` a skill that occupies these capabilities."""
+def skill(*, occupies: Iterable[Capability] = (), endless: bool = False) -> Callable[[Run], Skill]:
+    """Make a coroutine function ``(context, …parameters) -> Result`` a skill that occupies these capabilities; an
+    ``endless`` one goes on until told otherwise."""
 
     def register(function: Run) -> Skill:
         hints = get_type_hints(function, include_extras=True)
@@ -135,7 +142,7 @@ def skill(*, occupies: Iterable[Capability] = ()) -> Callable[[Run], Skill]:
         if not doc:
             raise TypeError(f"skill {function.__name__} needs a docstring: planners read it")
         parameters = tuple(_parameter(p, hints[p.name]) for p in names[1:])
-        return Skill(function.__name__, doc, parameters, frozenset(occupies), function)
+        return Skill(function.__name__, doc, parameters, frozenset(occupies), function, endless)
 
     return register
 
@@ -219,6 +226,8 @@ class SkillRegistry:
                 )
             return value
         word = f"{argument.value:g}{argument.unit}" if isinstance(argument, Quantity) else argument
+        if word == parameter.default:
+            return word
         resolve = self._vocabulary.get(parameter.word or "")
         return resolve(word) if resolve else word
 

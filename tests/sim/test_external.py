@@ -18,6 +18,8 @@ import pytest
 from config import load
 from config.schema import ExternalSkill, Place, Position
 from engine.epoch import Epoch
+from engine.perception.eyes import Eyes
+from engine.perception.memory import WorldMemory
 from engine.plan import parse_call
 from engine.planner.build import build_registry
 from engine.robot.robot import ARM_UP, Pose
@@ -75,7 +77,17 @@ class Rig:
         return await registry[action.name].run(self.context(), **action.args)
 
     def context(self) -> SkillContext:
-        return SkillContext(self.robot, self.epoch.current, self.places, self._say, self._progress, lambda: "")
+        world = WorldMemory()
+        return SkillContext(
+            robot=self.robot,
+            epoch=self.epoch.current,
+            places=self.places,
+            say=self._say,
+            progress=self._progress,
+            describe_skills=lambda: "",
+            see=Eyes(self.robot, world).see,
+            world=world,
+        )
 
     @property
     def pose(self) -> Pose:
@@ -83,7 +95,8 @@ class Rig:
 
     def left_behind(self) -> list[psutil.Process]:
         """Processes of ours, the robot's own aside."""
-        return [child for child in psutil.Process().children(recursive=True) if child.pid != self.robot.pid]
+        own = (self.robot.pid, self.robot.camera_pid)
+        return [child for child in psutil.Process().children(recursive=True) if child.pid not in own]
 
     async def until(self, met: Callable[[], bool], *, doing: asyncio.Task[Any]) -> None:
         """Wait until a report or an end of the action brings it about."""
@@ -211,6 +224,47 @@ say(result={"outcome": "ok", "message": "Up.", "data": {
         assert result.data["red"] == 1
         assert result.data["nearest"] == pytest.approx(float(rig.robot.scan().ranges.min()), abs=0.01)
         assert result.data["seconds"] == pytest.approx(3.0)
+
+    on_the_robot(test)
+
+
+def test_a_program_sees_what_the_robot_sees() -> None:
+    program = """
+import base64
+say(look=True)
+picture = hear("picture")
+rgb, depth = base64.b64decode(picture["rgb"]), base64.b64decode(picture["depth"])
+lens = picture["lens"]
+middle = lens["width"] * (lens["height"] // 2) + lens["width"] // 2
+say(result={"outcome": "ok", "data": {"bytes": len(rgb), "t": picture["t"], "red": rgb[3 * middle],
+    "depth": int.from_bytes(depth[2 * middle : 2 * middle + 2], "little") / 1000}})
+"""
+
+    async def test(rig: Rig) -> None:
+        result = await rig.run(program, occupies=["camera"])
+        picture = await rig.robot.look()
+        assert result.ok, result
+        assert result.data["bytes"] == picture.rgb.size
+        assert result.data["t"] == picture.t
+        assert result.data["red"] == picture.rgb[60, 80, 0]
+        assert result.data["depth"] == pytest.approx(float(picture.depth[60, 80]), abs=0.001)
+        refused = await rig.run(program, occupies=["base"])
+        assert refused.error_code == "not_supported"
+        assert "camera" in refused.message
+
+    on_the_robot(test)
+
+
+def test_a_program_that_knows_better_where_it_is_corrects_odometry() -> None:
+    program = """
+say(relocate={"believed": [0, 0, 0], "true": [0.5, 0.2, 0]}, tick=True)
+x, y, yaw = hear("state")["pose"]
+say(result={"outcome": "ok", "data": {"x": x, "y": y}})
+"""
+
+    async def test(rig: Rig) -> None:
+        result = await rig.run(program, occupies=["base"])
+        assert (result.data["x"], result.data["y"]) == pytest.approx((0.5, 0.2), abs=0.001)
 
     on_the_robot(test)
 

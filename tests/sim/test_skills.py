@@ -10,6 +10,8 @@ import pytest
 
 from config import load
 from engine.epoch import Epoch
+from engine.perception.eyes import Eyes
+from engine.perception.memory import WorldMemory
 from engine.plan import parse_call
 from engine.planner.build import build_registry
 from engine.robot.robot import ARM_INITIAL, Pose
@@ -29,6 +31,7 @@ class Rig:
         self.epoch = Epoch(robot.stop)
         self.places = Places(PLACES)
         self.registry = build_registry(load(environ={}), self.places)
+        self.world = WorldMemory()
         self.progress: list[float | None] = []
         self.said: list[str] = []
 
@@ -41,6 +44,8 @@ class Rig:
             say=self._say,
             progress=self._progress,
             describe_skills=lambda: "I can drive.",
+            see=Eyes(self.robot, self.world).see,
+            world=self.world,
         )
         return await self.registry[action.name].run(context, **action.args)
 

@@ -6,8 +6,10 @@ import json
 import math
 import subprocess
 import sys
+from dataclasses import asdict
 from typing import get_args
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,7 +19,10 @@ from config.schema import ExternalParameter, ExternalSkill, Place, Position
 from engine.errors import PlanError, UsageError
 from engine.plan import parse_call
 from engine.planner.build import build_registry
-from engine.robot.robot import Twist
+from engine.robot.camera import Lens, Mount, Picture
+from engine.robot.robot import Doorway, FloorMap, Furniture, Landmark, Pose, Room, Twist, wrap
+from engine.robot.sim.dimensions import ARM
+from engine.skills.external.facts import arm_of, map_facts, map_of, picture_facts, picture_of
 from engine.skills.external.host import external_skill
 from engine.skills.external.protocol import (
     MAX_WORDS,
@@ -27,7 +32,9 @@ from engine.skills.external.protocol import (
     Finished,
     Gripper,
     Light,
+    Look,
     NotUnderstood,
+    Relocate,
     Report,
     ScanWish,
     Speech,
@@ -59,6 +66,8 @@ def test_each_message_is_read_and_several_keep_their_order() -> None:
         "say": "hello\n\x1b[2J",
         "progress": {"fraction": 7, "message": "half", "path": [[1, 2], [3, 4]]},
         "scan": True,
+        "look": True,
+        "relocate": {"believed": [1, 2, 0], "true": [1, 2.5, 7]},
         "tick": True,
     }
     assert read(json.dumps(said)) == (
@@ -70,8 +79,49 @@ def test_each_message_is_read_and_several_keep_their_order() -> None:
         Speech("hello [2J"),
         Report(1.0, "half", ((1.0, 2.0), (3.0, 4.0))),
         ScanWish(),
+        Look(),
+        Relocate(Pose(1, 2, 0), Pose(1, 2.5, wrap(7))),
         Tick(),
     )
+
+
+def test_a_picture_arrives_as_it_was_but_for_millimetres() -> None:
+    rng = np.random.default_rng(1)
+    lens = Lens.of_view(8, 6, 1.0)
+    depth = rng.uniform(0.05, 12, (6, 8)).astype(np.float32)
+    depth[0, 0] = np.inf
+    rgb = rng.integers(0, 256, (6, 8, 3), dtype=np.uint8)
+    mount = Mount(np.eye(3)[[2, 0, 1]], np.array([0.1, 0.2, 0.3]))
+    taken = Picture(1.5, rgb, depth, lens, mount, Pose(1, 2, 3))
+    told = picture_of(json.loads(json.dumps(picture_facts(taken))))
+    assert (told.t, told.lens, told.pose) == (taken.t, taken.lens, taken.pose)
+    assert np.array_equal(told.rgb, rgb)
+    assert told.depth[0, 0] == np.inf
+    assert np.allclose(told.depth.ravel()[1:], depth.ravel()[1:], atol=0.00051)
+    assert np.array_equal(told.mount.rotation, mount.rotation)
+    assert np.array_equal(told.mount.position, mount.position)
+
+
+def test_the_map_and_the_arm_arrive_as_they_were() -> None:
+    occupied = np.array([[True, False], [False, True]])
+    house = FloorMap(
+        0.05,
+        (-1.0, 2.0),
+        occupied,
+        (Room("hall", 0, 0, 1, 1),),
+        (Furniture("table", 0, 0, 1, 1, 0.14, "low_table"),),
+        (Doorway(("hall", "study"), 1.0, 2.0, 0.8),),
+        (Landmark(100, 1.0, 2.0, 0.4, -1.5, 0.1),),
+    )
+    told = map_of(json.loads(json.dumps(map_facts(house))))
+    assert np.array_equal(told.occupied, occupied)
+    assert (told.rooms, told.furniture, told.doors, told.tags) == (
+        house.rooms,
+        house.furniture,
+        house.doors,
+        house.tags,
+    )
+    assert arm_of(json.loads(json.dumps(asdict(ARM)))) == ARM
 
 
 @pytest.mark.parametrize(
@@ -83,6 +133,9 @@ def test_each_message_is_read_and_several_keep_their_order() -> None:
         "{}",
         "null",
         '{"tick": 1}',
+        '{"look": 1}',
+        '{"relocate": {"believed": [1, 2, 3]}}',
+        '{"relocate": {"believed": [1, 2, 3], "true": [1, 2]}}',
         '{"drive": [1, 2]}',
         '{"drive": [1, 2, "3"]}',
         '{"drive": [true, 0, 0]}',

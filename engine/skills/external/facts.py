@@ -1,7 +1,8 @@
-"""The robot, its map and its places as plain data for JSON, and back. ``protocol`` documents the shapes."""
+"""The robot, its map, places and pictures as plain data for JSON, and back. ``protocol`` documents the shapes."""
 
 from __future__ import annotations
 
+import base64
 import math
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -11,15 +12,32 @@ import numpy as np
 
 from config.schema import Place, Position, Quaternion
 from engine.events import Value
-from engine.robot.robot import FloorMap, Footprint, Furniture, Pose, RobotState, Room, Scan, Twist
+from engine.robot.arm import ArmModel
+from engine.robot.camera import Lens, Mount, Picture
+from engine.robot.robot import (
+    Capability,
+    Doorway,
+    FloorMap,
+    Footprint,
+    Furniture,
+    Landmark,
+    Pose,
+    RobotState,
+    Room,
+    Scan,
+    Twist,
+)
 from engine.skills.context import SkillContext
 from engine.skills.places import ZERO_SYMBOL, Places
+
+MAX_MM = 65536
+"""Depths from here on, mm, count as none: they are told in two bytes."""
 
 Facts = dict[str, Any]
 
 
-def start_facts(name: str, args: Mapping[str, Value], context: SkillContext) -> Facts:
-    """All that a program is told before it begins."""
+def start_facts(name: str, args: Mapping[str, Value], context: SkillContext, occupies: frozenset[Capability]) -> Facts:
+    """All that a program is told before it begins; to it, the robot has what it occupies."""
     robot = context.robot
     return {
         "name": name,
@@ -27,11 +45,12 @@ def start_facts(name: str, args: Mapping[str, Value], context: SkillContext) -> 
         "epoch": context.epoch,
         "robot": {
             "name": robot.name,
-            "capabilities": sorted(robot.capabilities),
+            "capabilities": sorted(robot.capabilities & occupies),
             "footprint": {"length": robot.footprint.length, "width": robot.footprint.width},
+            "arm": asdict(robot.arm),
         },
         "places": _places_facts(context.places),
-        "map": _map_facts(robot.floor_map),
+        "map": map_facts(robot.floor_map),
         "state": state_facts(robot.state()),
     }
 
@@ -39,7 +58,7 @@ def start_facts(name: str, args: Mapping[str, Value], context: SkillContext) -> 
 def state_facts(state: RobotState) -> Facts:
     return {
         "t": state.t,
-        "pose": [state.pose.x, state.pose.y, state.pose.yaw],
+        "pose": pose_facts(state.pose),
         "twist": _twist_facts(state.twist),
         "command": _twist_facts(state.command),
         "joints": list(state.joints),
@@ -78,6 +97,37 @@ def scan_of(facts: Facts) -> Scan:
     return Scan(facts["t"], np.array(facts["angles"], dtype=np.float64), np.array(ranges, dtype=np.float64))
 
 
+def picture_facts(picture: Picture) -> Facts:
+    lens, mount = picture.lens, picture.mount
+    millimetres = np.where(picture.depth * 1000 < MAX_MM, np.rint(picture.depth * 1000), 0).astype("<u2")
+    return {
+        "t": picture.t,
+        "pose": pose_facts(picture.pose),
+        "lens": asdict(lens),
+        "mount": {"rotation": mount.rotation.tolist(), "position": mount.position.tolist()},
+        "rgb": base64.b64encode(picture.rgb.tobytes()).decode(),
+        "depth": base64.b64encode(millimetres.tobytes()).decode(),
+    }
+
+
+def picture_of(facts: Facts) -> Picture:
+    lens = Lens(**facts["lens"])
+    rgb = np.frombuffer(base64.b64decode(facts["rgb"]), np.uint8).reshape(lens.height, lens.width, 3)
+    millimetres = np.frombuffer(base64.b64decode(facts["depth"]), "<u2").reshape(lens.height, lens.width)
+    depth = np.where(millimetres > 0, millimetres / 1000, np.inf).astype(np.float32)
+    mount = Mount(np.array(facts["mount"]["rotation"]), np.array(facts["mount"]["position"]))
+    return Picture(facts["t"], rgb, depth, lens, mount, Pose(*facts["pose"]))
+
+
+def pose_facts(pose: Pose) -> list[float]:
+    return [pose.x, pose.y, pose.yaw]
+
+
+def arm_of(facts: Facts) -> ArmModel:
+    tuples = {name: tuple(facts[name]) for name in ("shoulder", "eye")}
+    return ArmModel(**{**facts, **tuples, "ranges": tuple((low, high) for low, high in facts["ranges"])})
+
+
 def map_of(facts: Facts) -> FloorMap:
     rows = [[cell == "#" for cell in row] for row in facts["rows"]]
     return FloorMap(
@@ -86,6 +136,8 @@ def map_of(facts: Facts) -> FloorMap:
         occupied=np.array(rows, dtype=np.bool_),
         rooms=tuple(Room(**room) for room in facts["rooms"]),
         furniture=tuple(Furniture(**thing) for thing in facts["furniture"]),
+        doors=tuple(Doorway(**{**door, "between": tuple(door["between"])}) for door in facts["doors"]),
+        tags=tuple(Landmark(**tag) for tag in facts["tags"]),
     )
 
 
@@ -120,13 +172,15 @@ def _places_facts(places: Places) -> dict[str, Facts]:
     return found
 
 
-def _map_facts(floor: FloorMap) -> Facts:
+def map_facts(floor: FloorMap) -> Facts:
     return {
         "resolution": floor.resolution,
         "origin": list(floor.origin),
         "rows": ["".join("#" if cell else "." for cell in row) for row in floor.occupied.tolist()],
         "rooms": [asdict(room) for room in floor.rooms],
         "furniture": [asdict(thing) for thing in floor.furniture],
+        "doors": [asdict(door) for door in floor.doors],
+        "tags": [asdict(tag) for tag in floor.tags],
     }
 
 

@@ -19,12 +19,28 @@ import json
 import os
 import sys
 from collections.abc import Callable, Coroutine, Sequence
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
-from engine.robot.robot import ZERO, Capability, FloorMap, Footprint, RobotState, Scan, Twist
+from engine.perception.memory import WorldMemory
+from engine.perception.sighting import Sight
+from engine.robot.arm import ArmModel
+from engine.robot.camera import Picture
+from engine.robot.robot import ZERO, Capability, FloorMap, Footprint, Pose, RobotState, Scan, Twist
 from engine.skills.context import SkillContext
-from engine.skills.external.facts import footprint_of, map_of, places_of, scan_of, state_of
+from engine.skills.external.facts import (
+    arm_of,
+    footprint_of,
+    map_of,
+    picture_of,
+    places_of,
+    pose_facts,
+    scan_of,
+    state_of,
+)
 from engine.skills.outcome import Result
+
+if TYPE_CHECKING:
+    from engine.perception.eyes import Eyes
 
 Function = Callable[..., Coroutine[Any, Any, Result]]
 
@@ -77,13 +93,25 @@ def _context(wire: Wire, start: dict[str, Any]) -> SkillContext:
     async def say(text: str) -> None:
         wire.say(say=text)
 
+    robot, world = GuestRobot(wire, start), WorldMemory()
+    eyes: Eyes | None = None
+
+    async def see() -> Sight:
+        from engine.perception.eyes import Eyes  # slow to import, and not every program sees
+
+        nonlocal eyes
+        eyes = eyes or Eyes(robot, world)
+        return await eyes.see()
+
     return SkillContext(
-        robot=GuestRobot(wire, start),
+        robot=robot,
         epoch=start["epoch"],
         places=places_of(start["places"]),
         say=say,
         progress=progress,
         describe_skills=lambda: "",
+        see=see,
+        world=world,
     )
 
 
@@ -95,6 +123,7 @@ class GuestRobot:
         self._facts = start["robot"]
         self._epoch: int = start["epoch"]
         self._floor_map = map_of(start["map"])
+        self._arm = arm_of(self._facts["arm"])
         self._state = state_of(start["state"], self._epoch)
         self._waiters: list[asyncio.Future[RobotState]] = []
 
@@ -109,6 +138,10 @@ class GuestRobot:
     @property
     def footprint(self) -> Footprint:
         return footprint_of(self._facts["footprint"])
+
+    @property
+    def arm(self) -> ArmModel:
+        return self._arm
 
     @property
     def floor_map(self) -> FloorMap:
@@ -133,6 +166,13 @@ class GuestRobot:
     def scan(self) -> Scan:
         self._wire.say(scan=True)
         return scan_of(self._wire.hear("scan"))
+
+    async def look(self) -> Picture:
+        self._wire.say(look=True)
+        return picture_of(self._wire.hear("picture"))
+
+    def relocate(self, believed: Pose, true: Pose) -> None:
+        self._wire.say(relocate={"believed": pose_facts(believed), "true": pose_facts(true)})
 
     def drive(self, twist: Twist, epoch: int) -> None:
         if epoch == self._epoch:

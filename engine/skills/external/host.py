@@ -25,7 +25,7 @@ from engine.events import Value
 from engine.process import ProcessTree
 from engine.robot.robot import ZERO
 from engine.skills.context import SkillContext
-from engine.skills.external.facts import scan_facts, start_facts, state_facts
+from engine.skills.external.facts import picture_facts, scan_facts, start_facts, state_facts
 from engine.skills.external.protocol import (
     NEEDS,
     Arm,
@@ -34,8 +34,10 @@ from engine.skills.external.protocol import (
     Finished,
     Gripper,
     Light,
+    Look,
     Message,
     NotUnderstood,
+    Relocate,
     Report,
     ScanWish,
     Speech,
@@ -121,7 +123,7 @@ class _Host:
 
     async def _talk(self, args: Mapping[str, Value]) -> Result:
         try:
-            await self._send({"start": start_facts(self._name, args, self._context)})
+            await self._send({"start": start_facts(self._name, args, self._context, self._occupies)})
             lines = self._tree.lines()
             while (line := await self._patiently(anext(lines, None))) is not None:
                 if (result := await self._obey(line)) is not None:
@@ -165,6 +167,10 @@ class _Host:
                 await self._send({"state": state_facts(await robot.tick())})
             case ScanWish():
                 await self._send({"scan": scan_facts(robot.scan())})
+            case Look():
+                await self._send({"picture": picture_facts(await robot.look())})
+            case Relocate(believed, true):
+                robot.relocate(believed, true)
             case Drive(twist):
                 context.drive(twist)
             case Arm(joints, speed):

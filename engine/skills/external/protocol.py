@@ -3,11 +3,17 @@
 The engine begins, once::
 
     {"start": {"name", "args": {NAME: VALUE}, "epoch", "robot": {"name", "capabilities", "footprint": {"length",
-      "width"}}, "places": {SYMBOL: {"names": [NAME, …], "x", "y", "yaw"}}, "map": {"resolution", "origin": [x, y],
-      "rows": ["#..#", …], "rooms": [{"name", "x_min", "y_min", "x_max", "y_max"}], "furniture": [the same]},
-      "state": STATE}}
+      "width"}, "arm": {"shoulder", "upper", "fore", "hand", "jaw", "ranges", "eye"}}, "places": {SYMBOL: {"names":
+      [NAME, …], "x", "y", "yaw"}}, "map": {"resolution", "origin": [x, y], "rows": ["#..#", …], "rooms": [{"name",
+      "x_min", "y_min", "x_max", "y_max"}], "furniture": [the same, and "height", "kind"], "doors": [{"between":
+      [ROOM, ROOM], "x", "y", "width"}], "tags": [{"id", "x", "y", "z", "yaw", "size"}]}, "state": STATE}}
 
-and then answers: ``{"state": STATE}`` to each tick, ``{"scan": {"t", "angles", "ranges"}}`` to each wish for a scan.
+and then answers: ``{"state": STATE}`` to each tick, ``{"scan": {"t", "angles", "ranges"}}`` to each wish for a scan,
+``{"picture": {"t", "pose", "lens": {"width", "height", "fx", "fy", "cx", "cy"}, "mount": {"rotation": [3 rows],
+"position"}, "rgb", "depth"}}`` to each wish for a picture. Its pixels are in base64, row by row from the top: three
+bytes of colour, and two of depth, little-endian, in mm along the line of sight (0: none). The mount takes points of
+the optical frame (x right, y down, z ahead) to the base frame. Capabilities are those that the program occupies; tags
+are AprilTags 36h11 that hang in the house.
 STATE is ``{"t", "pose": [x, y, yaw], "twist": [vx, vy, wz], "command": [vx, vy, wz], "joints": [5], "joint_targets":
 [5], "gripper", "light": [r, g, b], "blocked", "halted"}``. Everything is in SI units and radians, poses in the map
 frame, twists in the base frame; row 0 of the map is the southernmost, "#" is occupied, a range of null hit nothing.
@@ -22,6 +28,9 @@ The program may say, one or several in an object:
 ``{"gripper": 0…1}``                                    needs ``arm``
 ``{"light": [r, g, b]}``, ``{"beep": s}``               need nothing
 ``{"scan": true}``                                      answered at once
+``{"look": true}``                                      needs ``camera``; answered by a picture of now
+``{"relocate": {"believed": [x, y, yaw],                needs ``base``: when it believed to be here, it was there;
+"true": [x, y, yaw]}}``                                 poses go on from that, and nothing moves
 ``{"say": "…"}``                                        needs ``voice``; spoken while the program goes on
 ``{"progress": {"fraction", "message", "path"}}``       any of them; ``path`` is the way ahead as [[x, y], …]
 ``{"result": {"outcome", "error_code", "message",       the end: ``ok``, or ``failed`` with a code of
@@ -40,7 +49,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from engine.robot.robot import Capability, Joints, Twist
+from engine.robot.robot import Capability, Joints, Pose, Twist, wrap
 from engine.skills.outcome import ErrorCode, Result, fail
 
 MAX_WORDS = 1000
@@ -60,6 +69,19 @@ class Tick:
 @dataclass(frozen=True, slots=True)
 class ScanWish:
     """Wants the newest lidar scan."""
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """Wants a picture of now."""
+
+
+@dataclass(frozen=True, slots=True)
+class Relocate:
+    """Knows better where the robot is."""
+
+    believed: Pose
+    true: Pose
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,9 +129,16 @@ class Finished:
     result: Result
 
 
-Message = Tick | ScanWish | Drive | Arm | Gripper | Light | Beep | Speech | Report | Finished
+Message = Tick | ScanWish | Look | Relocate | Drive | Arm | Gripper | Light | Beep | Speech | Report | Finished
 
-NEEDS: Mapping[type[Message], Capability] = {Drive: "base", Arm: "arm", Gripper: "arm", Speech: "voice"}
+NEEDS: Mapping[type[Message], Capability] = {
+    Look: "camera",
+    Relocate: "base",
+    Drive: "base",
+    Arm: "arm",
+    Gripper: "arm",
+    Speech: "voice",
+}
 """What a program must have declared to say this."""
 
 
@@ -134,6 +163,10 @@ def _messages(found: dict[str, Any]) -> Iterator[Message]:
                 yield Tick()
             case "scan", True:
                 yield ScanWish()
+            case "look", True:
+                yield Look()
+            case "relocate", {"believed": believed, "true": true}:
+                yield Relocate(_pose(believed), _pose(true))
             case "drive", _:
                 vx, vy, wz = _numbers(value, 3)
                 yield Drive(Twist(vx, vy, wz))
@@ -169,6 +202,11 @@ def _numbers(value: object, count: int) -> list[float]:
     if not all(map(math.isfinite, numbers)):
         raise ValueError(value)
     return numbers
+
+
+def _pose(value: object) -> Pose:
+    x, y, yaw = _numbers(value, 3)
+    return Pose(x, y, wrap(yaw))
 
 
 def _report(value: dict[str, Any]) -> Report:

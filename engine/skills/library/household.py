@@ -1,0 +1,167 @@
+"""Whole errands: bringing things, tidying, and asking when something is not clear. They are made of what the other
+files do one by one: look for it, pick it up, drive, put it down; each step can fail, and says so."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Awaitable, Callable, Sequence
+from typing import Annotated, Final
+
+from engine.perception.memory import Thing
+from engine.perception.naming import Wanted, wanted
+from engine.robot.robot import Furniture, Room
+from engine.skills.context import SkillContext
+from engine.skills.find import find, furniture_called, listing, nearest_bin, room_called, things_in
+from engine.skills.grasp import lost, pick
+from engine.skills.hand import still_held
+from engine.skills.library.navigation import PlaceName
+from engine.skills.library.searching import ObjectName, RoomName
+from engine.skills.outcome import ErrorCode, Result, fail, ok
+from engine.skills.put import put_in, put_on, put_on_floor
+from engine.skills.registry import Word, skill
+from engine.skills.search import room_at, search
+from engine.skills.travel import go_to
+
+ATTEMPTS: Final = 2
+"""How often one thing is tried before it is left where it is."""
+ROUNDS: Final = 3
+"""How often a room is looked through: what fell down on the way, or was hidden, is found in the next round."""
+
+_HOPELESS: Final[frozenset[ErrorCode]] = frozenset({"robot_lost", "robot_halted", "camera_lost", "cancelled"})
+"""Failures after which nothing else can be tried."""
+
+PutAway = Callable[[], Awaitable[Result]]
+
+
+@skill(occupies=["base", "arm", "camera"])
+async def carry(
+    context: SkillContext, object: ObjectName, place: PlaceName, source: Annotated[str, Word("surface")] = ""
+) -> Result:
+    """Bring something to a place: find it (on or in ``source`` if that is given), pick it up, drive there, put it
+    down on the floor."""
+    goal, name = context.places.pose(place), context.places.name(place)
+    if goal is None:
+        return fail("unknown_place", "I have not been told to remember a place yet.")
+    held = context.world.held
+    if held is None or not wanted(object).fits(held.kind, held.colour, held.tag):
+        found = await find(context, wanted(object), rooms=_rooms_of(context, source))
+        if isinstance(found, Result):
+            return found
+        picked = await pick(context, found)
+        if not picked.ok:
+            return picked
+        held = context.world.held or found
+    went = await go_to(context, goal, name)
+    if not still_held(context):
+        return lost(context, held)
+    if not went.ok:
+        return fail(went.error_code or "path_blocked", f"{went.message} I still hold the {held.name}.")
+    put = await put_on_floor(context)
+    return ok(f"I brought the {held.name} to {name}.") if put.ok else put
+
+
+@skill(occupies=["base", "arm", "camera"])
+async def clean_room(context: SkillContext, room: RoomName = "") -> Result:
+    """Clean a room, the one that the robot is in unless another is named: everything that lies about goes into the
+    bin."""
+    place = room_called(context, room)
+    if (bin_ := nearest_bin(context, place)) is None:
+        return fail("unknown_place", "There is no bin on the map to put things into.")
+    return await _put_away(context, place, Wanted(), lambda: put_in(context, bin_), f"into the {bin_.name}", None)
+
+
+@skill(occupies=["base", "arm", "camera"])
+async def tidy(
+    context: SkillContext, color: Annotated[str, Word("thing_colour")], surface: Annotated[str, Word("surface")]
+) -> Result:
+    """Put all things of a colour that lie about in this room onto a piece of furniture, or into the bin."""
+    place = room_at(context.robot.floor_map, context.pose.x, context.pose.y)
+    piece = furniture_called(context, surface)
+    if piece is None:
+        return fail("unknown_place", f"There is no {surface} on the map to put things on.")
+    into = piece.kind == "bin"
+    put: PutAway = (lambda: put_in(context, piece)) if into else (lambda: put_on(context, piece))
+    return await _put_away(
+        context, place, wanted(color), put, f"{'into' if into else 'onto'} the {piece.name}", None if into else piece
+    )
+
+
+@skill(occupies=["voice"])
+async def ask_user(context: SkillContext, question: Annotated[str, Word("sentence")]) -> Result:
+    """Ask a question and wait: the plan ends here, and what is said next answers it."""
+    del context  # the question is asked by whoever runs the plan
+    return Result("ok", "needs_answer", question)
+
+
+async def _put_away(
+    context: SkillContext, room: Room, what: Wanted, put: PutAway, where: str, target: Furniture | None
+) -> Result:
+    """Look through the room and put all things that are meant away, nearest first, until none is left."""
+    moved: list[Thing] = []
+    tries: Counter[int] = Counter()
+    worst: Result | None = None
+    for _ in range(ROUNDS):
+        searched = await search(context, room)
+        if searched.trouble is not None:
+            return _summary(moved, where, searched.trouble)
+        before = len(moved)
+        while (thing := _next_thing(context, room, what, target, tries)) is not None:
+            tries[thing.number] += 1
+            context.progress(None, f"{len(moved)} put {where}, now the {thing.name}")
+            result = await pick(context, thing)
+            if result.ok:
+                result = await put()
+                if result.ok:
+                    moved.append(thing)
+                    continue
+                if context.world.held is not None:
+                    return _summary(moved, where, result)
+            worst = result
+            if result.error_code in _HOPELESS:
+                return _summary(moved, where, result)
+        if len(moved) == before:
+            break  # a round without anything to put away, or nothing that can be: it is over
+    left = _matching(context, room, what, target)
+    if left:
+        message = f"I had to leave {listing(left)}."
+        code: ErrorCode = (worst.error_code if worst else None) or "grasp_failed"
+        return _summary(moved, where, fail(code, f"{message} {worst.message if worst else ''}".rstrip()))
+    if not moved:
+        return ok(f"There is nothing to put away in the {room.name}.", moved=0)
+    return ok(f"I put {listing(tuple(moved))} {where}.", moved=len(moved))
+
+
+def _next_thing(
+    context: SkillContext, room: Room, what: Wanted, target: Furniture | None, tries: Counter[int]
+) -> Thing | None:
+    matching = _matching(context, room, what, target)
+    return next((thing for thing in matching if tries[thing.number] < ATTEMPTS), None)
+
+
+def _matching(context: SkillContext, room: Room, what: Wanted, target: Furniture | None) -> tuple[Thing, ...]:
+    """What is remembered to lie about, is meant, and is not where it belongs already."""
+    return tuple(
+        thing
+        for thing in things_in(context, room)
+        if what.fits(thing.kind, thing.colour, thing.tag)
+        and not (target is not None and target.holds(*thing.position[:2]))
+    )
+
+
+def _summary(moved: Sequence[Thing], where: str, trouble: Result) -> Result:
+    """A failure that says what was done before it."""
+    done = f"I put {listing(tuple(moved))} {where}. " if moved else ""
+    return fail(trouble.error_code or "no_progress", f"{done}{trouble.message}", moved=len(moved))
+
+
+def _rooms_of(context: SkillContext, source: str) -> tuple[Room, ...] | None:
+    """Where to look for something that is to be on or in ``source``; None: anywhere."""
+    if not source:
+        return None
+    floor = context.robot.floor_map
+    if (room := next((room for room in floor.rooms if room.name == source), None)) is not None:
+        return (room,)
+    piece = furniture_called(context, source)
+    if piece is None:
+        return None
+    return (room_at(floor, (piece.x_min + piece.x_max) / 2, (piece.y_min + piece.y_max) / 2),)

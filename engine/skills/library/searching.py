@@ -1,0 +1,68 @@
+"""Seeing, looking for things, and going to them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Final
+
+from engine.perception.describe import describe
+from engine.perception.naming import wanted
+from engine.skills.approach import stand_before
+from engine.skills.context import SkillContext
+from engine.skills.find import find, listing, room_called, things_in, whereabouts
+from engine.skills.outcome import Result, ok
+from engine.skills.registry import Word, skill
+from engine.skills.search import nothing_more, search
+
+ObjectName = Annotated[str, Word("object")]
+RoomName = Annotated[str, Word("room")]
+
+_BEFORE: Final = 0.33
+"""Where the robot stands before what it goes to, m from its centre."""
+_STEP: Final = 30.0
+"""s by which a step away from that counts, per m."""
+
+
+@skill(occupies=["camera"])
+async def seewhat(context: SkillContext) -> Result:
+    """Look, and say what is there."""
+    sight = await context.see()
+    return ok(describe(sight, context.robot.floor_map), things=len(sight.objects))
+
+
+@skill(occupies=["base", "arm", "camera"])
+async def scan_room(context: SkillContext, room: RoomName = "") -> Result:
+    """Look through a room, the one that the robot is in unless another is named, and say what lies about there."""
+    place = room_called(context, room)
+    searched = await search(context, place)
+    result = nothing_more(searched, place.name)
+    if not result.ok:
+        return result
+    things = things_in(context, place)
+    listed = listing(things) if things else "nothing"
+    return ok(f"In the {place.name} I found {listed}.", things=len(things), seen=round(searched.seen, 2))
+
+
+@skill(occupies=["base", "arm", "camera"])
+async def locate(context: SkillContext, object: ObjectName) -> Result:
+    """Find out where something is: from memory if it was seen lately, else by looking for it, room by room."""
+    held = context.world.held
+    if held is not None and wanted(object).fits(held.kind, held.colour, held.tag):
+        return ok(f"I hold the {held.name}.", held=held.name)
+    found = await find(context, wanted(object))
+    if isinstance(found, Result):
+        return found
+    x, y, z = found.position
+    where = whereabouts(found, context.robot.floor_map)
+    return ok(f"The {found.name} is {where}.", x=round(x, 3), y=round(y, 3), z=round(z, 3), sigma=round(found.sigma, 3))
+
+
+@skill(occupies=["base", "arm", "camera"])
+async def navigate_to_object(context: SkillContext, object: ObjectName) -> Result:
+    """Drive to something and stand before it, looking for it first where it is not known."""
+    found = await find(context, wanted(object))
+    if isinstance(found, Result):
+        return found
+    stood = await stand_before(context, found.position, lambda way: _STEP * abs(way - _BEFORE), found.name)
+    if not stood.ok:
+        return stood
+    return ok(f"I stand before the {found.name}.", x=context.pose.x, y=context.pose.y)

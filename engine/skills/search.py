@@ -1,0 +1,240 @@
+"""Looking through a room: where to stand and where to look next, until all of it has been seen.
+
+The room's floor and the tops of its low tables are a grid of patches. Every picture marks the patches that it really
+shows: within range, not at the edge, not hidden behind something (the depth tells). The next view is the one that
+promises the most unseen patches for the time it takes to get there. What several views could not show is given up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.perception.looking import LOOK_POSES
+from engine.robot.camera import Picture
+from engine.robot.occupancy import distances
+from engine.robot.robot import FloorMap, Footprint, Joints, Pose, Room, wrap
+from engine.skills.context import SkillContext
+from engine.skills.drive import turn
+from engine.skills.library.gestures import reach
+from engine.skills.outcome import Result, fail, ok
+from engine.skills.travel import SEEN_RANGE, go_to, points_of
+
+LOOK: Final[Joints] = LOOK_POSES["AHEAD"].joints
+"""The arm while it looks around: the floor before the robot fills the picture."""
+PATCH: Final = 0.1
+"""Edge of a patch, m."""
+NEAR, FAR = LOOK_POSES["AHEAD"].near, LOOK_POSES["AHEAD"].far
+"""From the base's centre, m: in between, patches are seen well enough to notice a small thing."""
+HALF_VIEW: Final = math.radians(25)
+"""Of the wedge that a view is expected to show; pictures show a little more."""
+HEADINGS: Final = 8
+LOW: Final = 0.2
+"""Tables up to this height are looked at from above, m."""
+TRIES: Final = 2
+"""Views that may fail to show a patch before it is given up."""
+ENOUGH: Final = 0.97
+"""Part of the room that must have been seen."""
+BLOCKED: Final = 4
+"""Places in a row that it cannot get to before it gives up."""
+WORTHWHILE: Final = 6
+"""Unseen patches that a view must promise: a corner that needs a view of its own hides nothing larger than a cup."""
+_TURN_SPEED = 1.5  # rad/s
+_GRID = 0.25  # m between places to stand
+_MARGIN = 0.06  # m that the robot keeps from things, beyond its circle
+_DRIVE_COST, _TURN_COST, _VIEW_COST = 2.5, 0.7, 1.5  # s per metre and radian, and for a view
+
+
+@dataclass(frozen=True, slots=True)
+class Searched:
+    """How a search ended: ``found`` when it was ended by what was looked for."""
+
+    found: bool
+    seen: float  # part of the room, 0…1
+    pictures: int
+    trouble: Result | None = None
+    """Why it could not go on."""
+
+
+class Survey:
+    """What has been seen of a room, and the best view to take next."""
+
+    def __init__(self, room: Room, floor: FloorMap, hull: Footprint, now: Pose) -> None:
+        """``now`` is where the robot stands: it looks from places that it can get to."""
+        self._patches = _patches(room, floor)
+        self._open = np.ones(len(self._patches), dtype=np.bool_)  # not seen yet and not given up
+        self._missed = np.zeros(len(self._patches), dtype=np.int64)
+        self._stands = _stands(room, floor, hull, now)
+        self._seen = 0
+        self._taken: set[tuple[float, float, float]] = set()  # views; none is asked for twice
+
+    @property
+    def seen(self) -> float:
+        """Part of the patches that a picture has shown."""
+        return self._seen / max(1, len(self._patches))
+
+    @property
+    def done(self) -> bool:
+        return not self._open.any() or self._seen >= ENOUGH * len(self._patches)
+
+    def next_view(self, now: Pose) -> Pose | None:
+        """Where to look from next; None when no view promises anything."""
+        if self.done or not len(self._stands):
+            return None
+        best, view = 0.0, None
+        unseen = self._patches[self._open]
+        headings = np.arange(HEADINGS) * (2 * math.pi / HEADINGS)
+        for x, y in self._stands.tolist():
+            dx, dy = unseen[:, 0] - x, unseen[:, 1] - y
+            way = np.hypot(dx, dy)
+            near = (way > NEAR) & (way < FAR)
+            if near.sum() <= best * _VIEW_COST:  # no view from here can be better
+                continue
+            bearing = np.arctan2(dy[near], dx[near])
+            apart = math.hypot(x - now.x, y - now.y)
+            for heading in headings.tolist():
+                count = int((np.abs((bearing - heading + math.pi) % (2 * math.pi) - math.pi) < HALF_VIEW).sum())
+                if count < WORTHWHILE or (x, y, heading) in self._taken:
+                    continue
+                cost = _VIEW_COST + _DRIVE_COST * apart + _TURN_COST * abs(wrap(heading - now.yaw))
+                if count / cost > best:
+                    best, view = count / cost, (x, y, heading)
+        if view is None:
+            return None
+        self._taken.add(view)
+        return Pose(view[0], view[1], wrap(view[2]))
+
+    def bar(self, obstacles: NDArray[np.float64], clearance: float) -> None:
+        """Nobody can stand within ``clearance`` of these points (map frame, shape (n, 2), m)."""
+        if len(obstacles):
+            apart = np.hypot(*(self._stands[:, None] - obstacles[None]).transpose(2, 0, 1)).min(axis=1)
+            self._stands = self._stands[apart >= clearance]
+
+    def mark(self, picture: Picture) -> None:
+        """Take in what a picture showed, and what it should have shown and did not."""
+        points = picture.from_map(self._patches)
+        way = np.hypot(points[:, 0], points[:, 1])
+        bearing = np.abs(np.arctan2(points[:, 1], points[:, 0]))
+        wanted = self._open & (way > NEAR) & (way < FAR)
+        shown = _shown(picture, points) & wanted
+        self._open &= ~shown
+        self._seen += int(shown.sum())
+        self._missed += wanted & ~shown & (bearing < HALF_VIEW)
+        self._open &= self._missed < TRIES
+
+
+async def search(
+    context: SkillContext, room: Room, found: Callable[[], bool] = lambda: False, survey: Survey | None = None
+) -> Searched:
+    """Look through ``room`` until all is seen or ``found()``; what is seen is in the memory then. ``survey``: go on
+    with one that was begun."""
+    robot = context.robot
+    survey = survey or Survey(room, robot.floor_map, robot.footprint, context.pose)
+    pictures = blocked = 0
+    while not found() and (pose := survey.next_view(context.pose)) is not None:
+        context.progress(survey.seen, f"looking through the {room.name}, {survey.seen:.0%} seen")
+        trouble = await _stand(context, pose, room.name)
+        if trouble is not None:
+            blocked += 1
+            if trouble.error_code not in ("path_blocked", "unreachable", "door_closed") or blocked > BLOCKED:
+                return Searched(False, survey.seen, pictures, trouble)
+            survey.bar(points_of(robot.scan(), context.pose, SEEN_RANGE), robot.footprint.radius + _MARGIN)
+            continue
+        if not await reach(context, LOOK):
+            trouble = fail("no_progress", "The arm stopped on the way to its looking pose.")
+            return Searched(False, survey.seen, pictures, trouble)
+        survey.mark((await context.see()).picture)
+        pictures, blocked = pictures + 1, 0
+    return Searched(found(), survey.seen, pictures)
+
+
+async def _stand(context: SkillContext, pose: Pose, room: str) -> Result | None:
+    """Stand at ``pose``; why not, if that fails."""
+    now = context.pose
+    if now.distance_to(pose) > 0.06:
+        result = await go_to(context, pose, f"a place in the {room} to look from")
+        return None if result.ok else result
+    turned = await turn(context, wrap(pose.yaw - now.yaw), _TURN_SPEED)
+    return fail(turned.error, f"I could not turn around: {turned.reason}.") if turned.error else None
+
+
+def room_at(floor: FloorMap, x: float, y: float) -> Room:
+    """The room at a place; a map without rooms is one room."""
+    found = next((room for room in floor.rooms if room.holds(x, y)), None)
+    if found is not None:
+        return found
+    rows, columns = floor.occupied.shape
+    x0, y0 = floor.origin
+    return Room("room", x0, y0, x0 + columns * floor.resolution, y0 + rows * floor.resolution)
+
+
+def nothing_more(searched: Searched, room: str) -> Result:
+    """The result of a search that was to see everything."""
+    if searched.trouble is not None:
+        return searched.trouble
+    return ok(f"I have seen {searched.seen:.0%} of the {room}.", seen=round(searched.seen, 3))
+
+
+def _shown(picture: Picture, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which points of the base frame the picture shows: inside of it, and nothing in front of them."""
+    depth = picture.mount.into(points)[:, 2]
+    pixels = picture.pixels(points)
+    height, width = picture.depth.shape
+    with np.errstate(invalid="ignore"):
+        inside = (pixels[:, 0] > 2) & (pixels[:, 0] < width - 2) & (pixels[:, 1] > 2) & (pixels[:, 1] < height - 2)
+    shown = np.zeros(len(points), dtype=np.bool_)
+    columns, rows = pixels[inside].astype(int).T
+    shown[inside] = np.abs(picture.depth[rows, columns] - depth[inside]) < 0.08 + 0.05 * depth[inside]
+    return shown
+
+
+def _patches(room: Room, floor: FloorMap) -> NDArray[np.float64]:
+    """The middles of all patches of floor and low tables, map frame, shape (n, 3)."""
+    xs = np.arange(room.x_min + PATCH / 2, room.x_max, PATCH)
+    ys = np.arange(room.y_min + PATCH / 2, room.y_max, PATCH)
+    found = []
+    for x in xs:
+        for y in ys:
+            table = next((f for f in floor.furniture if 0 < f.height <= LOW and f.holds(x, y)), None)
+            if table is not None and table.kind != "bin":
+                found.append((x, y, table.height))
+            elif not _occupied(floor, x, y):
+                found.append((x, y, 0.0))
+    return np.array(found, dtype=np.float64).reshape(-1, 3)
+
+
+def _stands(room: Room, floor: FloorMap, hull: Footprint, now: Pose) -> NDArray[np.float64]:
+    """Where in the room the robot can get to, stand and turn, shape (n, 2)."""
+    clearance = hull.radius + _MARGIN
+    open_ = distances(floor.occupied, floor.resolution, clearance + 0.1) >= clearance
+    _, areas = cv2.connectedComponents(open_.astype(np.uint8), connectivity=4)
+    rows, columns = np.nonzero(open_)
+    if not len(rows):
+        return np.empty((0, 2))
+    row, column = _cell(floor, now.x, now.y)
+    nearest = np.hypot(rows - row, columns - column).argmin()  # it may stand closer to something than it would go
+    area = areas[rows[nearest], columns[nearest]]
+    found = [
+        (x, y)
+        for x in np.arange(room.x_min + clearance, room.x_max - clearance + 1e-9, _GRID)
+        for y in np.arange(room.y_min + clearance, room.y_max - clearance + 1e-9, _GRID)
+        if areas[_cell(floor, x, y)] == area
+    ]
+    return np.array(found, dtype=np.float64).reshape(-1, 2)
+
+
+def _occupied(floor: FloorMap, x: float, y: float) -> bool:
+    return bool(floor.occupied[_cell(floor, x, y)])
+
+
+def _cell(floor: FloorMap, x: float, y: float) -> tuple[int, int]:
+    rows, columns = floor.occupied.shape
+    row = math.floor((y - floor.origin[1]) / floor.resolution)
+    column = math.floor((x - floor.origin[0]) / floor.resolution)
+    return max(0, min(rows - 1, row)), max(0, min(columns - 1, column))
