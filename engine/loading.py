@@ -16,6 +16,8 @@ from engine.asr.recogniser import Recogniser
 from engine.audio.simulated import SimulatedMicrophone
 from engine.audio.source import Source
 from engine.models import ModelStore
+from engine.planner.house import build_vocabulary
+from engine.robot.camera_news import TellOfCamera
 from engine.robot.robot import Robot
 
 
@@ -31,11 +33,20 @@ class Sound:
     source: Source | None = None
 
 
-def make_robot(settings: RobotSettings) -> Robot:
-    """The configured robot. Raises ``SceneError``."""
+def make_robot(settings: RobotSettings, on_camera: TellOfCamera | None = None) -> Robot:
+    """The configured robot; ``on_camera`` is told how its camera is doing. Raises ``SceneError``."""
     from engine.robot.sim.robot import SimRobot
 
-    return SimRobot(settings)
+    return SimRobot(settings, on_camera)
+
+
+def at_home(settings: Settings) -> Settings:
+    """The settings with the places of the robot's house: those of the scene where it names some, else those of the
+    configuration. Raises ``SceneError``."""
+    from engine.robot.sim.scene import load_scene, scene_path
+
+    places = load_scene(scene_path(settings.robot.scene)).known_places()
+    return settings.model_copy(update={"places": places}) if places else settings
 
 
 def model_store(settings: Settings) -> ModelStore:
@@ -75,5 +86,9 @@ def make_demo() -> SimulatedMicrophone:
 
 
 def vocabulary(settings: Settings) -> tuple[str, ...]:
-    """Nouns that the recogniser should expect: names of places."""
-    return tuple(word for place in settings.places.values() for word in (place.name, *place.aliases))
+    """Nouns that the recogniser should expect, the more useful first: names of places, things and their colours, other
+    names of the places."""
+    places = settings.places.values()
+    names = (place.name for place in places)
+    aliases = (alias for place in places for alias in place.aliases)
+    return tuple(dict.fromkeys((*names, *build_vocabulary(settings).thing_words(), *aliases)))

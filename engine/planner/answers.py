@@ -92,9 +92,49 @@ class Answers:
                 return call.name, {"duration": self._amount(duration, "s")}
             case "light", ("off",):
                 return "light_off", {}
+            case _ if (told := self._errand(call)) is not None:
+                return told
             case _, (str(word),):
                 return call.name, {"word": word}
         return call.name, {}
+
+    def _errand(self, call: ActionCall) -> tuple[str, dict[str, str]] | None:
+        """The same for what is done with things."""
+        words: Mapping[str, str] = self._words["things"]
+        match call.name, call.positional:
+            case "carry", (str(thing), str(place), *source):
+                fields = {"thing": self._thing(thing), "place": self._place(place)}
+                if source:
+                    return "carry_from", {**fields, "surface": self._thing(str(source[0]))}
+                return "carry", fields
+            case "tidy", (str(colour), "bin"):
+                return "tidy_bin", {"word": colour}
+            case "tidy", (str(colour), str(surface)):
+                return "tidy", {"word": colour, "surface": self._thing(surface)}
+            case "place_object", (str(surface),):
+                return call.name, {"surface": self._thing(surface)}
+            case "pick_object" | "locate" | "navigate_to_object", (str(thing),):
+                return call.name, {"thing": self._thing(thing)}
+            case "scan_room" | "clean_room", room:
+                return call.name, {"room": str(room[0]) if room else words["room"]}
+            case "follow_line" | "follow_line_clear", colour:
+                line = words["coloured_line"].format(word=colour[0]) if colour else words["line"]
+                return call.name, {"line": line}
+            case "apriltag_follow" | "apriltag_sort", (Quantity(number),):
+                return call.name, {"tag": words["tag"].format(number=digits(number))}
+            case "apriltag_follow", ():
+                return call.name, {"tag": words["any_tag"]}
+            case "apriltag_remove_higher", (Quantity(height),):
+                return call.name, {"higher": words["higher"].format(height=self._amount(height, "m"))}
+            case "color_remove_higher", (str(colour), Quantity(height)):
+                return call.name, {"word": colour, "higher": words["higher"].format(height=self._amount(height, "m"))}
+            case "servo1_move", (Quantity(angle),):
+                return call.name, {"angle": self._amount(angle, "deg")}
+        return None
+
+    def _thing(self, thing: str) -> str:
+        """With its article; what has a number has a name."""
+        return thing if thing[-1:].isdigit() else str(self._words["things"]["thing"].format(thing=thing))
 
     def _at(self, speed: Sequence[object]) -> str:
         match speed:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from config.schema import Settings
 from engine.errors import PlanError, UsageError
+from engine.planner.house import build_vocabulary
 from engine.planner.phrases import PhrasePlanner
 from engine.planner.planner import Planner
 from engine.robot.robot import Capability
@@ -22,11 +23,10 @@ CAPABILITIES: dict[str, frozenset[Capability]] = {"sim": frozenset({"base", "arm
 def build_registry(settings: Settings, places: Places | None = None) -> SkillRegistry:
     """The skills that the configured robot can do: the library, and the programs of the configuration. Raises
     :class:`UsageError` when one of these takes a name of the library."""
-    known = places or Places(settings.places)
     return SkillRegistry(
         (*LIBRARY, *_external(settings)),
         capabilities=CAPABILITIES[settings.robot.kind],
-        vocabulary={"place": known.symbol, "places": lambda words: ",".join(known.symbols(words)), "colour": _colour},
+        vocabulary={**build_vocabulary(settings, places).resolvers(), "colour": _colour},
     )
 
 
@@ -43,11 +43,14 @@ def _external(settings: Settings) -> Iterator[Skill]:
 
 def build_planner(settings: Settings, registry: SkillRegistry | None = None) -> Planner:
     """The planner of these settings."""
-    return Planner(
-        PhrasePlanner(settings.places, language=settings.planner.language),
-        registry or build_registry(settings),
-        max_actions=settings.planner.max_actions,
+    skills = registry or build_registry(settings)
+    phrases = PhrasePlanner(
+        settings.places,
+        language=settings.planner.language,
+        vocabulary=build_vocabulary(settings),
+        skills=frozenset(skill.name for skill in skills),
     )
+    return Planner(phrases, skills, max_actions=settings.planner.max_actions)
 
 
 def _colour(word: str) -> str:

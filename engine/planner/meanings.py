@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from engine.plan import MAX_ACTIONS, ActionCall, Quantity
+from engine.planner.errands import ERRANDS, NOTHING_NAMED, Incomplete, Things, call, just
 
 Manner = Literal["slow", "fast"]
 
@@ -24,16 +25,19 @@ QUARTER, HALF, FULL = 90.0, 180.0, 360.0
 MOST_REPEATS = MAX_ACTIONS + 1
 """One more than any plan may have: "beep a million times" is understood, and turned down for its length."""
 
-Question = Literal["how_far", "which_way", "which_unit", "where", "how_long", "what"]
+Question = Literal[
+    "how_far",
+    "which_way",
+    "which_unit",
+    "where",
+    "how_long",
+    "what",
+    "which_thing",
+    "which_tag",
+    "where_put",
+    "how_high",
+]
 Calls = tuple[ActionCall, ...]
-
-
-class Incomplete(Exception):
-    """The clause is a command that lacks something; ``question`` says what."""
-
-    def __init__(self, question: Question) -> None:
-        super().__init__(question)
-        self.question: Question = question
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +48,7 @@ class Said:
     words: Mapping[str, str]
     numbers: Mapping[str, float]
     manner: Manner | None = None
+    things: Things = NOTHING_NAMED  # what "it" may be
 
 
 def calls_of(said: Said) -> Calls | None:
@@ -53,17 +58,14 @@ def calls_of(said: Said) -> Calls | None:
     repeats = said.numbers.get("times", 1)
     if repeats != int(repeats) or repeats < 1:
         return None
-    return _MEANINGS[said.intent](said) * int(min(repeats, MOST_REPEATS))
-
-
-def _call(name: str, *arguments: Quantity | str) -> Calls:
-    return (ActionCall(name, arguments),)
+    calls = _MEANINGS[said.intent](said)
+    return None if calls is None else calls * int(min(repeats, MOST_REPEATS))
 
 
 def _move(said: Said) -> Calls:
     way = said.words["way"]
     distance = Quantity(said.numbers["distance"] * (-1 if way in ("back", "right") else 1), "m")
-    return _call("move_sideways" if way in ("left", "right") else "move_forward", distance, *_pace(said))
+    return call("move_sideways" if way in ("left", "right") else "move_forward", distance, *_pace(said))
 
 
 def _pace(said: Said) -> tuple[Quantity, ...]:
@@ -85,7 +87,7 @@ def _spin(said: Said) -> Calls:
 
 
 def _velocity(x: float, y: float, turn: float, duration: float) -> Calls:
-    return _call("set_cmdvel", Quantity(x, "m/s"), Quantity(y, "m/s"), Quantity(turn, "rad/s"), Quantity(duration, "s"))
+    return call("set_cmdvel", Quantity(x, "m/s"), Quantity(y, "m/s"), Quantity(turn, "rad/s"), Quantity(duration, "s"))
 
 
 def _turn(angle: Callable[[Said], float]) -> Callable[[Said], Calls]:
@@ -99,7 +101,7 @@ def _turn(angle: Callable[[Said], float]) -> Callable[[Said], Calls]:
             rate = (Quantity(said.numbers["rate"], "rad/s"),)
         elif said.manner is not None:
             rate = (Quantity(TURN_SPEED[said.manner], "rad/s"),)
-        return _call("move_left" if left else "move_right", Quantity(abs(degrees), "deg"), *rate)
+        return call("move_left" if left else "move_right", Quantity(abs(degrees), "deg"), *rate)
 
     return turn
 
@@ -117,35 +119,32 @@ def _whole_angle(said: Said) -> float:
 def _square(said: Said) -> Calls:
     if "distance" not in said.numbers:
         raise Incomplete("how_far")
-    corner = _call("move_left", Quantity(QUARTER, "deg"))
-    return (_call("move_forward", Quantity(said.numbers["distance"], "m"), *_pace(said)) + corner) * 4
+    corner = call("move_left", Quantity(QUARTER, "deg"))
+    return (call("move_forward", Quantity(said.numbers["distance"], "m"), *_pace(said)) + corner) * 4
 
 
 def _patrol(said: Said) -> Calls:
     """Through the places that were said, in that order; none for all rooms."""
     places = [said.words[slot] for slot in ("first", "second", "third") if slot in said.words]
-    return _call("patrol", ",".join(places)) if places else _call("patrol")
+    return call("patrol", ",".join(places)) if places else call("patrol")
 
 
 def _wait(said: Said) -> Calls:
-    return _call("wait", Quantity(said.numbers["duration" if "duration" in said.numbers else "whole"], "s"))
+    return call("wait", Quantity(said.numbers["duration" if "duration" in said.numbers else "whole"], "s"))
 
 
 def _beep(said: Said) -> Calls:
     if "duration" in said.numbers:
-        return _call("beep", Quantity(said.numbers["duration"], "s"))
-    return _call("beep") * int(min(said.numbers.get("whole", 1), MOST_REPEATS))
+        return call("beep", Quantity(said.numbers["duration"], "s"))
+    return call("beep") * int(min(said.numbers.get("whole", 1), MOST_REPEATS))
 
 
-def _just(name: str) -> Callable[[Said], Calls]:
-    return lambda said: _call(name)
-
-
-_MEANINGS: dict[str, Callable[[Said], Calls]] = {
-    "Go": lambda said: _call("navigation", said.words["place"]),
-    "Return": lambda said: _call("navigation", "zero"),
+_MEANINGS: dict[str, Callable[[Said], Calls | None]] = {
+    **ERRANDS,
+    "Go": lambda said: call("navigation", said.words["place"]),
+    "Return": lambda said: call("navigation", "zero"),
     "Patrol": _patrol,
-    "Remember": _just("get_current_pose"),
+    "Remember": just("get_current_pose"),
     "Move": _move,
     "Run": _run,
     "Turn": _turn(_angle),
@@ -155,20 +154,20 @@ _MEANINGS: dict[str, Callable[[Said], Calls]] = {
     "TurnWhole": _turn(_whole_angle),
     "Spin": _spin,
     "Square": _square,
-    "ArmUp": _just("arm_up"),
-    "ArmDown": _just("arm_down"),
-    "Nod": _just("arm_nod"),
-    "Shake": _just("arm_shake"),
-    "Applaud": _just("arm_applaud"),
-    "Dance": _just("dance"),
-    "Drift": _just("drift"),
+    "ArmUp": just("arm_up"),
+    "ArmDown": just("arm_down"),
+    "Nod": just("arm_nod"),
+    "Shake": just("arm_shake"),
+    "Applaud": just("arm_applaud"),
+    "Dance": just("dance"),
+    "Drift": just("drift"),
     "Wait": _wait,
     "Beep": _beep,
-    "Light": lambda said: _call("light", said.words["colour"]),
-    "Say": lambda said: _call("say", said.words["text"]),
-    "Where": _just("report_pose"),
-    "Skills": _just("list_skills"),
-    "EndTask": _just("finish_dialogue"),
+    "Light": lambda said: call("light", said.words["colour"]),
+    "Say": lambda said: call("say", said.words["text"]),
+    "Where": just("report_pose"),
+    "Skills": just("list_skills"),
+    "EndTask": just("finish_dialogue"),
     "Halt": lambda said: (),
 }
 _WITH_MANNER = {"Move", "Run", "Turn", "TurnQuarter", "TurnAround", "TurnFull", "TurnWhole", "Spin", "Square"}
@@ -176,5 +175,8 @@ _WITH_MANNER = {"Move", "Run", "Turn", "TurnQuarter", "TurnAround", "TurnFull", 
 INTENTS = frozenset(_MEANINGS)
 """Every intent that has a meaning."""
 
-TOPICS = {"Go": "go", "Somewhere": "go", "Turn": "turn", "TurnQuarter": "turn", "ArmUp": "arm", "ArmDown": "arm"}
+TOPICS = {
+    "Go": "go", "Somewhere": "go", "Turn": "turn", "TurnQuarter": "turn", "ArmUp": "arm", "ArmDown": "arm",
+    "Put": "put", "FollowLine": "line",
+}  # fmt: skip
 """What a following clause without a verb may refer to."""

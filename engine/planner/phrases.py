@@ -9,7 +9,7 @@ journeys to places that the map does not have are told apart, because the answer
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -17,13 +17,16 @@ from config.schema import Place
 from engine.plan import ActionCall
 from engine.planner.answers import Answers
 from engine.planner.clauses import MAX_SEGMENTS, Segment, interpret, split
+from engine.planner.errands import NEEDED
 from engine.planner.language import load
 from engine.planner.meanings import Calls
 from engine.planner.numbers import read_measures
-from engine.planner.reader import Clause, ClauseReader
+from engine.planner.reader import Clause, ClauseReader, State
 from engine.planner.stopping import MAX_TEXT, is_end_task, is_only_stop, is_stop
-from engine.planner.templates import NOTHING, Context, Templates, spoken
+from engine.planner.templates import Templates, spoken
 from engine.planner.words import Sentence, Token, words_of
+from engine.skills.places import Places
+from engine.skills.vocabulary import Vocabulary
 
 __all__ = ["Matched", "NoMatch", "PhrasePlanner", "UnknownPlace", "is_end_task", "is_stop"]
 
@@ -62,17 +65,29 @@ class NoMatch:
 
 
 class PhrasePlanner:
-    """Plans for one language and one map, and stops in every language. Thread-safe; loads in about 0.2 s, mostly the
-    template library."""
+    """Plans for one language and one house, and stops in every language. Thread-safe; loads in about 0.3 s, mostly the
+    template library.
 
-    def __init__(self, places: Mapping[str, Place], language: str = "en") -> None:
+    ``vocabulary`` has the words of the house beyond the places. Phrases for other skills than ``skills`` are left out.
+    """
+
+    def __init__(
+        self,
+        places: Mapping[str, Place],
+        language: str = "en",
+        *,
+        vocabulary: Vocabulary | None = None,
+        skills: Collection[str] | None = None,
+    ) -> None:
         sections = load(language)
+        vocabulary = vocabulary or Vocabulary(Places(places))
+        missing = [] if skills is None else [intent for intent, needed in NEEDED.items() if not needed <= set(skills)]
         self._known = tuple(place.name for place in places.values())
         self._answers = Answers(sections, places)
         self._joints = sorted((tuple(joint.split()) for joint in sections["joints"]), key=len, reverse=True)
         is_stop("")  # its words are compiled at their first use: now, not in the first command
-        self._names = _names_to_keep(places, self._joints)
-        self._reader = ClauseReader(sections, Templates(sections, places))
+        self._names = _names_to_keep((*_words_of_places(places), *vocabulary.names()), self._joints)
+        self._reader = ClauseReader(sections, Templates(sections, places, vocabulary, missing))
 
     @property
     def understood(self) -> str:
@@ -116,10 +131,10 @@ class PhrasePlanner:
         """Read the clauses as commands; only when that fails, admit what is incomplete or leads to unknown places."""
         for lenient in (False, True):
 
-            def read(words: tuple[Token, ...], single: bool, state: Context) -> tuple[Clause, Context] | None:
+            def read(words: tuple[Token, ...], single: bool, state: State) -> tuple[Clause, State] | None:
                 return self._reader.read(sentence, words, single, lenient, state)  # noqa: B023 - used at once
 
-            outcome: tuple[Clause, ...] | Segment = interpret(segments, read, NOTHING)
+            outcome: tuple[Clause, ...] | Segment = interpret(segments, read, State())
             if not isinstance(outcome, Segment):
                 break
         return outcome
@@ -149,8 +164,11 @@ class PhrasePlanner:
         return NoMatch(shown, self._answers.understood, question)
 
 
-def _names_to_keep(places: Mapping[str, Place], joints: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    """Names of places that would be cut in two."""
-    names = {name for place in places.values() for name in (place.name, *place.aliases)}
-    cut = (name for name in names if len(split(read_measures(words_of(name).tokens), joints)) > 1)
+def _words_of_places(places: Mapping[str, Place]) -> Iterable[str]:
+    return (name for place in places.values() for name in (place.name, *place.aliases))
+
+
+def _names_to_keep(names: Iterable[str], joints: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """Names of places and things that would be cut in two."""
+    cut = (name for name in dict.fromkeys(names) if len(split(read_measures(words_of(name).tokens), joints)) > 1)
     return [tuple(spoken(name).split()) for name in cut]

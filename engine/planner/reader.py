@@ -5,13 +5,24 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
+from engine.planner.errands import NOTHING_NAMED, Incomplete, Things, things_after
 from engine.planner.freetext import FreeText
 from engine.planner.language import any_of, without
-from engine.planner.meanings import TOPICS, Calls, Incomplete, Manner, Said, calls_of
-from engine.planner.templates import Context, Match, Templates, render
+from engine.planner.meanings import TOPICS, Calls, Manner, Said, calls_of
+from engine.planner.templates import NOTHING, Context, Match, Templates, render
 from engine.planner.words import Sentence, Token
+
+_AS_SAID = {"whole", "tag"}
+"""Slots that hold a bare number, not the index of a measure."""
+
+
+class State(NamedTuple):
+    """What earlier clauses were about."""
+
+    context: Context = NOTHING
+    things: Things = NOTHING_NAMED
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +42,7 @@ class ClauseReader:
         self._templates = templates
         self._free_text = FreeText(sections, templates)
         self._fillers = re.compile(any_of(sections["fillers"]))
+        self._leading = re.compile(any_of(sections["leading"]))
         self._together = re.compile(any_of(sections["together"]))
         self._manners: dict[Manner, re.Pattern[str]] = {
             manner: re.compile(any_of(phrases)) for manner, phrases in sections["manners"].items()
@@ -41,8 +53,8 @@ class ClauseReader:
         return not without(self._fillers, render(words)[0])
 
     def read(
-        self, sentence: Sentence, words: tuple[Token, ...], single: bool, lenient: bool, state: Context
-    ) -> tuple[Clause, Context] | None:
+        self, sentence: Sentence, words: tuple[Token, ...], single: bool, lenient: bool, state: State
+    ) -> tuple[Clause, State] | None:
         """The clause and the state after it, or None.
 
         ``single``: the words were not joined from several segments. ``lenient`` admits questions and unknown places.
@@ -52,39 +64,44 @@ class ClauseReader:
         text, together = alone, alone != text
         bare = without(self._fillers, text)
         manner: Manner | None = None
-        match = self._templates.match(bare, state)
+        context = state.context
+        match = self._templates.match(bare, context)
         if match is None and bare != text:
-            match = self._templates.match(text, state)  # "what can you do" is more than politeness
+            match = self._templates.match(text, context)  # "what can you do" is more than politeness
+        if match is None and (errand := without(self._leading, bare)) != bare:
+            match = self._templates.match(errand, context)
         if match is None and (speech := self._free_text.speech(sentence, words, single)):
             match, together = Match("Say", {"text": speech}), False  # every word of it is to be said
         if match is None:
-            match, manner = self._match_manner(bare, state)
+            match, manner = self._match_manner(bare, context)
         if match is None and lenient:
-            if (match := self._templates.match(bare, state, "incomplete_intents")) is not None:
+            if (match := self._templates.match(bare, context, "incomplete_intents")) is not None:
                 return Clause(words, question=match.words["question"]), state
-            place = self._free_text.unknown_place(sentence, words, state) if single else ""
-            return (Clause(words, unknown=place), _after(state, "Somewhere")) if place else None
+            place = self._free_text.unknown_place(sentence, words, context) if single else ""
+            return (Clause(words, unknown=place), _after(state, "Somewhere", state.things)) if place else None
         if match is None:
             return None
-        numbers = {name: float(n) if name == "whole" else measures[n] for name, n in match.numbers.items()}
+        numbers = {name: float(n) if name in _AS_SAID else measures[n] for name, n in match.numbers.items()}
+        said = Said(match.intent, match.words, numbers, manner, state.things)
         try:
-            calls = calls_of(Said(match.intent, match.words, numbers, manner))
+            calls = calls_of(said)
         except Incomplete as missing:
             return (Clause(words, question=missing.question), state) if lenient else None
         if calls is None or (together and len(calls) != 1):
             return None
         if together:
             calls = (replace(calls[0], alongside=True),)
-        return Clause(words, calls), _after(state, match.intent)
+        return Clause(words, calls), _after(state, match.intent, things_after(said))
 
-    def _match_manner(self, text: str, state: Context) -> tuple[Match | None, Manner | None]:
+    def _match_manner(self, text: str, context: Context) -> tuple[Match | None, Manner | None]:
         manners = [manner for manner, pattern in self._manners.items() if pattern.search(text)]
         if len(manners) != 1:
             return None, None
-        return self._templates.match(without(self._manners[manners[0]], text), state), manners[0]
+        return self._templates.match(without(self._manners[manners[0]], text), context), manners[0]
 
 
-def _after(state: Context, intent: str) -> Context:
-    """What the next clause may refer to: the last topic, and the arm once it was spoken of."""
+def _after(state: State, intent: str, things: Things) -> State:
+    """What the next clause may refer to: the last topic, and as "it" the arm or a thing once one was spoken of."""
     topic = TOPICS.get(intent, "")
-    return Context(topic, "yes" if topic == "arm" else state.arm)
+    arm = "yes" if topic == "arm" else "" if things != state.things else state.context.arm
+    return State(Context(topic, arm), NOTHING_NAMED if topic == "arm" else things)

@@ -7,14 +7,17 @@ serves for every distance.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple, get_args
 
 from config.schema import Place
+from engine.errors import PlanError
+from engine.planner.first_words import FirstWords
 from engine.planner.numbers import read_measures
 from engine.planner.words import Token, words_of
+from engine.skills.vocabulary import Vocabulary
 
 Kind = Literal["intents", "incomplete_intents", "open_intents"]
 """Sections of the phrase file that are matched separately."""
@@ -23,7 +26,7 @@ Kind = Literal["intents", "incomplete_intents", "open_intents"]
 class Context(NamedTuple):
     """What earlier clauses were about, as the phrase file's ``requires_context`` names it."""
 
-    last: str = ""  # go or turn
+    last: str = ""  # go, turn, put or line
     arm: str = ""  # yes, once the arm was spoken of
 
 
@@ -44,19 +47,39 @@ class Match:
 
 
 class Templates:
-    """The compiled templates of one language for one map."""
+    """The compiled templates of one language for one house, without those for ``missing`` intents."""
 
-    def __init__(self, sections: Mapping[str, Any], places: Mapping[str, Place]) -> None:
+    def __init__(
+        self,
+        sections: Mapping[str, Any],
+        places: Mapping[str, Place],
+        vocabulary: Vocabulary,
+        missing: Collection[str] = (),
+    ) -> None:
         # imported here: hassil takes 0.1 s to load, and stop words must not wait for it
-        from hassil import Intents, TextSlotList
+        from hassil import Intents
 
-        shared = {key: sections[key] for key in ("language", "lists", "expansion_rules")}
+        language, lists = sections["language"], sections["lists"]
+        rules = {"lists": lists, "expansion_rules": sections["expansion_rules"]}
+        shared = Intents.from_dict({"language": language, **rules, "intents": {}})
         spoken_names = tuple(_spoken_names(places))
-        names = TextSlotList.from_tuples(spoken_names, allow_template=False, name="place")
         self._names = frozenset(name for name, _ in spoken_names)
-        self._intents = {kind: Intents.from_dict({**shared, "intents": sections[kind]}) for kind in get_args(Kind)}
-        for intents in self._intents.values():
-            intents.slot_lists["place"] = names
+        words = {
+            "place": spoken_names,
+            "room_place": tuple(_rooms_among(spoken_names, vocabulary)),
+            "surface": _pairs(vocabulary.surfaces(), vocabulary.surface),
+            "source": _pairs((*vocabulary.surfaces(), *vocabulary.rooms()), vocabulary.surface),
+            "room": _pairs(vocabulary.rooms(), vocabulary.room),
+            **dict(_thing_lists(sections["things"], _pairs(vocabulary.things(), vocabulary.object))),
+        }
+        shared.slot_lists |= {name: _slot_list(name, pairs) for name, pairs in words.items()}
+        wildcards = {name: values for name, values in lists.items() if "wildcard" in values}
+        self._intents = {}
+        for kind in get_args(Kind):
+            wanted = {name: intent for name, intent in sections[kind].items() if name not in missing}
+            intents = Intents.from_dict({"language": language, "lists": wildcards, "intents": wanted})
+            intents.slot_lists, intents.expansion_rules = shared.slot_lists, shared.expansion_rules
+            self._intents[kind] = FirstWords(intents)
         self._cached = lru_cache(CACHED_CLAUSES)(self._recognize)
         for clause in sections["warm_up"]:  # hassil compiles what it meets: now, not in the first command
             for kind in self._intents:
@@ -73,7 +96,7 @@ class Templates:
     def _recognize(self, clause: str, context: Context, kind: Kind) -> Match | None:
         from hassil import recognize
 
-        result = recognize(clause, self._intents[kind], intent_context=context._asdict())
+        result = recognize(clause, self._intents[kind].beginning(clause), intent_context=context._asdict())
         if result is None:
             return None
         words, numbers, wildcard = {}, {}, ""
@@ -106,6 +129,48 @@ def render(words: Sequence[Token]) -> tuple[str, list[float]]:
 def spoken(text: str) -> str:
     """A name as it reaches the templates: lower case, numbers as digits, no punctuation."""
     return " ".join(token.text for token in read_measures(words_of(text).tokens) if token.kind != "mark")
+
+
+Pairs = tuple[tuple[str, str], ...]
+"""Words as spoken, with what they stand for."""
+
+
+def _slot_list(name: str, pairs: Iterable[tuple[str, str]]) -> Any:
+    from hassil import TextSlotList
+
+    return TextSlotList.from_tuples(pairs, allow_template=False, name=name)
+
+
+def _pairs(words: Iterable[str], resolve: Callable[[str], str]) -> Pairs:
+    """Words as spoken, with what they stand for; those that stand for several things stay, and are told about later."""
+    return tuple((said, _resolved(word, resolve)) for word in words if (said := spoken(word)))
+
+
+def _resolved(word: str, resolve: Callable[[str], str]) -> str:
+    try:
+        return resolve(word)
+    except PlanError:
+        return word
+
+
+def _thing_lists(words: Mapping[str, Any], called: Pairs) -> Iterator[tuple[str, Pairs]]:
+    """The lists of things: every noun with and without every colour, and the names that things have here."""
+    colours = tuple((said, colour) for colour, spellings in words["colours"].items() for said in spellings)
+    yield "thing_colour", colours
+    yield "person", tuple((said, "person") for said in words["person"])
+    for name, nouns, vague, more in (
+        ("object", words["one"], words["vague"], called), ("objects", words["many"], words["vague_many"], ()),
+    ):  # fmt: skip
+        plain = tuple((said, noun) for noun, spellings in nouns.items() for said in spellings)
+        coloured = (*plain, *((spoken(said), "thing") for said in vague))
+        both = ((f"{hue} {said}", f"{colour} {noun}") for hue, colour in colours for said, noun in coloured)
+        yield name, (*plain, *both, *more)
+
+
+def _rooms_among(names: Iterable[tuple[str, str]], vocabulary: Vocabulary) -> Iterator[tuple[str, str]]:
+    """The names of places that are rooms."""
+    rooms = frozenset(spoken(word) for word in vocabulary.rooms())
+    return ((name, symbol) for name, symbol in names if name in rooms)
 
 
 def _spoken_names(places: Mapping[str, Place]) -> Iterator[tuple[str, str]]:

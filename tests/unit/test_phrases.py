@@ -270,10 +270,10 @@ def test_a_word_for_speed_changes_driving_and_is_left_over_elsewhere(adverb: str
         "after you beep, go to the kitchen",
         "say hello if you see a cup",
         "say hello but don't move",
-        "say hello and pick up the cup",
+        "say hello and iron the shirts",
         "go to the kitchen or the lounge",
-        "go to the kitchen and pick up the cup",
-        "go to the moon and pick up the cup",
+        "go to the kitchen and wash the cup",
+        "go to the moon and wash the cup",
         "pick up the thing",
         "go to the kitchen slowly",
         "go to the kitchen 🙂",
@@ -307,7 +307,7 @@ def test_a_word_too_many_is_no_match_and_never_a_guess(said: str) -> None:
 @pytest.mark.parametrize(
     ("said", "leftover"),
     [
-        ("go to the kitchen and pick up the cup", "pick up the cup"),
+        ("go to the kitchen and wash the cup", "wash the cup"),
         ("Turn left, juggle three balls, then beep", "juggle three balls"),
         ("beep\x1b[2J and juggle", "beep [2J"),
     ],
@@ -538,9 +538,9 @@ def test_every_intent_of_the_phrase_file_has_a_meaning() -> None:
 
 @pytest.mark.skipif(not COMMANDS.exists(), reason="needs the development commands in ../shared/data")
 def test_requests_that_need_more_than_phrases_get_no_plan() -> None:
-    beyond = ("cond", "clarify", "refuse", "chat", "object")
+    beyond = ("cond", "clarify", "refuse", "chat")
     commands = [c["command"] for c in json.loads(COMMANDS.read_text()) if c["category"] in beyond]
-    assert len(commands) > 20
+    assert len(commands) > 15
     assert [text for text in commands if isinstance(PLANNER.plan(text), Matched)] == []
 
 
