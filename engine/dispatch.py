@@ -19,19 +19,33 @@ from ulid import ULID
 from engine.bus import Emit
 from engine.cancellation import GRACE_S, Remains, bounded
 from engine.epoch import Epoch
-from engine.errors import RobotError
-from engine.events import ActionFinished, ActionProgress, ActionQueued, ActionStarted, ErrorRaised, Log
+from engine.errors import CameraError, RobotError
+from engine.events import (
+    ActionFinished,
+    ActionProgress,
+    ActionQueued,
+    ActionStarted,
+    CameraFrame,
+    ErrorRaised,
+    Log,
+    PerceptionResult,
+)
 from engine.holds import Holds
+from engine.perception.eyes import Eyes
+from engine.perception.sighting import Sight, as_json
 from engine.plan import Action, Plan
 from engine.robot.robot import ZERO, Robot
 from engine.robot.watch import view
-from engine.skills.context import Progress, Say, SkillContext
+from engine.skills.context import Progress, Say, See, SkillContext
 from engine.skills.outcome import ErrorCode, Result, fail
 from engine.skills.places import Places
 from engine.skills.registry import SkillRegistry
 
 PROGRESS_PERIOD_S = 0.25
 """Shortest time between two progress events of one action, s of robot time; a new path is always sent."""
+
+SIGHT_PERIOD_S = 1.0
+"""Time between two events about a sight that shows the same things, s of robot time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +64,14 @@ class Report:
     ran: tuple[Ran, ...]
     never_started: tuple[Action, ...]
     failure: Ran | None = None
-    """The action that ended the plan early, unless that was an interruption."""
+    """The action that ended the plan early, unless that was an interruption: it failed, or it asked a question."""
+
+    @property
+    def question(self) -> str | None:
+        """What the user has been asked, and the plan with it."""
+        if self.failure is None or self.failure.result.error_code != "needs_answer":
+            return None
+        return self.failure.result.message
 
     @property
     def ok(self) -> bool:
@@ -91,7 +112,7 @@ class Run:
 
 
 class _Failed(Exception):
-    """An action was not ok: what runs beside it is cut."""
+    """An action was not ok, or asked the user something: what runs beside it is cut."""
 
 
 class Dispatcher:
@@ -105,6 +126,7 @@ class Dispatcher:
         epoch: Epoch,
         holds: Holds,
         describe_skills: Callable[[], str],
+        eyes: Eyes,
     ) -> None:
         self._registry = registry
         self._robot = robot
@@ -112,6 +134,7 @@ class Dispatcher:
         self._epoch = epoch
         self._holds = holds
         self._describe_skills = describe_skills
+        self._eyes = eyes
         self._last_time = 0.0
 
     def is_endless(self, plan: Plan) -> bool:
@@ -146,7 +169,7 @@ class Dispatcher:
             run.running.add(key)
             run.emit(ActionStarted(key, index + 1, len(run.plan.actions), action.name, action.args))
             result = await self._perform(run, action, key)
-            if not result.ok:
+            if not result.ok or result.error_code == "needs_answer":
                 raise _Failed
         finally:
             self._holds.release(hold)
@@ -161,6 +184,8 @@ class Dispatcher:
             say=run.say,
             progress=self._progress(run, key, action.name),
             describe_skills=self._describe_skills,
+            see=self._seeing(run, key),
+            world=self._eyes.world,
         )
         remains: Remains[Result] = Remains(lambda found: self._drop(run, action, found))
         try:
@@ -175,6 +200,8 @@ class Dispatcher:
             raise
         except RobotError as error:
             result = Result("uncertain", "robot_lost", f"{error.message} How far {action} got is not known.")
+        except CameraError as error:
+            result = fail("camera_lost", error.message)
         except Exception as error:  # noqa: BLE001 - a fault in one skill ends that action, not the session
             result = fail("crashed", f"{action.name} has a fault: {error!r}.")
             message = f"The skill {action.name} has a fault: {error!r}."
@@ -190,7 +217,8 @@ class Dispatcher:
         ran = Ran(action, result, duration)
         run.ran.append(ran)
         run.record(ran)
-        if run.failure is None and result.outcome in ("failed", "uncertain") and self._epoch.is_current(run.epoch):
+        ends = result.outcome in ("failed", "uncertain") or result.error_code == "needs_answer"
+        if ends and run.failure is None and self._epoch.is_current(run.epoch):
             run.failure = ran
         run.emit(
             ActionFinished(
@@ -241,6 +269,23 @@ class Dispatcher:
 
         return progress
 
+    def _seeing(self, run: Run, key: str) -> See:
+        """The eyes, and word of what they see. Followers look ten times a second: what is as before is told rarely."""
+        last, names = -SIGHT_PERIOD_S, ""
+
+        async def see() -> Sight:
+            nonlocal last, names
+            sight = await self._eyes.see()
+            shown = ", ".join(thing.name for thing in sight.objects)
+            if key in run.running and (shown != names or sight.t - last >= SIGHT_PERIOD_S):
+                last, names = sight.t, shown
+                height, width = sight.picture.depth.shape
+                run.emit(CameraFrame(width, height))
+                run.emit(PerceptionResult(shown, tuple(as_json(thing) for thing in sight.objects)))
+            return sight
+
+        return see
+
     def _report_robot(self, emit: Emit) -> None:
         """Where the action left the robot; the periodic reports may come too late for that."""
         with contextlib.suppress(RobotError):  # its loss is the outcome of the action
@@ -257,4 +302,5 @@ class Dispatcher:
             pose = self._robot.state().pose
         except RobotError:
             return ""
-        return f" at x {pose.x:.2f} m, y {pose.y:.2f} m"
+        held = self._eyes.world.held
+        return f" at x {pose.x:.2f} m, y {pose.y:.2f} m{f', holding the {held.name}' if held else ''}"

@@ -20,6 +20,7 @@ from config import paths
 from config.schema import Place, Settings
 from engine import __version__, events
 from engine.bus import Bus, Subscriber
+from engine.camera_part import CameraPart
 from engine.clock import Clock, SystemClock
 from engine.commands import Command, Heard
 from engine.demo import Demo
@@ -33,8 +34,10 @@ from engine.handle import PartName, PartStatus
 from engine.hearing import Hearing
 from engine.holds import Holds
 from engine.keeper import Keeper
-from engine.loading import Sound, make_robot
+from engine.loading import Sound, at_home, make_robot
 from engine.parts import Part
+from engine.perception.eyes import Eyes
+from engine.perception.memory import World, WorldMemory
 from engine.planner.build import build_planner, build_registry
 from engine.planner.planner import Planner
 from engine.robot.robot import FloorMap, Robot, RobotState, Scan
@@ -61,13 +64,14 @@ class Engine:
     """
 
     def __init__(self, settings: Settings, *, mode: str, sound: Sound, clock: Clock | None = None) -> None:
-        self._settings = settings
+        self._settings = settings = at_home(settings)
         self._mode = mode
         self._sound = sound
         self._bus = Bus(clock or SystemClock())
-        self._robot: Robot = make_robot(settings.robot)
+        self._robot: Robot = make_robot(settings.robot, lambda news: self._camera.follow(news))
         self._epoch = Epoch(self._robot.stop)
         self._parts: dict[PartName, Part[Any]] = {}
+        self._memory = WorldMemory()
         self._session: Session | None = None
         self._ready = threading.Event()
         self._ended = threading.Event()
@@ -125,6 +129,9 @@ class Engine:
     def places(self) -> Mapping[str, Place]:
         return self._settings.places
 
+    def world(self) -> World:
+        return self._memory.snapshot()
+
     def _when_robot_is_up(self, read: Callable[[], T]) -> T | None:
         if "robot" not in self._parts or self._parts["robot"].value is None:
             return None
@@ -158,8 +165,9 @@ class Engine:
         planner: Part[Planner] = self._part("planner")
         hearing: Part[Hearing] = self._part("recogniser")
         microphone: Part[str] = self._part("microphone")
+        self._camera = CameraPart(self._part("camera"), self._emit)
 
-        holds = Holds()
+        holds, eyes = Holds(), Eyes(self._robot, self._memory)
 
         def understood() -> str:
             return planner.value.understood if planner.value else ""
@@ -167,7 +175,7 @@ class Engine:
         needs = Needs(
             robot=robot,
             planner=planner,
-            dispatcher=lambda up: Dispatcher(registry, up, places, self._epoch, holds, understood),
+            dispatcher=lambda up: Dispatcher(registry, up, places, self._epoch, holds, understood, eyes),
             hearing=hearing,
             voice=SilentVoice(),
         )

@@ -4,9 +4,10 @@
                                                         ├──────▶ SPEAKING ──────────────────────────▶
                                                         └──────▶ CLARIFYING ────────────────────────▶
 
-A typed request enters at DECIDING or PLANNING. FEEDBACK may lead back to them: the planner is told what was done and
-plans on. From every state a turn can end, and then the session rests: in IDLE when its task cycle is empty, in WAITING
-when it has a history. IDLE and WAITING are the only states without a running turn.
+An action may ask the user something: then CLARIFYING follows ACTING. A typed request enters at DECIDING or PLANNING.
+FEEDBACK may lead back to them: the planner is told what was done and plans on. From every state a turn can end, and
+then the session rests: in IDLE when its task cycle is empty, in WAITING when it has a history. IDLE and WAITING are
+the only states without a running turn.
 
 Nothing here acts. ``engine.session`` follows these tables, and a way that is not in them is a fault.
 """
@@ -41,7 +42,7 @@ NEXT: Final[Mapping[State, frozenset[State]]] = {
     "PLANNING": _to("CLARIFYING", "SPEAKING", "ACTING"),
     "CLARIFYING": _to(),
     "SPEAKING": _to(),
-    "ACTING": _to("FEEDBACK"),
+    "ACTING": _to("FEEDBACK", "CLARIFYING"),
     "FEEDBACK": _to("DECIDING", "PLANNING"),
 }
 """The states that may follow each state."""

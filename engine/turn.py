@@ -197,6 +197,9 @@ class Turn:
         self._enter("ACTING", f"{len(plan.actions)} actions")
         report = await self._run(dispatcher, plan)
         await self.stay_current()
+        if (question := report.question) is not None:
+            self.emit(events.ClarificationAsked(question))
+            return await self._answer(question, ExitCode.CLARIFY, "clarify")
         self._enter("FEEDBACK", "done" if report.ok else "not done")
         if report.message:
             await self._speak(report.message)

@@ -248,6 +248,7 @@ class SaysoApp(App[None]):
             robot=robot,
             floor_map=self._floor_map,
             places=self._handle.places() if self._handle is not None else {},
+            world=self._handle.world() if self._handle is not None else None,
         )
         self._main.show(self._shown)
         return model.moving or (robot is not None and robot.moving)

@@ -114,6 +114,12 @@ def build_parser() -> argparse.ArgumentParser:
     models.add_argument("action", choices=["list", "pull", "verify", "path"])
     models.add_argument("names", nargs="*", metavar="MODEL", help="default: the models that sayso needs")
 
+    scene = command("scene", "tui.commands.scene:run", "list scenes, and show one from above")
+    scene.add_argument("action", choices=["list", "show"])
+    scene.add_argument("name", nargs="?", metavar="NAME", help="default: the scene of the settings")
+    png = scene.add_argument("--png", metavar="FILE", type=Path, help="write the picture to FILE")
+    png.complete = COMPLETE_FILE  # type: ignore[attr-defined]
+
     config = command("config", "tui.commands.config:run", "show and check the configuration")
     config.add_argument("action", choices=["show", "path", "check"])
 

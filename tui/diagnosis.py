@@ -131,7 +131,10 @@ def _scheduling(settings: Settings) -> Finding:
 
 
 def _graphics(settings: Settings) -> Finding:
-    del settings
+    camera = settings.robot.camera
+    size = f"camera {camera.width}×{camera.height}"
+    if camera.backend == "rays":
+        return Finding("graphics", "ok", f"{size} by ray casting (robot.camera.backend)")
     for backend in ("egl", "osmesa"):
         command = [sys.executable, "-c", _GL_PROBE, backend]
         try:
@@ -139,8 +142,11 @@ def _graphics(settings: Settings) -> Finding:
         except subprocess.TimeoutExpired:
             continue
         if "rendered" in done.stdout:
-            return Finding("graphics", "ok", f"OpenGL through {backend}")
-    return Finding("graphics", "limited", "no OpenGL: the camera uses ray casting", "apt install libosmesa6")
+            return Finding("graphics", "ok", f"{size} by OpenGL through {backend}")
+    if camera.backend == "opengl":
+        fix = "apt install libosmesa6, or set robot.camera.backend to auto"
+        return Finding("graphics", "missing", f"no OpenGL for the {size}", fix, needed=True)
+    return Finding("graphics", "limited", f"no OpenGL: {size} by ray casting", "apt install libosmesa6")
 
 
 def _serial(settings: Settings) -> Finding:

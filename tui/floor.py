@@ -19,10 +19,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from config.schema import Place
+    from engine.perception.memory import Thing
     from engine.robot.robot import FloorMap, Furniture, Room
 
 Ground = Literal["outside", "floor", "furniture", "wall"]
-Ink = Literal["wall", "furniture", "label", "place", "path", "robot"]
+Ink = Literal["wall", "furniture", "label", "place", "path", "robot", "thing"]
 
 _OUTSIDE, _FLOOR, _FURNITURE, _WALL = range(4)
 _GROUNDS: Final[tuple[Ground, ...]] = ("outside", "floor", "furniture", "wall")
@@ -41,6 +42,7 @@ class Cell:
     char: str
     ink: Ink
     ground: Ground
+    colour: str = ""  # of a thing: the word for it
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +139,12 @@ def ahead(path: Sequence[tuple[float, float]], x: float, y: float) -> tuple[tupl
 def arrow(yaw: float) -> str:
     """The arrow that points nearest to ``yaw`` (rad, counter-clockwise from east)."""
     return _ARROWS[round(yaw / (math.pi / 4)) % 8] if math.isfinite(yaw) else "?"
+
+
+def thing_sign(thing: Thing, now: float) -> str:
+    """A filled sign for a thing that was seen lately, an empty one for one that may have been moved since."""
+    round_, square = ("○", "□") if thing.is_stale(now) else ("●", "■")
+    return round_ if thing.kind in ("ball", "cup", "bottle", "person") else square
 
 
 def _quarters(floor: FloorMap, frame: Frame) -> NDArray[np.int8]:

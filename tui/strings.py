@@ -97,6 +97,7 @@ PART_WORDS: Final = {
     "microphone": "mic",
     "recogniser": "recogniser",
     "planner": "planner",
+    "camera": "camera",
     "voice": "voice",
 }
 LOADING: Final = "loading"

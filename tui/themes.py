@@ -34,3 +34,16 @@ LIGHT: Final = Theme(
     panel="#dde3ea",
     dark=False,
 )
+
+THING_COLOURS: Final = {
+    "red": "#e0564f",
+    "orange": "#ee8a38",
+    "yellow": "#e3bd32",
+    "green": "#4fae62",
+    "blue": "#4a86d8",
+    "purple": "#9a6bc4",
+    "white": "#b9bdc2",
+    "grey": "#8d9095",
+    "black": "#5b5f66",
+}
+"""How things of these colours are shown on the map: seen well on a dark and on a light ground."""

@@ -28,6 +28,8 @@ from engine.events import Body, Event, State, TurnResult
 from engine.hearing import NothingHeard
 from engine.holds import Holds
 from engine.parts import Part
+from engine.perception.eyes import Eyes
+from engine.perception.memory import WorldMemory
 from engine.plan import Plan
 from engine.planner.build import build_planner, build_registry
 from engine.planner.planner import NoPlan, PlanRequest, Plans
@@ -274,7 +276,9 @@ async def begin(
     needs = Needs(
         robot=await _ready("robot", robot),
         planner=await _ready("planner", planner),
-        dispatcher=lambda up: Dispatcher(registry, up, places, epoch, holds, lambda: "I can drive."),
+        dispatcher=lambda up: Dispatcher(
+            registry, up, places, epoch, holds, lambda: "I can drive.", Eyes(robot, WorldMemory())
+        ),
         hearing=await _ready("recogniser", hearing),
         voice=voice,
     )

@@ -22,6 +22,7 @@ from engine.bus import Subscriber
 from engine.commands import Command, Interrupt
 from engine.errors import DeviceError
 from engine.handle import PartStatus
+from engine.perception.memory import World
 from engine.robot.robot import ARM_INITIAL, ZERO, FloorMap, Furniture, Pose, RobotState, Room, Scan, Twist
 
 PARTS_READY = tuple(PartStatus(name, "ready") for name in ("robot", "microphone", "recogniser", "planner", "voice"))
@@ -108,6 +109,7 @@ class ScriptedEngine:
         self.robot = robot
         self.floor = floor
         self.silence = 0.0
+        self.seen = World()
         self.on_command: Callable[[Command], None] = lambda command: None
         self._subscribers: list[Subscriber] = []
         self._seq = 0
@@ -141,6 +143,9 @@ class ScriptedEngine:
 
     def places(self) -> Mapping[str, Place]:
         return PLACES
+
+    def world(self) -> World:
+        return self.seen
 
     def publish(self, body: ev.Body, *, after: float = 0.0, turn: str | None = "T1") -> ev.Event:
         """One event, ``after`` seconds of event time after the one before; delivered at once."""

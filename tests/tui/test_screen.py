@@ -11,6 +11,7 @@ from rich.cells import cell_len
 from engine import events as ev
 from engine.commands import Interrupt
 from engine.handle import PartStatus
+from engine.perception.memory import Thing, World
 from tests.tui import scripted
 from tests.tui.desk import console
 from tests.tui.scripted import PARTS_LOADING, PARTS_READY, ScriptedEngine, flat, robot_at
@@ -220,3 +221,24 @@ def test_a_terminal_that_cannot_be_used_is_refused_with_a_reason(
 ) -> None:
     why = why_not_usable(environ, *terminals)
     assert why is None if words is None else why is not None and words in why
+
+
+async def test_what_was_seen_is_on_the_map_in_its_colour_and_hollow_once_it_is_stale() -> None:
+    red = Thing(1, "box", "red", None, (1.0, 0.5, 0.02), 0.01, (0.04, 0.04), 0.0, None, seen_at=99.0)
+    cup = Thing(2, "cup", "blue", None, (-1.0, -0.5, 0.04), 0.01, (0.06, 0.08), 0.0, None, seen_at=1.0)
+    engine = ScriptedEngine(robot=robot_at(0, 0, 0, t=100.0), floor=flat())
+    engine.seen = World((red, cup), held=None)
+    async with console(engine) as desk:
+        await desk.settled()
+        shown = desk.app.query_one(FloorView)
+        signs = {cell.char: cell.colour for cell in shown._overlay.values() if cell.ink == "thing"}
+        assert signs == {"■": "red", "○": "blue"}
+
+
+async def test_what_the_gripper_holds_is_named() -> None:
+    red = Thing(1, "box", "red", None, (1.0, 0.5, 0.02), 0.01, (0.04, 0.04), 0.0, None, seen_at=99.0)
+    engine = ScriptedEngine(robot=robot_at(0, 0, 0, t=100.0), floor=flat())
+    engine.seen = World((), held=red)
+    async with console(engine) as desk:
+        await desk.settled()
+        assert "gripper red box" in " ".join(desk.text.split())

@@ -11,6 +11,7 @@ from engine import events
 from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import ExitCode
+from engine.loading import at_home
 from engine.planner.build import build_planner
 from engine.planner.planner import NoPlan, Planner, PlanRequest
 from tui.commands.ask import requests
@@ -20,7 +21,7 @@ from tui.commands.settings import load_settings
 
 def run(arguments: Namespace) -> int:
     """Plan the request, or every line of stdin. Exit code of the first one without a plan."""
-    planner = build_planner(load_settings(arguments))
+    planner = build_planner(at_home(load_settings(arguments)))
     bus = Bus(SystemClock())
     if arguments.json:
         bus.subscribe(lambda event: data(events.to_json(event).decode()))

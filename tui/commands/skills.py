@@ -5,6 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 
 from engine.errors import ExitCode
+from engine.loading import at_home
 from engine.planner.build import build_registry
 from tui.commands.output import data, json_line
 from tui.commands.settings import load_settings
@@ -12,7 +13,7 @@ from tui.commands.settings import load_settings
 
 def run(arguments: Namespace) -> int:
     """One line a skill, or one JSON object a skill."""
-    for skill in build_registry(load_settings(arguments)):
+    for skill in build_registry(at_home(load_settings(arguments))):
         if arguments.json:
             json_line(skill.describe())
         else:

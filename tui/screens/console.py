@@ -33,6 +33,7 @@ from tui.widgets.status import Hint, StatusLine
 if TYPE_CHECKING:
     from config.schema import Place
     from engine.handle import PartStatus
+    from engine.perception.memory import World
     from engine.robot.robot import FloorMap, RobotState
 
 
@@ -52,6 +53,7 @@ class View:
     robot: RobotState | None = None
     floor_map: FloorMap | None = None
     places: Mapping[str, Place] = field(default_factory=dict)
+    world: World | None = None
 
 
 class ConsoleScreen(Screen[None]):
@@ -101,11 +103,13 @@ class ConsoleScreen(Screen[None]):
         self._conversation.update_from(model, welcome.format(**self._keys))
         self._plan.update_from(model)
         self._queue.update_from(model, view.now)
-        self._figures.update_from(view.robot, view.parts)
+        self._figures.update_from(view.robot, view.parts, view.world.held if view.world is not None else None)
         self._mic.update_from(model, notice=notice, trouble=trouble)
         if view.floor_map is not None:
             self._floor.show_map(view.floor_map, view.places)
-        self._floor.show_robot(view.robot.pose if view.robot is not None else None, model.path)
+        now = view.robot.t if view.robot is not None else 0.0
+        pose = view.robot.pose if view.robot is not None else None
+        self._floor.show_robot(pose, model.path, view.world.things if view.world is not None else (), now)
 
     def show_log(self, model: ConsoleModel) -> None:
         """Bring the log up to date; it has a slower pace of its own."""

@@ -13,6 +13,7 @@ from tui.widgets.lines import Drawn, Lines
 
 if TYPE_CHECKING:
     from engine.handle import PartStatus
+    from engine.perception.memory import Thing
     from engine.robot.robot import RobotState
 
 _PART_SIGNS: Final = {
@@ -31,16 +32,17 @@ Piece = tuple[str, str]
 class Figures(Lines[tuple[Piece, ...]]):
     """Pose, speed and gripper, rounded to what can be read, and one line about the parts."""
 
-    def update_from(self, robot: RobotState | None, parts: Sequence[PartStatus]) -> None:
+    def update_from(self, robot: RobotState | None, parts: Sequence[PartStatus], held: Thing | None = None) -> None:
+        """``held`` is what the gripper holds."""
         wide = self.size.width >= _WIDE
-        lines = [((strings.NO_ROBOT, "$foreground 60%"),)] if robot is None else figure_lines(robot, wide)
+        lines = [((strings.NO_ROBOT, "$foreground 60%"),)] if robot is None else figure_lines(robot, wide, held)
         self.show([*lines, part_line(parts, wide)], matters=0)
 
     def drawn(self, item: tuple[Piece, ...]) -> Drawn:
         return Drawn(Content(""), Content.assemble(*item), nowrap=True)
 
 
-def figure_lines(robot: RobotState, wide: bool) -> list[tuple[Piece, ...]]:
+def figure_lines(robot: RobotState, wide: bool, held: Thing | None = None) -> list[tuple[Piece, ...]]:
     """Where the robot is and what it does, in two lines or three."""
     pose, twist = robot.pose, robot.twist
     x, y = _figure("x", f"{_plain(pose.x, 2):>6} m"), _figure("y", f"{_plain(pose.y, 2):>6} m")
@@ -48,6 +50,8 @@ def figure_lines(robot: RobotState, wide: bool) -> list[tuple[Piece, ...]]:
     speed = _figure(strings.SPEED, f"{math.hypot(twist.vx, twist.vy):.2f} m/s")
     turning = _figure(strings.TURNING, f"{_plain(math.degrees(twist.wz), 0):>4}°/s")
     grip = strings.OPEN if robot.gripper > 0.8 else strings.CLOSED if robot.gripper < 0.1 else strings.HALF_OPEN
+    if held is not None:
+        grip = held.name
     holding_back = robot.halted or robot.blocked
     if holding_back:
         state: Piece = (f"▲ {holding_back}", "bold $text-warning")

@@ -1,8 +1,9 @@
-"""The map from above: the floor plan stays, the way and the robot move over it, and only their cells are redrawn."""
+"""The map from above: the floor plan stays; the way, what was seen, and the robot move over it, and only their cells
+are redrawn."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar
 
 from rich.segment import Segment
@@ -14,16 +15,21 @@ from textual.widget import Widget
 
 from tui import floor, strings
 from tui.floor import Cell, Frame
+from tui.themes import THING_COLOURS
 
 if TYPE_CHECKING:
     from config.schema import Place
+    from engine.perception.memory import Thing
     from engine.robot.robot import FloorMap, Pose
 
 Overlay = dict[tuple[int, int], Cell]
+Sign = tuple[tuple[float, float], str, str]
+"""Where (map frame, m), which character, and the word for its colour."""
 
 
 class FloorView(Widget, can_focus=False):
-    """Rooms, furniture, places, the planned way in braille, and the robot as an arrow that shows its heading."""
+    """Rooms, furniture, places, the planned way in braille, things that were seen in their own colours, and the robot
+    as an arrow that shows its heading."""
 
     ALLOW_SELECT = False
     COMPONENT_CLASSES: ClassVar[set[str]] = {
@@ -44,6 +50,7 @@ class FloorView(Widget, can_focus=False):
         self._places: Mapping[str, Place] = {}
         self._pose: Pose | None = None
         self._path: tuple[tuple[float, float], ...] = ()
+        self._signs: tuple[Sign, ...] = ()
         self._frame: Frame | None = None
         self._cells: list[list[Cell]] = []
         self._overlay: Overlay = {}
@@ -55,9 +62,12 @@ class FloorView(Widget, can_focus=False):
             self._map, self._places = floor_map, places
             self._redraw()
 
-    def show_robot(self, pose: Pose | None, path: tuple[tuple[float, float], ...]) -> None:
-        """Set what moves; marks only the cells that differ."""
+    def show_robot(
+        self, pose: Pose | None, path: tuple[tuple[float, float], ...], things: Sequence[Thing] = (), now: float = 0.0
+    ) -> None:
+        """Set what moves, and what is remembered at robot time ``now``; marks only the cells that differ."""
         self._pose, self._path = pose, path
+        self._signs = tuple((thing.position[:2], floor.thing_sign(thing, now), thing.colour) for thing in things)
         overlay = self._overlaid()
         old, self._overlay = self._overlay, overlay
         for row, column in {at for at in old.keys() | overlay.keys() if old.get(at) != overlay.get(at)}:
@@ -82,6 +92,9 @@ class FloorView(Widget, can_focus=False):
             under = self._cells[row][column]
             if under.ink != "place":
                 overlay[row, column] = Cell(char, "path", under.ground)
+        for (x, y), sign, colour in self._signs:
+            if (at := frame.cell(x, y)) is not None:
+                overlay[at] = Cell(sign, "thing", self._cells[at[0]][at[1]].ground, colour)
         at = frame.cell(self._pose.x, self._pose.y) if self._pose is not None else None
         if at is not None and self._pose is not None:
             overlay[at] = Cell(floor.arrow(self._pose.yaw), "robot", "floor")
@@ -105,12 +118,15 @@ class FloorView(Widget, can_focus=False):
 
     def _style(self, cell: Cell) -> Style:
         key = (
-            cell.ink if cell.char != " " else "label",
+            (cell.colour or cell.ink) if cell.char != " " else "label",
             cell.ground,
         )  # blank cells join to one run, whatever their ink
         if key not in self._styles:
-            ink = self.get_component_rich_style(f"floor--{key[0]}")
             ground = self.get_component_rich_style(f"floor--{cell.ground}")
+            if cell.colour:
+                self._styles[key] = Style(color=THING_COLOURS.get(cell.colour, "#808080"), bgcolor=ground.bgcolor)
+                return self._styles[key]
+            ink = self.get_component_rich_style(f"floor--{key[0]}")
             if key[0] == "robot":
                 self._styles[key] = ink
             else:
