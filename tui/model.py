@@ -261,7 +261,7 @@ def _(body: ev.RobotStateView, model: ConsoleModel, event: ev.Event) -> ConsoleM
 
 @_fold.register
 def _(body: ev.PerceptionResult, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    return model.with_log("info", "camera", body.description)
+    return model.with_log("info", "camera", body.description) if body.description else model
 
 
 @_fold.register

@@ -109,7 +109,7 @@ TURNING: Final = "turning"
 GRIPPER: Final = "gripper"
 OPEN: Final = "open"
 CLOSED: Final = "closed"
-HALF_OPEN: Final = "half open"
+HALF_OPEN: Final = "half"
 AT_REST: Final = "at rest"
 MOVING: Final = "moving"
 

@@ -4,7 +4,7 @@ places, a voice, and a way to say how far it is. A skill reaches nothing else.""
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from engine.perception.memory import WorldMemory
@@ -49,6 +49,18 @@ class SkillContext:
     def drive(self, twist: Twist) -> None:
         """Command a velocity in this invocation's epoch; it dies within the command lifetime unless repeated."""
         self.robot.drive(twist, self.epoch)
+
+    def saying(self, message: str, fraction: float | None = None) -> SkillContext:
+        """The same for a part of the work: whatever it says of its progress, people read ``message``; only the way
+        ahead is passed on."""
+
+        def progress(
+            part: float | None, words: str = "", *, path: tuple[tuple[float, float], ...] | None = None
+        ) -> None:
+            del part, words
+            self.progress(fraction, message, path=path)
+
+        return replace(self, progress=progress)
 
     @property
     def pose(self) -> Pose:

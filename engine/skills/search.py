@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -138,8 +137,8 @@ async def search(
     survey = survey or Survey(room, robot.floor_map, robot.footprint, context.pose)
     pictures = blocked = 0
     while not found() and (pose := survey.next_view(context.pose)) is not None:
-        context.progress(survey.seen, f"looking through the {room.name}, {survey.seen:.0%} seen")
-        trouble = await _stand(context, pose, room.name)
+        on_the_way = context.saying(f"looking through the {room.name}, {survey.seen:.0%} seen", survey.seen)
+        trouble = await _stand(on_the_way, pose, room.name)
         if trouble is not None:
             blocked += 1
             if trouble.error_code not in ("path_blocked", "unreachable", "door_closed") or blocked > BLOCKED:
@@ -211,6 +210,8 @@ def _patches(room: Room, floor: FloorMap) -> NDArray[np.float64]:
 
 def _stands(room: Room, floor: FloorMap, hull: Footprint, now: Pose) -> NDArray[np.float64]:
     """Where in the room the robot can get to, stand and turn, shape (n, 2)."""
+    import cv2  # slow to import, and not every program that knows the skills searches
+
     clearance = hull.radius + _MARGIN
     open_ = distances(floor.occupied, floor.resolution, clearance + 0.1) >= clearance
     _, areas = cv2.connectedComponents(open_.astype(np.uint8), connectivity=4)

@@ -103,13 +103,14 @@ class ScriptedEngine:
         parts: Sequence[PartStatus] = PARTS_READY,
         robot: RobotState | None = None,
         floor: FloorMap | None = None,
+        seen: World | None = None,
     ) -> None:
         self.sent: list[Command] = []
         self.parts = tuple(parts)
         self.robot = robot
         self.floor = floor
         self.silence = 0.0
-        self.seen = World()
+        self.seen = seen or World()
         self.on_command: Callable[[Command], None] = lambda command: None
         self._subscribers: list[Subscriber] = []
         self._seq = 0
@@ -254,6 +255,24 @@ def done() -> list[Step]:
         Step(0.0, ev.SpeechStarted(answer, False)),
         Step(0.0, ev.SpeechEnded(answer, answer, "ok")),
         Step(0.0, ev.StateChanged("ACTING", "WAITING", "done", ev.TurnResult(0, "done", "4 actions in 12.1 s"))),
+    ]
+
+
+def tidying() -> list[Step]:
+    """A room is being cleaned: two things are in the bin, one is in the gripper."""
+    request, args = "clean the room", {"room": ""}
+    names = "red box, green bottle, blue cup"
+    return [
+        *OPENING,
+        Step(3.0, ev.TranscriptFinal(request, "text", "", 1.0, 0.0, 0.0, 0.0, 0.0)),
+        Step(0.0, ev.StateChanged("IDLE", "PLANNING", "a request was understood")),
+        Step(0.0, ev.PlanMade(request, ("Clean the room.",), (ev.ActionView("clean_room", args),), "", "phrases")),
+        Step(0.0, ev.ActionQueued("a1", 1, 1, "clean_room", args)),
+        Step(0.0, ev.StateChanged("PLANNING", "ACTING", "1 actions")),
+        Step(0.0, ev.ActionStarted("a1", 1, 1, "clean_room", args)),
+        Step(41.0, ev.CameraFrame(160, 120)),
+        Step(0.0, ev.PerceptionResult(names)),
+        Step(22.0, ev.ActionProgress("a1", "clean_room", None, "2 put into the bin, now the blue cup", PATH)),
     ]
 
 

@@ -10,6 +10,7 @@ import pytest
 from syrupy.assertion import SnapshotAssertion
 
 from engine.handle import PartStatus
+from engine.perception.memory import Thing, World
 from tests.tui import scripted
 from tests.tui.desk import console
 from tests.tui.scripted import PARTS_LOADING, PARTS_READY, PATH, ScriptedEngine, Step, flat, robot_at
@@ -20,11 +21,24 @@ SIZES = [(120, 40), (80, 24)]
 HOME = robot_at(*PATH[0], 0.9)
 UNDER_WAY = robot_at(-1.35, 0.05, 0.4, speed=0.5)
 IN_THE_KITCHEN = robot_at(0.2, 2.0, 3.14)
+THINGS = (
+    Thing(1, "box", "red", None, (-2.9, 1.75, 0.16), 0.01, (0.04, 0.04), 0.14, None, seen_at=190.0),
+    Thing(2, "bottle", "green", None, (-3.9, -0.9, 0.07), 0.01, (0.06, 0.15), 0.0, None, seen_at=195.0),
+    Thing(3, "ball", "orange", None, (-2.2, -1.2, 0.03), 0.01, (0.06, 0.06), 0.0, None, seen_at=100.0),
+    Thing(4, "box", "yellow", None, (2.3, 1.5, 0.16), 0.01, (0.04, 0.04), 0.14, None, seen_at=20.0),
+)
+BLUE_CUP = Thing(5, "cup", "blue", None, (0.0, 0.0, 0.04), 0.01, (0.06, 0.08), 0.0, None, seen_at=198.0)
 SCENES = {
     "start": (ScriptedEngine(parts=PARTS_LOADING, robot=HOME, floor=flat()), scripted.OPENING[:2]),
     "listening": (ScriptedEngine(robot=HOME, floor=flat()), scripted.listening()),
     "acting": (ScriptedEngine(robot=UNDER_WAY, floor=flat()), scripted.acting()),
     "done": (ScriptedEngine(robot=IN_THE_KITCHEN, floor=flat()), scripted.done()),
+    "tidying": (
+        ScriptedEngine(
+            robot=robot_at(-1.35, 0.05, 0.4, t=200.0, speed=0.5), floor=flat(), seen=World(THINGS, BLUE_CUP)
+        ),
+        scripted.tidying(),
+    ),
     "error": (
         ScriptedEngine(
             parts=(PartStatus("robot", "failed", "The robot process does not answer."), *PARTS_READY[1:]),
@@ -42,7 +56,7 @@ async def test_a_scene_looks_as_in_its_picture(
     scene: str, size: tuple[int, int], screenshot: SnapshotAssertion
 ) -> None:
     prepared, steps = SCENES[scene]
-    engine = ScriptedEngine(parts=prepared.parts, robot=prepared.robot, floor=prepared.floor)
+    engine = ScriptedEngine(parts=prepared.parts, robot=prepared.robot, floor=prepared.floor, seen=prepared.seen)
     await _compare(engine, steps, size, scene, screenshot)
 
 

@@ -241,4 +241,4 @@ async def test_what_the_gripper_holds_is_named() -> None:
     engine.seen = World((), held=red)
     async with console(engine) as desk:
         await desk.settled()
-        assert "gripper red box" in " ".join(desk.text.split())
+        assert "◆ red box" in " ".join(desk.text.split())

@@ -50,8 +50,6 @@ def figure_lines(robot: RobotState, wide: bool, held: Thing | None = None) -> li
     speed = _figure(strings.SPEED, f"{math.hypot(twist.vx, twist.vy):.2f} m/s")
     turning = _figure(strings.TURNING, f"{_plain(math.degrees(twist.wz), 0):>4}°/s")
     grip = strings.OPEN if robot.gripper > 0.8 else strings.CLOSED if robot.gripper < 0.1 else strings.HALF_OPEN
-    if held is not None:
-        grip = held.name
     holding_back = robot.halted or robot.blocked
     if holding_back:
         state: Piece = (f"▲ {holding_back}", "bold $text-warning")
@@ -59,9 +57,10 @@ def figure_lines(robot: RobotState, wide: bool, held: Thing | None = None) -> li
         state = (
             (f"▸ {strings.MOVING}", "$text-success") if robot.moving else (f"○ {strings.AT_REST}", "$foreground 60%")
         )
+    gripper = _figure(strings.GRIPPER, grip) if held is None else ((f"◆ {held.name}", "$text-accent"),)
     if wide:
-        return [(*x, *y, *heading, *_figure(strings.GRIPPER, grip)), (*speed, *turning, state)]
-    return [(*x, *y), (*heading, *speed), (state,)]
+        return [(*x, *y, *heading, *gripper), (*speed, *turning, state)]
+    return [(*x, *y), (*heading, *speed), (state,) if held is None else (state, ("  ", ""), *gripper)]
 
 
 def part_line(parts: Sequence[PartStatus], wide: bool) -> tuple[Piece, ...]:
