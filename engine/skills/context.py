@@ -50,15 +50,15 @@ class SkillContext:
         """Command a velocity in this invocation's epoch; it dies within the command lifetime unless repeated."""
         self.robot.drive(twist, self.epoch)
 
-    def saying(self, message: str, fraction: float | None = None) -> SkillContext:
-        """The same for a part of the work: whatever it says of its progress, people read ``message``; only the way
-        ahead is passed on."""
+    def saying(self, words: str, part: float | None = None) -> SkillContext:
+        """The same for a piece of the work: whatever it says of its progress, people read ``words`` and ``part``; only
+        the way ahead is passed on."""
 
         def progress(
-            part: float | None, words: str = "", *, path: tuple[tuple[float, float], ...] | None = None
+            fraction: float | None, message: str = "", *, path: tuple[tuple[float, float], ...] | None = None
         ) -> None:
-            del part, words
-            self.progress(fraction, message, path=path)
+            del fraction, message
+            self.progress(part, words, path=path)
 
         return replace(self, progress=progress)
 
