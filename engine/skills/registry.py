@@ -107,7 +107,9 @@ class Skill:
     @property
     def summary(self) -> str:
         """First sentence of the docstring."""
-        return self.doc.split("\n", 1)[0]
+        paragraph = " ".join(self.doc.partition("\n\n")[0].split())
+        sentence, stop, _ = paragraph.partition(". ")
+        return sentence + stop.strip()
 
     @property
     def signature(self) -> str:
