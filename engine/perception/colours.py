@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import Final
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,6 +33,8 @@ from black. A grey of 0.58 reaches 0.64 above and 0.53 aside, a white has at lea
 
 def to_hsv(rgb: NDArray[np.uint8]) -> Hsv:
     """Of a picture, shape (height, width, 3)."""
+    import cv2  # slow to import, and not every program that knows colours has pictures
+
     return np.asarray(cv2.cvtColor(rgb.astype(np.float32) / 255, cv2.COLOR_RGB2HSV), dtype=np.float32)
 
 

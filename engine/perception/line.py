@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Final
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -102,6 +101,8 @@ def find_line(picture: Picture, colour: Colour) -> Line | None:
 
 def _tape(picture: Picture, colour: Colour) -> Spots:
     """Points of tape on the floor, base frame."""
+    import cv2  # slow to import, and not every program that knows the skills has pictures
+
     top = _horizon(picture)
     wanted = np.zeros(picture.depth.shape, dtype=np.bool_)
     if top < len(wanted):

@@ -7,6 +7,7 @@ the picture's edge. A piece that carries a table top is the table.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -60,7 +61,7 @@ class Piece:
     @property
     def span(self) -> float:
         """Diagonal of the rectangle around it on the floor, m."""
-        return float(np.hypot(*np.ptp(self.points[:, :2], axis=0)))
+        return _span(self.points)
 
     def joined(self, other: Piece) -> Piece:
         """Both as one; their common border no longer hides anything."""
@@ -80,8 +81,8 @@ class Piece:
         )
 
 
-def take_apart(relief: Relief, hsv: Hsv) -> list[Piece]:
-    """All pieces of what stands, whatever they are."""
+def take_apart(relief: Relief, hsv: Hsv, widest: float = math.inf) -> list[Piece]:
+    """All pieces of what stands, whatever they are, that span less than ``widest`` m on the floor."""
     points, standing = relief.points, relief.standing
     if not standing.any():
         return []
@@ -97,7 +98,9 @@ def take_apart(relief: Relief, hsv: Hsv) -> list[Piece]:
     for label in range(1, count):
         if ends[label] - ends[label - 1] >= FEWEST:
             rows, columns = np.divmod(order[ends[label - 1] : ends[label]], labels.shape[1])
-            found.append(_piece(relief, hsv, labels == label, rows, columns))
+            points = relief.points[rows, columns]
+            if _span(points) < widest:
+                found.append(_piece(relief, hsv, points.astype(np.float64), labels == label, rows, columns))
     return found
 
 
@@ -129,9 +132,19 @@ def _components(mask: Mask, beside: Mask, above: Mask) -> tuple[NDArray[np.int32
     return np.asarray(labels[::2, ::2], dtype=np.int32), count
 
 
-def _piece(relief: Relief, hsv: Hsv, mask: Mask, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Piece:
+def _span(points: NDArray[np.floating]) -> float:
+    return float(np.hypot(*np.ptp(points[:, :2], axis=0)))
+
+
+def _piece(
+    relief: Relief,
+    hsv: Hsv,
+    points: NDArray[np.float64],
+    mask: Mask,
+    rows: NDArray[np.intp],
+    columns: NDArray[np.intp],
+) -> Piece:
     height, width = mask.shape
-    points = relief.points[rows, columns].astype(np.float64)
     pixel = float(np.median(relief.pixel[rows, columns]))
     gap = _GAP + 2 * pixel
     ends, hidden = [0, 0, 0, 0], [0, 0, 0, 0]

@@ -60,13 +60,14 @@ def relief(picture: Picture) -> Relief:
     rays, lengths = _rays(picture.lens)
     seen = np.isfinite(picture.depth) & (picture.depth > 0)
     depth = np.where(seen, picture.depth, np.float32(np.nan))
-    optical = rays * depth[..., None]
-    points = optical.reshape(-1, 3) @ picture.mount.rotation.T.astype(np.float32)
-    points = (points + picture.mount.position.astype(np.float32)).reshape(height, width, 3)
+    turned = picture.mount.rotation.astype(np.float32) @ rays.reshape(3, -1)
+    # One coordinate after the other in memory: nearly all that follows asks for one of them.
+    planes = turned.reshape(3, height, width) * depth + picture.mount.position.astype(np.float32)[:, None, None]
+    points: Field = np.moveaxis(planes, 0, -1)
     distance = depth * lengths
     pixel = np.asarray(depth / picture.lens.fx, dtype=np.float32)
     with np.errstate(invalid="ignore"):
-        own = _own(optical, points)
+        own = _own(rays * depth, points)
         z = points[..., 2]
         surface = np.full(depth.shape, NO_SURFACE, dtype=np.int32)
         surface[np.abs(z) < tolerance(distance)] = FLOOR
@@ -82,16 +83,16 @@ def relief(picture: Picture) -> Relief:
 
 @lru_cache(maxsize=4)
 def _rays(lens: Lens) -> tuple[Field, Field]:
-    """Through all pixel centres, shape (height, width, 3), and their lengths."""
-    rays = lens.grid().reshape(lens.height, lens.width, 3)
-    return rays.astype(np.float32), np.linalg.norm(rays, axis=2).astype(np.float32)
+    """Through all pixel centres, shape (3, height, width), and their lengths."""
+    rays = np.ascontiguousarray(lens.grid().T).reshape(3, lens.height, lens.width)
+    return rays.astype(np.float32), np.linalg.norm(rays, axis=0).astype(np.float32)
 
 
 def _own(optical: Field, points: Field) -> Mask:
     """What is the robot itself, or in its hand."""
     own = np.ones(points.shape[:2], dtype=np.bool_)
     for axis, (low, high) in enumerate(_HAND):
-        own &= (optical[..., axis] > low) & (optical[..., axis] < high)
+        own &= (optical[axis] > low) & (optical[axis] < high)
     body: Mask = (np.abs(points[..., 0]) < _HULL[0]) & (np.abs(points[..., 1]) < _HULL[1]) & (points[..., 2] > 0.02)
     return own | body
 

@@ -132,7 +132,7 @@ def face_of(picture: Picture, corners: Corners) -> Face | None:
         return None
     rays = picture.lens.rays(np.column_stack((columns[good] + 0.5, rows[good] + 0.5)))
     # A plane is linear in the inverse of depth: 1/z = a·x + b·y + c on the rays with z = 1.
-    plane = _robust_fit(rays, 1 / depth[good])
+    plane = robust_fit(rays, 1 / depth[good])
     at_corners = picture.lens.rays(corners)
     inverse = at_corners @ plane
     if not (inverse > 0).all():
@@ -143,7 +143,7 @@ def face_of(picture: Picture, corners: Corners) -> Face | None:
     return Face(ray / float(ray @ plane), -plane / float(np.linalg.norm(plane)), sides)
 
 
-def _robust_fit(rays: Points, inverse: NDArray[np.float64]) -> NDArray[np.float64]:
+def robust_fit(rays: Points, inverse: NDArray[np.float64]) -> NDArray[np.float64]:
     """The plane through most of the points: what is off after the first fit, such as the ground behind an edge, is
     left out of the second."""
     plane = np.asarray(np.linalg.lstsq(rays, inverse, rcond=None)[0], dtype=np.float64)

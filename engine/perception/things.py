@@ -34,6 +34,7 @@ _FIXED_NEAR, _FIXED_GROWS = 0.1, 0.05
 """m from walls and furniture within which a piece may belong to them, and how it grows with distance: odometry errs."""
 _TOP_CUT, _TOP_CLEAR = 0.9, 0.3  # m away from which, near what is fixed, the upper edge cuts off no small thing
 _FEWEST: Final = 4  # pixels
+_SLIVER, _RIM = 3, 0.3  # pixels across, and how much of the outline ends at something nearer
 _FAR_PIXEL: Final = 0.01  # m that a pixel covers where thin strips are lost
 _OVERHANG: Final = 0.55  # of its height, that a ball hides of its own lower half when it is seen from above
 _CHEQUERED_FROM: Final = 12  # pixels from which a tag's pattern can be told from a box's faces
@@ -43,8 +44,7 @@ _PALE: Final = 0.25  # saturation of labels and caps
 def find_things(picture: Picture, floor_map: FloorMap, tags: Sequence[TagSighting] = ()) -> tuple[Sighting, ...]:
     """All small things in the picture, the nearest first."""
     land = relief(picture)
-    pieces = [piece for piece in take_apart(land, to_hsv(picture.rgb)) if piece.span < 2 * LARGEST]
-    pieces = _bottles(pieces)
+    pieces = _bottles(take_apart(land, to_hsv(picture.rgb), widest=2 * LARGEST))
     fixed = _distance_to_fixed(floor_map)
     found: list[Sighting] = []
     for piece in pieces:
@@ -87,7 +87,10 @@ def _plausible(piece: Piece, surface: float) -> bool:
     if piece.carries > 0.3 or piece.hidden > 0.5:
         return False
     left, top, right, bottom = piece.box
-    return len({"left", "right"} & piece.cut) < 2 and piece.n >= _FEWEST and min(right - left, bottom - top) >= 2
+    narrow = min(right - left, bottom - top)
+    if narrow <= _SLIVER and piece.hidden > _RIM:
+        return False  # what shows of something beside a finger, or behind another thing
+    return len({"left", "right"} & piece.cut) < 2 and piece.n >= _FEWEST and narrow >= 2
 
 
 def _sighting(

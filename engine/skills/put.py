@@ -52,6 +52,7 @@ _STRAYED = 0.06  # m from where a thing was put down that it may be seen to stan
 _LOOSE = 0.004  # m that the gap must grow for the thing to be let go
 _LEANS = (0.0, -0.15, 0.15, -0.3, 0.3)  # rad off upright from which things still come to stand when let go
 _VIEW_PITCHES, _VIEW_DISTANCES = (2.7, 2.85, 2.55, 2.4, 3.0), (0.27, 0.3, 0.24, 0.33, 0.21)  # rad, m
+_STICKS_UP, _ASIDE = 0.05, 0.3  # m above the fingers, and rad to the side that the camera then looks from
 _BIN_PITCHES = (*PITCHES, 2.0, 1.8, 1.6)
 
 
@@ -238,7 +239,17 @@ def _view(context: SkillContext, held: Thing, spot: Point) -> Joints | None:
             for end in ends
         )
 
-    return look_at(arm, spot, pitches=_VIEW_PITCHES, distances=_VIEW_DISTANCES, fits=clear)
+    above = held.size[1] - hanging > _STICKS_UP  # what is above the fingers would hide the middle of the picture
+    aims = (_turned(spot, arm.shoulder, aside) for aside in ((_ASIDE, -_ASIDE) if above else (0.0,)))
+    views = (look_at(arm, aim, pitches=_VIEW_PITCHES, distances=_VIEW_DISTANCES, fits=clear) for aim in aims)
+    return next((view for view in views if view is not None), None)
+
+
+def _turned(point: Point, about: Point, angle: float) -> Point:
+    """A point turned about a vertical axis."""
+    c, s = math.cos(angle), math.sin(angle)
+    dx, dy = point[0] - about[0], point[1] - about[1]
+    return about[0] + c * dx - s * dy, about[1] + s * dx + c * dy, point[2]
 
 
 def _reachable(context: SkillContext, held: Thing, spot: Point) -> bool:

@@ -132,6 +132,23 @@ def test_a_thing_appears_where_it_is_in_its_colour_and_at_its_distance(backend: 
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
+def test_what_only_the_eye_meets_is_seen_as_well_as_what_collides(backend: str) -> None:
+    async def run() -> None:
+        async with darkroom(backend) as room:
+            room.eye.put("bottle", 0.7, 0.0, 0.0)
+            picture = await room.look(Pose(0, 0, 0), labels=True)
+            model = room.eye.model
+            parts = np.flatnonzero(model.geom_bodyid == model.body("bottle").id)
+            assert len(parts) == 4, "the body, a neck, a cap and a label"
+            assert picture.labels is not None
+            shown = [picture.points(picture.labels == part) for part in parts]
+            assert min(len(points) for points in shown) > 3
+            assert max(points[:, 2].max() for points in shown) == pytest.approx(0.15, abs=0.01)
+
+    asyncio.run(run())
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_a_tag_is_upright_and_not_mirrored_on_every_side(backend: str) -> None:
     size, pose = 0.045, Pose(0, 0, 0)
     code = tag_cells(1)

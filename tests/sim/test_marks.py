@@ -347,13 +347,31 @@ def test_points_of_tape_are_on_the_map_as_the_robot_believes_it_stands() -> None
 # QR codes
 
 
-def test_a_qr_code_says_its_text_and_where_it_is() -> None:
-    poster = Poster(text="KITCHEN", at=(1.5, 0.845), z=0.4, facing=270, size=0.45)
-    eye = Eye(flat_with(posters=(poster,), landmarks=()), width=320, height=240)
-    [code] = find_qr(eye.look(Pose(1.5, -0.4, math.pi / 2), LEVEL))
+@pytest.mark.parametrize(
+    ("width", "size", "away", "turn"), [(320, 0.45, 1.25, 0), (320, 0.25, 1.0, 35), (160, 0.3, 0.8, -30)]
+)
+def test_a_qr_code_says_its_text_and_where_it_is(width: int, size: float, away: float, turn: float) -> None:
+    [code] = find_qr(poster_from(turn, away, size, width))
     assert code.text == "KITCHEN"
     assert code.position == pytest.approx((1.5, 0.845, 0.4), abs=0.02)
     assert code.normal == pytest.approx((0.0, -1.0, 0.0), abs=0.05)
+    assert code.size == pytest.approx(size * 21 / 27, rel=0.03)
+
+
+def test_a_qr_code_that_does_not_hang_upright_is_read_too() -> None:
+    picture = poster_from(10, 1.0, 0.35, 320)
+    quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    tilted = replace(picture, mount=replace(picture.mount, rotation=picture.mount.rotation @ quarter))
+    assert [code.text for code in find_qr(tilted)] == ["KITCHEN"]
+
+
+def poster_from(turn: float, away: float, size: float, width: int) -> Picture:
+    """A poster on the north wall, seen from ``away`` m and ``turn`` degrees aside."""
+    poster = Poster(text="KITCHEN", at=(1.5, 0.845), z=0.4, facing=270, size=size)
+    eye = Eye(flat_with(posters=(poster,), landmarks=()), width=width, height=width * 3 // 4)
+    aside = math.radians(turn)
+    stand = Pose(1.5 - away * math.sin(aside), 0.845 - away * math.cos(aside), math.pi / 2 - aside)
+    return eye.look(stand, LEVEL)
 
 
 def test_tags_and_furniture_are_no_qr_codes() -> None:

@@ -54,7 +54,7 @@ def assert_is(stage: Arranged, thing: Put, found: Sighting) -> None:
 @pytest.mark.parametrize("colour", COLOURS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_kind_and_colour_is_recognised_on_the_floor(stage: Arranged, kind: str, colour: str) -> None:
-    for away in (0.35, 0.8, 1.3):
+    for away in (0.35, 0.8, 1.4):
         thing = Put(f"{colour} {kind}", HALL.x + away, 0.07, yaw=0.4)
         picture = stage.look([thing], HALL, look_at(away).joints)
         assert_is(stage, thing, only(perceive(picture, stage.map)))

@@ -244,7 +244,7 @@ def _object(spec: Node, name: str, loose: LooseObject, z: float) -> None:
             inside.rgba = rgba(loose.colour, shade=0.45)
             seen.append(inside)
         else:
-            neck = body.add_geom(type=_G.mjGEOM_CYLINDER, pos=[0, 0, 0.84 * size], size=[0.45 * radius, 0.16 * size, 0])
+            neck = body.add_geom(type=_G.mjGEOM_CYLINDER, pos=[0, 0, 0.82 * size], size=[0.45 * radius, 0.14 * size, 0])
             neck.rgba = colour
             cap = body.add_geom(type=_G.mjGEOM_CYLINDER, pos=[0, 0, 0.97 * size], size=[0.5 * radius, 0.03 * size, 0])
             cap.rgba = rgba("white")

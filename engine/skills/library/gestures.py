@@ -8,31 +8,18 @@ from collections.abc import Sequence
 from engine.robot.robot import ARM_INITIAL, Joints, Twist
 from engine.skills.context import SkillContext
 from engine.skills.drive import settle, why_held
+from engine.skills.hand import move_to
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.registry import skill
 
 UP: Joints = (0.0, 0.0, 0.0, 0.0, 0.0)
 ARM_SPEED = 1.5  # rad/s
-ARM_TOLERANCE = 0.08  # rad
-ARM_LIMIT_S = 6.0  # s of robot time for one movement
-
-
-async def reach(context: SkillContext, joints: Joints, *, speed: float = ARM_SPEED) -> bool:
-    """Move the arm until all joints are within tolerance; False when it does not get there in time."""
-    context.robot.move_arm(joints, context.epoch, speed=speed)
-    state = await context.robot.tick()
-    end = state.t + ARM_LIMIT_S
-    while any(abs(a - b) > ARM_TOLERANCE for a, b in zip(state.joints, joints, strict=True)):
-        if state.t > end:
-            return False
-        state = await context.robot.tick()
-    return True
 
 
 async def _poses(context: SkillContext, poses: Sequence[Joints], done: str, *, speed: float = ARM_SPEED) -> Result:
     for index, joints in enumerate(poses):
         context.progress(index / len(poses))
-        if not await reach(context, joints, speed=speed):
+        if not await move_to(context, joints, speed=speed):
             return fail("no_progress", f"The arm stopped before it reached pose {index + 1} of {len(poses)}.")
     return ok(done)
 
@@ -69,7 +56,7 @@ async def arm_shake(context: SkillContext) -> Result:
 async def arm_applaud(context: SkillContext) -> Result:
     """Applaud by opening and closing the gripper."""
     before = context.robot.state()
-    if not await reach(context, (0.0, 0.2, 0.4, 0.4, 0.0)):
+    if not await move_to(context, (0.0, 0.2, 0.4, 0.4, 0.0)):
         return fail("no_progress", "The arm stopped before it was raised.")
     for clap in range(4):
         context.progress(clap / 4)
@@ -77,7 +64,7 @@ async def arm_applaud(context: SkillContext) -> Result:
             context.robot.set_gripper(opening, context.epoch)
             await context.sleep(0.25)
     context.robot.set_gripper(before.gripper, context.epoch)
-    await reach(context, before.joint_targets)
+    await move_to(context, before.joint_targets)
     return ok("Applauded.")
 
 
@@ -93,7 +80,7 @@ async def dance(context: SkillContext) -> Result:
         if (held := await _sway(context, Twist(0.0, 0.0, side * 1.2), 0.5)) is not None:
             return held
     await settle(context)
-    await reach(context, before)
+    await move_to(context, before)
     return ok("Danced.")
 
 
