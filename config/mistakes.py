@@ -11,6 +11,7 @@ from config import allowed
 from config.allowed import Path
 from config.errors import Problem, Where
 from config.merge import leaves, node_at
+from config.schema import Unfit
 from config.source import Node
 
 PACKAGED = "packaged "
@@ -69,6 +70,10 @@ def _rejected(path: Path, node: Node, item: Any, tree: Node, raw: Mapping[Path, 
         return _unknown(path, node)
     if item["type"] in {"value_error", "assertion_error"}:
         reason = item["ctx"]["error"]
+        if isinstance(reason, Unfit):
+            node, _ = node_at(tree, reason.path)
+            near = allowed.nearest(str(node.value), reason.choices)
+            return Problem(node.where, ".".join(reason.path), str(reason), nearest=near)
         nodes = [node_at(tree, (*path, symbol))[0] for symbol in reversed(getattr(reason, "symbols", ()))]
         by_user = [place for place in nodes if not place.where.name.startswith(PACKAGED)]
         where = (by_user or nodes or [node])[0].where

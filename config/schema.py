@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
+from urllib.parse import urlsplit
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
 
@@ -65,6 +67,7 @@ class Planner(Section):
 
     language: Literal["en"] = Field(description="Language of phrases and answers.")
     max_actions: int = Field(ge=1, le=50, description="Longest plan.")
+    vision: str | None = Field(description="A platform that is asked what a picture shows; null: none is.")
 
 
 class Session(Section):
@@ -158,13 +161,20 @@ class Place(Section):
 
 
 class Platform(Section):
-    """A large-model service (used from the planner issue on)."""
+    """A large-model service."""
 
     kind: Literal["local", "openai", "dify"]
     base_url: str | None = None
     model: str | None = None
     api_key: SecretStr | None = Field(default=None, description="Write ${VARIABLE}: keys come from the environment.")
-    timeout_s: float = Field(default=30, gt=0, le=600)
+    timeout_s: float = Field(default=30, gt=0, le=600, description="Longest wait for an answer.")
+
+    @field_validator("base_url")
+    @classmethod
+    def _address(cls, url: str | None) -> str | None:
+        if url is not None and not _is_address(url):
+            raise ValueError("this is no address of a service; write https://host/path, as its makers say")
+        return url
 
 
 class Models(Section):
@@ -179,6 +189,16 @@ class Misnamed(ValueError):
     def __init__(self, message: str, *symbols: str) -> None:
         super().__init__(message)
         self.symbols = symbols
+
+
+class Unfit(ValueError):
+    """A setting that is right by itself and does not fit another one. ``path`` are the keys of the one to mend,
+    ``choices`` what it might have meant."""
+
+    def __init__(self, message: str, *path: str, choices: Collection[str] = ()) -> None:
+        super().__init__(message)
+        self.path = path
+        self.choices = choices
 
 
 class ExternalParameter(Section):
@@ -277,3 +297,29 @@ class Settings(Section):
                     message = f"{word!r} names both {taken[word]} and {symbol}; a place's words are its own"
                     raise Misnamed(message, taken[word], symbol)
         return places
+
+    @model_validator(mode="after")
+    def _a_platform_that_sees(self) -> Settings:
+        name = self.planner.vision
+        if name is None:
+            return self
+        sighted = [name for name, platform in self.platforms.items() if platform.kind == "openai"]
+        known = f"those that can look at pictures: {', '.join(sighted) or 'none yet; add one to platforms.yaml'}"
+        platform = self.platforms.get(name)
+        if platform is None:
+            raise Unfit(f"there is no platform called {name}; {known}", "planner", "vision", choices=sighted)
+        if platform.kind != "openai":
+            message = f"{name} is a platform of the kind {platform.kind}, which cannot look at pictures; {known}"
+            raise Unfit(message, "planner", "vision")
+        if missing := [key for key in ("base_url", "model") if not getattr(platform, key)]:
+            message = f"{' and '.join(missing)} must be set here, because planner.vision names this platform"
+            raise Unfit(message, "platforms", name)
+        return self
+
+
+def _is_address(url: str) -> bool:
+    try:
+        parts = urlsplit(url)
+        return parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
+    except ValueError:  # a port or an IPv6 address that is none
+        return False

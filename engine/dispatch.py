@@ -31,12 +31,14 @@ from engine.events import (
     PerceptionResult,
 )
 from engine.holds import Holds
+from engine.llm.chat import ChatError
 from engine.perception.eyes import Eyes
 from engine.perception.sighting import Sight, as_json
 from engine.plan import Action, Plan
+from engine.robot.camera import Picture
 from engine.robot.robot import ZERO, Robot
 from engine.robot.watch import view
-from engine.skills.context import Progress, Say, See, SkillContext
+from engine.skills.context import AskAbout, Progress, Say, See, SkillContext
 from engine.skills.outcome import ErrorCode, Result, fail
 from engine.skills.places import Places
 from engine.skills.registry import SkillRegistry
@@ -127,6 +129,7 @@ class Dispatcher:
         holds: Holds,
         describe_skills: Callable[[], str],
         eyes: Eyes,
+        ask_about: AskAbout | None = None,
     ) -> None:
         self._registry = registry
         self._robot = robot
@@ -135,6 +138,7 @@ class Dispatcher:
         self._holds = holds
         self._describe_skills = describe_skills
         self._eyes = eyes
+        self._ask_about = ask_about
         self._last_time = 0.0
 
     def is_endless(self, plan: Plan) -> bool:
@@ -186,6 +190,7 @@ class Dispatcher:
             describe_skills=self._describe_skills,
             see=self._seeing(run, key),
             world=self._eyes.world,
+            ask_about=self._asking(run),
         )
         remains: Remains[Result] = Remains(lambda found: self._drop(run, action, found))
         try:
@@ -285,6 +290,21 @@ class Dispatcher:
             return sight
 
         return see
+
+    def _asking(self, run: Run) -> AskAbout | None:
+        """A model that sees, and word of its failures: what a skill makes of them is its own affair."""
+        ask_about = self._ask_about
+        if ask_about is None:
+            return None
+
+        async def asking(picture: Picture, question: str) -> str:
+            try:
+                return await ask_about(picture, question)
+            except ChatError as error:
+                run.emit(Log("warning", "vision", str(error)))
+                raise
+
+        return asking
 
     def _report_robot(self, emit: Emit) -> None:
         """Where the action left the robot; the periodic reports may come too late for that."""

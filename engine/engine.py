@@ -34,7 +34,7 @@ from engine.handle import PartName, PartStatus
 from engine.hearing import Hearing
 from engine.holds import Holds
 from engine.keeper import Keeper
-from engine.loading import Sound, at_home, make_robot
+from engine.loading import Sound, at_home, make_robot, make_vision
 from engine.parts import Part
 from engine.perception.eyes import Eyes
 from engine.perception.memory import World, WorldMemory
@@ -168,6 +168,7 @@ class Engine:
         self._camera = CameraPart(self._part("camera"), self._emit)
 
         holds, eyes = Holds(), Eyes(self._robot, self._memory)
+        vision = make_vision(self._settings)
 
         def understood() -> str:
             return planner.value.understood if planner.value else ""
@@ -175,7 +176,7 @@ class Engine:
         needs = Needs(
             robot=robot,
             planner=planner,
-            dispatcher=lambda up: Dispatcher(registry, up, places, self._epoch, holds, understood, eyes),
+            dispatcher=lambda up: Dispatcher(registry, up, places, self._epoch, holds, understood, eyes, vision),
             hearing=hearing,
             voice=SilentVoice(),
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import yaml
 
@@ -19,6 +19,9 @@ from engine.models import ModelStore
 from engine.planner.house import build_vocabulary
 from engine.robot.camera_news import TellOfCamera
 from engine.robot.robot import Robot
+
+if TYPE_CHECKING:
+    from engine.skills.context import AskAbout
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +50,17 @@ def at_home(settings: Settings) -> Settings:
 
     places = load_scene(scene_path(settings.robot.scene)).known_places()
     return settings.model_copy(update={"places": places}) if places else settings
+
+
+def make_vision(settings: Settings) -> AskAbout | None:
+    """The model that is asked about pictures, where one is configured; nothing is sent before a question is."""
+    name = settings.planner.vision
+    if name is None:
+        return None
+    from engine.llm.openai import OpenAIChat
+    from engine.perception.asking import Onlooker
+
+    return Onlooker(OpenAIChat(name, settings.platforms[name]))
 
 
 def model_store(settings: Settings) -> ModelStore:

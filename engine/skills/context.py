@@ -9,6 +9,7 @@ from typing import Protocol
 
 from engine.perception.memory import WorldMemory
 from engine.perception.sighting import Sight
+from engine.robot.camera import Picture
 from engine.robot.robot import Pose, Robot, RobotState, Twist
 from engine.skills.places import Places
 
@@ -33,6 +34,13 @@ class See(Protocol):
     async def __call__(self) -> Sight: ...
 
 
+class AskAbout(Protocol):
+    """Ask a model that sees a question about a picture: its answer, one printable line. Raises ``ChatError``, of which
+    the user has been told then."""
+
+    async def __call__(self, picture: Picture, question: str) -> str: ...
+
+
 @dataclass(frozen=True, slots=True)
 class SkillContext:
     """One invocation's view of the world."""
@@ -45,6 +53,7 @@ class SkillContext:
     describe_skills: Callable[[], str]
     see: See
     world: WorldMemory
+    ask_about: AskAbout | None = None  # where a model that sees is configured
 
     def drive(self, twist: Twist) -> None:
         """Command a velocity in this invocation's epoch; it dies within the command lifetime unless repeated."""

@@ -277,6 +277,72 @@ def test_the_error_holds_all_problems_and_the_usage_exit_code() -> None:
     assert "sayso config" in caught.value.hint
 
 
+# A platform that looks at pictures
+
+CLOUD = "platforms:\n  cloud:\n    kind: openai\n"
+SIGHTED = CLOUD + "    base_url: http://127.0.0.1:11434/v1\n    model: m\n    api_key: ${CLOUD_KEY}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (
+            f"planner:\n  vision: clowd\n{SIGHTED}",
+            "config.yaml:2: planner.vision: there is no platform called clowd; "
+            "those that can look at pictures: cloud; did you mean 'cloud'?",
+        ),
+        (
+            "planner:\n  vision: local",
+            "config.yaml:2: planner.vision: local is a platform of the kind local, which cannot look at pictures; "
+            "those that can look at pictures: none yet; add one to platforms.yaml",
+        ),
+        (
+            f"{SIGHTED}  flow: {{kind: dify, base_url: https://models.invalid, model: m}}\nplanner: {{vision: flow}}",
+            "config.yaml:8: planner.vision: flow is a platform of the kind dify, which cannot look at pictures; "
+            "those that can look at pictures: cloud",
+        ),
+        (
+            f"{CLOUD}planner: {{vision: cloud}}",
+            "config.yaml:2: platforms.cloud: base_url and model must be set here, "
+            "because planner.vision names this platform",
+        ),
+        (
+            f"{CLOUD}    model: m\n    base_url: models.invalid/v1\n",
+            "config.yaml:5: platforms.cloud.base_url: this is no address of a service; "
+            "write https://host/path, as its makers say",
+        ),
+        (
+            "planner:\n  vision: [cloud]",
+            "config.yaml:2: planner.vision: a list is not allowed here; allowed: text or null",
+        ),
+    ],
+)
+def test_a_platform_that_cannot_look_at_pictures_is_told_with_its_remedy(
+    problems: Callable[..., list[str]], text: str, told: str
+) -> None:
+    [problem] = problems(text)
+    assert problem.startswith(told)
+
+
+@pytest.mark.parametrize(
+    "url", ["ftp://models.invalid", "https://", "https://[::1", "https://models.invalid:port/v1", ""]
+)
+def test_what_is_no_address_is_told_without_repeating_it(problems: Callable[..., list[str]], url: str) -> None:
+    [told] = problems(f'platforms: {{cloud: {{kind: openai, base_url: "{url}"}}}}')
+    assert told.startswith("config.yaml:1: platforms.cloud.base_url: this is no address")
+
+
+def test_a_platform_that_looks_at_pictures_is_taken_and_its_key_shown_to_nobody(
+    tmp_path: Path, problems: Callable[..., list[str]]
+) -> None:
+    assert problems(f"planner: {{vision: cloud}}\n{SIGHTED}", CLOUD_KEY="s3cret") == []
+    environ = {"CLOUD_KEY": "s3cret"}
+    assert load(environ=environ, user_folder=tmp_path).planner.vision == "cloud"
+    shown = {setting.key: setting.value for setting in explain(environ=environ, user_folder=tmp_path)}
+    assert (shown["planner.vision"], shown["platforms.cloud.api_key"]) == ("cloud", "********")
+    assert "s3cret" not in repr(load(environ=environ, user_folder=tmp_path)) + str(shown)
+
+
 # Variables and secrets
 
 

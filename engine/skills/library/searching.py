@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Final
 
+from engine.llm.chat import ChatError
 from engine.perception.describe import describe
 from engine.perception.naming import wanted
+from engine.perception.sighting import Sight
 from engine.skills.approach import stand_before
 from engine.skills.context import SkillContext
 from engine.skills.find import find, listing, room_called, things_in, whereabouts
@@ -21,12 +23,29 @@ _BEFORE: Final = 0.33
 _STEP: Final = 30.0
 """s by which a step away from that counts, per m."""
 
+_QUESTION: Final = "What do you see? Answer in one or two short sentences."
+
 
 @skill(occupies=["camera"])
 async def seewhat(context: SkillContext) -> Result:
     """Look, and say what is there."""
     sight = await context.see()
-    return ok(describe(sight, context.robot.floor_map), things=len(sight.objects))
+    description = describe(sight, context.robot.floor_map)
+    if shown := await _shown(context, sight):
+        description += f" The picture shows: {shown}"
+    return ok(description, things=len(sight.objects))
+
+
+async def _shown(context: SkillContext, sight: Sight) -> str:
+    """What a model says that the picture shows; nothing where there is no model, or no answer."""
+    if context.ask_about is None:
+        return ""
+    known = ", ".join(thing.name for thing in sight.objects) or "none"
+    question = f"{_QUESTION} Things that I recognised myself: {known}."
+    try:
+        return await context.ask_about(sight.picture, question)
+    except ChatError:
+        return ""  # what perception saw is an answer too
 
 
 @skill(occupies=["base", "arm", "camera"])

@@ -1,0 +1,1 @@
+"""Large models: one protocol (``chat``), one file per kind of service."""
