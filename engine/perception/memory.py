@@ -31,6 +31,7 @@ SPOT: Final = 0.035
 """m within which two small things cannot stand."""
 _UNLIKE = 0.03  # m that count against something else on the same spot
 _PILED = 0.03  # m between the middles of things in one picture that are not the same thing
+_LARGER = 1.2  # times as wide as what shows of it
 _EDGE = 6  # pixels at the picture's edge where a thing may be cut off and not be noticed
 
 
@@ -49,6 +50,7 @@ class Thing:
     yaw: float | None
     seen_at: float  # robot time, s
     named_from: float = math.inf  # m, how close the look was that told what it is
+    whole: bool = True  # whether that look showed all of it
 
     @property
     def name(self) -> str:
@@ -155,7 +157,9 @@ class WorldMemory:
         best, nearest = None, math.inf
         for thing in self._things.values():
             distance = math.dist(thing.position, sighting.position)
-            if _alike(thing, sighting) and thing.number not in taken:
+            if thing.number not in taken and _is_part(thing, sighting):
+                limit = math.inf
+            elif _alike(thing, sighting) and thing.number not in taken:
                 limit = max(SAME, 3 * math.hypot(thing.sigma, sighting.sigma)) if sighting.tag is None else math.inf
             elif (sighting.tag is not None and thing.tag is not None) or (thing.number in taken and distance > _PILED):
                 continue  # another block, or one stands on the other
@@ -169,10 +173,15 @@ class WorldMemory:
         """Where it is, the newest look tells unless an older one knew much better; what it is, the closest one."""
         if known is None:
             self._numbers += 1
-        better = known is None or sighting.sigma <= 1.5 * known.sigma or _moved(known, sighting)
+        better = known is None or (
+            not _is_part(known, sighting) and (sighting.sigma <= 1.5 * known.sigma or _moved(known, sighting))
+        )
         place: Sighting | Thing = sighting if better or known is None else known
         surer = (
-            known is None or known.kind == "thing" or (sighting.complete and sighting.range <= 1.2 * known.named_from)
+            known is None
+            or known.kind == "thing"
+            or (sighting.complete and sighting.range <= 1.2 * known.named_from)
+            or (not known.whole and (sighting.complete or math.prod(sighting.size) > math.prod(known.size)))
         )
         shape: Sighting | Thing = sighting if surer or known is None else known
         thing = Thing(
@@ -187,6 +196,7 @@ class WorldMemory:
             yaw=place.yaw,
             seen_at=t,
             named_from=sighting.range if surer or known is None else known.named_from,
+            whole=sighting.complete if surer or known is None else known.whole,
         )
         self._things[thing.number] = thing
         return thing
@@ -198,8 +208,11 @@ class WorldMemory:
             for number, thing in self._things.items()
             if number not in seen
             and any(
-                other.named_from < thing.named_from
-                and other.distance_to(*thing.position[:2]) < max(SPOT, min(SAME, 2 * thing.sigma))
+                _within(thing, other)
+                or (
+                    other.named_from < thing.named_from
+                    and other.distance_to(*thing.position[:2]) < max(SPOT, min(SAME, 2 * thing.sigma))
+                )
                 for other in seen.values()
             )
         }
@@ -229,6 +242,20 @@ def _alike(thing: Thing, sighting: Sighting) -> bool:
     if thing.tag is not None or sighting.tag is not None:  # a block whose tag does not show is a box
         return {thing.kind, sighting.kind} <= {"block", "box", "thing"}
     return thing.colour == sighting.colour and (thing.kind == sighting.kind or "thing" in (thing.kind, sighting.kind))
+
+
+def _is_part(thing: Thing, sighting: Sighting) -> bool:
+    """Whether this is a piece of a larger thing, the rest of which the picture's edge or something else hides."""
+    smaller = not sighting.complete and sighting.size[0] * _LARGER < thing.size[0]
+    return smaller and thing.colour == sighting.colour and thing.distance_to(*sighting.position[:2]) < thing.size[0]
+
+
+def _within(thing: Thing, seen: Thing) -> bool:
+    """Whether it can only have been a piece of what was seen now: the middle of it is inside."""
+    x, y, z = thing.position
+    high = seen.surface < z < seen.surface + seen.size[1]
+    smaller = thing.size[1] * _LARGER < seen.size[1] and seen.whole and seen.named_from < 1.5 * thing.named_from
+    return high and smaller and seen.distance_to(x, y) < seen.size[0] / 2
 
 
 def _moved(thing: Thing, sighting: Sighting) -> bool:

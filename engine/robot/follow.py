@@ -27,6 +27,7 @@ _POSITION_GAIN = 4.0  # 1/s
 _YAW_GAIN = 4.0  # 1/s
 _FACING = 0.9  # rad of heading error above which the robot turns before it goes
 _CORNER_SPEED = 0.25  # m/s through a right-angled corner
+_SIDLE = 0.25  # m/s without turning
 _SHORT = 0.35  # m; shorter ways are driven without turning the front along them
 
 
@@ -71,6 +72,14 @@ class Follower:
         """The rest of the path: where the robot is on it now, its corners, the goal (map frame, m)."""
         here = self._point(self._done)
         return (here, *(point for point, at in zip(self._path, self._at, strict=True) if at > self._done + step / 10))
+
+    def sidle(self, pose: Pose) -> Twist:
+        """Where to go from ``pose`` without turning, for where there is no room to turn."""
+        aim = self._point(self._done + LOOKAHEAD)
+        off = math.hypot(aim[0] - pose.x, aim[1] - pose.y)
+        bearing = wrap(math.atan2(aim[1] - pose.y, aim[0] - pose.x) - pose.yaw)
+        speed = min(_SIDLE, _POSITION_GAIN * off, self._braking_speed(self.length - self._done + off))
+        return Twist(speed * math.cos(bearing), speed * math.sin(bearing))
 
     def guide(self, pose: Pose) -> Guidance:
         """Where to go from ``pose``."""

@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.robot.clearance import gaps
 from engine.robot.robot import FloorMap, Footprint, Pose
 
 Point = tuple[float, float]
@@ -91,9 +92,9 @@ def route(
     for pose, what in ((start, "robot"), (goal, "goal")):
         if not grid.holds((pose.x, pose.y)):
             return Unreachable("outside_map", f"The {what} at ({pose.x:.2f}, {pose.y:.2f}) is outside the map.")
+    if (point := _hull_collision(grid, extra, goal, hull)) is not None:
+        return Unreachable("goal_blocked", f"There is no room at the goal: {_what_is_at(floor, point)} is there.")
     occupied = _with_extra(grid, extra, start, hull)
-    if (cell := _hull_collision(grid, occupied, goal, hull)) is not None:
-        return Unreachable("goal_blocked", f"There is no room at the goal: {_what_is_at(floor, cell)} is there.")
     clearance = hull.radius + margin
     free = distances(occupied, floor.resolution, clearance + COMFORT)
     weights = _weights(grid, free, clearance, hull, ((start.x, start.y), (goal.x, goal.y)))
@@ -153,8 +154,8 @@ def _with_extra(grid: _Grid, extra: NDArray[np.float64] | None, start: Pose, hul
     return occupied
 
 
-def _hull_collision(grid: _Grid, occupied: NDArray[np.bool_], pose: Pose, hull: Footprint) -> Point | None:
-    """An occupied point under the hull at ``pose``, if there is one."""
+def _hull_collision(grid: _Grid, extra: NDArray[np.float64] | None, pose: Pose, hull: Footprint) -> Point | None:
+    """An occupied point under the hull at ``pose``, or an extra obstacle there, if there is one."""
     nx, ny = (max(2, math.ceil(size / grid.resolution * 2)) for size in (hull.length, hull.width))
     x, y = np.meshgrid(
         np.linspace(-0.5, 0.5, nx) * (hull.length + 2 * _HULL_MARGIN),
@@ -163,8 +164,15 @@ def _hull_collision(grid: _Grid, occupied: NDArray[np.bool_], pose: Pose, hull: 
     c, s = math.cos(pose.yaw), math.sin(pose.yaw)
     under = np.column_stack((pose.x + (c * x - s * y).ravel(), pose.y + (s * x + c * y).ravel()))
     rows, columns = grid.cells(under)
-    hits = np.flatnonzero(occupied[rows, columns])
-    return grid.centre((int(rows[hits[0]]), int(columns[hits[0]]))) if len(hits) else None
+    hits = np.flatnonzero(grid.occupied[rows, columns])
+    if len(hits):
+        return grid.centre((int(rows[hits[0]]), int(columns[hits[0]])))
+    if extra is None or not len(extra):
+        return None
+    dx, dy = extra[:, 0] - pose.x, extra[:, 1] - pose.y  # known better than to a cell
+    near = gaps(np.column_stack((c * dx + s * dy, c * dy - s * dx)), hull)
+    x, y = extra[int(near.argmin())].tolist()
+    return (x, y) if near.min() < _HULL_MARGIN else None
 
 
 def _weights(

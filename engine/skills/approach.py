@@ -18,12 +18,13 @@ from numpy.typing import NDArray
 from engine.perception.memory import Thing
 from engine.robot.arm import Point
 from engine.robot.clearance import gaps
-from engine.robot.occupancy import Unreachable, route
+from engine.robot.occupancy import Unreachable
 from engine.robot.robot import FloorMap, Pose, wrap
 from engine.skills.context import SkillContext
 from engine.skills.hand import fold, from_map
 from engine.skills.outcome import Result, fail, ok
-from engine.skills.travel import go_to, points_of
+from engine.skills.strewn import outline, seen_from, strewn
+from engine.skills.travel import go_to, points_of, way_to
 
 Reach = Callable[[float], float | None]
 """How uncomfortable it is to reach the point from this distance (m from the base's centre, straight ahead), in the
@@ -38,6 +39,7 @@ _DISTANCES = np.arange(0.18, 0.44, 0.01)
 _TRIES = 3  # places that are driven to before giving up
 _ROUTED = 6  # places whose way is worked out
 _AROUND = 0.8  # m around the point in which obstacles matter
+_NO_TURN = 4.0  # s that it is worth to find room for turning
 _SPEED, _TURN_SPEED = 0.4, 1.5  # m/s and rad/s, for estimating times
 
 
@@ -94,7 +96,8 @@ def places_to_stand(
     state = robot.state()
     hard = np.concatenate((outlines(robot.floor_map, point), _around(points_of(robot.scan(), state.pose, 4.0), point)))
     hard = hard[np.hypot(hard[:, 0] - point[0], hard[:, 1] - point[1]) > radius + 0.03] if radius else hard
-    loose = [thing for thing in context.world.things if thing.surface < 0.05 and thing is not target]
+    loose = [thing for thing in strewn(context) if target is None or thing.number != target.number]
+    lying = outline(loose)
     found = []
     for theta in np.arange(_DIRECTIONS) * (2 * math.pi / _DIRECTIONS):
         for distance, cost in possible:
@@ -102,11 +105,12 @@ def places_to_stand(
             pose = Pose(float(x), float(y), wrap(float(theta)))
             if not _inside(robot.floor_map, pose):
                 continue
-            if len(hard) and gaps(_seen_from(pose, hard), hull).min() < MARGIN:
+            if len(hard) and gaps(seen_from(pose, hard), hull).min() < MARGIN:
                 continue
-            if loose and _hits(pose, loose, hull.length / 2, hull.width / 2):
+            if len(lying) and gaps(seen_from(pose, lying), hull).min() < LOOSE_MARGIN:
                 continue
-            found.append(Stand(pose, cost))
+            no_turn = len(lying) and np.hypot(lying[:, 0] - x, lying[:, 1] - y).min() < hull.radius + LOOSE_MARGIN
+            found.append(Stand(pose, cost + _NO_TURN if no_turn else cost))
     return sorted(found, key=lambda stand: stand.cost)
 
 
@@ -143,22 +147,6 @@ def _around(points: NDArray[np.float64], point: Point, around: float = _AROUND) 
     return chosen
 
 
-def _seen_from(pose: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-    x, y = points[:, 0] - pose.x, points[:, 1] - pose.y
-    return np.column_stack((c * x + s * y, c * y - s * x))
-
-
-def _hits(pose: Pose, things: list[Thing], half_length: float, half_width: float) -> bool:
-    """Whether the hull would stand on something small."""
-    for thing in things:
-        x, y, _ = from_map(pose, thing.position)
-        apart = math.hypot(max(abs(x) - half_length, 0.0), max(abs(y) - half_width, 0.0))
-        if apart < thing.size[0] / 2 + LOOSE_MARGIN:
-            return True
-    return False
-
-
 def _inside(floor: FloorMap, pose: Pose) -> bool:
     return not floor.rooms or any(room.holds(pose.x, pose.y) for room in floor.rooms)
 
@@ -169,8 +157,7 @@ def _is_new(stand: Stand, refused: list[Pose]) -> bool:
 
 def _nearest_by_way(context: SkillContext, stands: list[Stand]) -> Pose | Unreachable:
     """The place that costs least with the way there, or why there is no way to any."""
-    robot = context.robot
-    now = robot.state().pose
+    now = context.pose
 
     def estimate(stand: Stand) -> float:
         turn = abs(wrap(stand.pose.yaw - now.yaw))
@@ -184,7 +171,7 @@ def _nearest_by_way(context: SkillContext, stands: list[Stand]) -> Pose | Unreac
     for stand in list(directions.values())[:_ROUTED]:
         if estimate(stand) >= best:
             break
-        way = route(robot.floor_map, now, stand.pose, robot.footprint)
+        way = way_to(context, stand.pose)
         if isinstance(way, Unreachable):
             found = way if isinstance(found, Unreachable) else found
             continue

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from engine.perception.looking import LOOK_POSES
+from engine.perception.looking import LOOK_POSES, LookName
 from engine.perception.memory import Thing
 from engine.perception.naming import Wanted
 from engine.robot.robot import FloorMap, Furniture, Pose, Room
@@ -29,7 +29,8 @@ _READ: Final = 0.34
 _STEP: Final = 30.0
 """s by which a step away from there counts, per m."""
 _SAME_PLACE: Final = 0.06  # m: what was visited there is not visited again
-_GLANCES: Final = (0.0, 0.65, -0.65)  # rad to the side
+_GLANCES: Final[tuple[tuple[LookName, float], ...]] = (("DOWN", 0.0), ("AHEAD", 0.0), ("AHEAD", 0.65), ("AHEAD", -0.65))
+"""Where to look without driving, and how far to the side, rad."""
 
 
 class Finder:
@@ -49,9 +50,9 @@ class Finder:
         return next((thing for thing in near if not thing.is_stale(now) and self._is_meant(thing)), None)
 
     async def glance(self) -> None:
-        """Look ahead and to the sides, without driving."""
-        for yaw in _GLANCES:
-            await move_to(self._context, LOOK_POSES["AHEAD"].turned(yaw))
+        """Look down before the hull, ahead, and to the sides, without driving."""
+        for name, yaw in _GLANCES:
+            await move_to(self._context, LOOK_POSES[name].turned(yaw))
             await self._context.see()
             if self.known() is not None:
                 return

@@ -39,6 +39,8 @@ _AIMED = 0.02  # m that a thing may be off the middle of a close look
 _WIDE = (0.33, 0.3, 0.27)  # m, for a look with more around it
 _CLEAR = 1.0  # m from which one sees well how wide a thing is
 _SLACK = 0.004  # m that the fingers must open wider than a thing
+_PALE: Final = ("white", "grey", "black")
+_TALLER = 1.4  # times as high as a cup is a bottle
 _LOST = 0.25  # m around which a thing is looked for that is not where it was
 
 
@@ -55,12 +57,24 @@ async def pick(context: SkillContext, thing: Thing) -> Result:
         if isinstance(found, Result):
             return await _fold(context, found if attempt == 0 else _after(trouble, found))
         thing, grasp = found
+        if _mistaken(wanted, thing):
+            message = f"What I took for the {wanted.name} is the {thing.name}."
+            return await _fold(context, fail("object_not_found", message))
         trouble = await _seize(context, thing, grasp)
         if trouble.ok:
             return await _fold(context, trouble)
         context.progress(None, f"{trouble.message} I try again.")
     await _fold(context, trouble)
     return _where_now(context, wanted, trouble)
+
+
+def _mistaken(thing: Thing, seen: Thing) -> bool:
+    """Whether a close look showed something else. Labels and caps are pale; a strong colour is a thing's own."""
+    if thing.colour != seen.colour:
+        return seen.colour not in _PALE
+    low, high = sorted((thing.size[1], seen.size[1]))
+    other_shape = {thing.kind, seen.kind} == {"cup", "bottle"} and (high > _TALLER * low or not thing.whole)
+    return seen.whole and other_shape
 
 
 def too_wide(arm: ArmModel, thing: Thing) -> str:
@@ -120,7 +134,8 @@ async def _meet(context: SkillContext, thing: Thing) -> tuple[Thing, Grasp] | Re
             return seen
         thing = seen
         beside = _others(context, thing)
-        grasp = plan(arm, thing, context.pose, beside)
+        shown = [other for other in beside if other.seen_at == thing.seen_at]  # if nothing else helps: these are real
+        grasp = plan(arm, thing, context.pose, beside) or plan(arm, thing, context.pose, shown)
         if grasp is not None:
             return thing, grasp
         if place == 1:
@@ -205,6 +220,8 @@ def _again(context: SkillContext, thing: Thing, t: float) -> Thing | None:
     there = min(seen, key=lambda other: other.distance_to(*thing.position[:2]), default=None)
     if there is None or there.distance_to(*thing.position[:2]) > _SAME_PLACE:
         return None
+    if _mistaken(thing, there):
+        return there
     size = (max(there.size[0], thing.size[0]), max(there.size[1], thing.size[1]))
     return replace(there, kind=thing.kind, colour=thing.colour, tag=thing.tag, size=size)
 

@@ -1,9 +1,9 @@
-"""Looking out for landmarks on the way, so that odometry's error does not grow with it.
+"""Looking out on the way, for landmarks, so that odometry's error does not grow with it, and for what lies about.
 
-Whenever the robot has driven or turned enough since it last saw one, it takes a picture while it drives on; the eyes
-correct what it believes. In a simulation at full speed time stands still until somebody ticks, so there the drive
-waits for the picture, and a journey is the same at every run. Without a camera the robot drives by odometry alone and
-says so once.
+Whenever the robot has driven or turned enough since it last looked, and when it goes straight on after a turn, it takes
+a picture while it drives on; the eyes correct what it believes, and the memory learns what lies ahead. In a simulation
+at full speed time stands still until somebody ticks, so there the drive waits for the picture, and a journey is the
+same at every run. Without a camera the robot drives by odometry alone and says so once.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from engine.skills.context import SkillContext
 Motion = tuple[float, float]
 """A way and a turn, m and rad."""
 
-SEEN: Final[Motion] = (0.9, math.radians(60))
-"""After it saw a landmark the robot drives or turns so far before it looks again…"""
-UNSEEN: Final[Motion] = (0.4, math.radians(30))
-"""…and after it saw none…"""
+OFTEN: Final[Motion] = (0.4, math.radians(30))
+"""The robot drives or turns so far before it looks again…"""
 ARRIVED: Final[Motion] = (0.1, math.radians(8))
-"""…and before it believes that it is there."""
+"""…and before it goes straight on, or believes that it is there."""
+STRAIGHT: Final = 0.3
+"""rad/s below which it goes straight on."""
 PATIENCE_S: Final = 0.02
 """How long to wait for a clock that may stand still, s."""
 
@@ -37,11 +37,11 @@ class Lookout:
 
     def __init__(self, context: SkillContext) -> None:
         self._context = context
-        self._landmarks = {landmark.id for landmark in context.robot.floor_map.tags}
-        self._useful = bool(self._landmarks) and "camera" in context.robot.capabilities
+        self._useful = "camera" in context.robot.capabilities
+        self._landmarks = bool(context.robot.floor_map.tags)
         self._last = context.pose
         self._way = self._turn = 0.0
-        self._due = ARRIVED  # nobody knows how far it has come since it last looked
+        self._turned = True  # nobody knows how far it has come since it last looked
         self._look: asyncio.Task[Sight] | None = None
 
     async def go_on(self) -> None:
@@ -49,7 +49,9 @@ class Lookout:
         if not self._useful:
             return
         self._moved()
-        if self._look is None and self._beyond(self._due):
+        straight = abs(self._context.robot.state().twist.wz) < STRAIGHT
+        self._turned = self._turned or self._turn >= ARRIVED[1]
+        if self._look is None and (self._beyond(OFTEN) or (straight and self._turned)):
             self._begin()
         if self._look is not None:
             await self._while_time_stands_still(self._look)
@@ -59,7 +61,7 @@ class Lookout:
     async def confirm(self) -> bool:
         """Look where the robot stands, unless it has hardly moved since it last did: whether that changed what it
         believes."""
-        if not self._useful:
+        if not (self._useful and self._landmarks):
             return False
         self._moved()
         believed = self._last
@@ -89,6 +91,7 @@ class Lookout:
     def _begin(self) -> None:
         self._look = asyncio.create_task(self._context.see())
         self._way = self._turn = 0.0
+        self._turned = False
 
     async def _while_time_stands_still(self, look: asyncio.Task[Sight]) -> None:
         began = self._context.robot.state().t
@@ -98,12 +101,10 @@ class Lookout:
     def _end(self, look: asyncio.Task[Sight]) -> None:
         self._look = None
         try:
-            sight = look.result()
+            look.result()
         except CameraError as error:
             self._useful = False
             self._context.progress(None, f"I drive without looking: {error.message}")
-            return
-        self._due = SEEN if any(tag.id in self._landmarks for tag in sight.tags) else UNSEEN
 
 
 @asynccontextmanager

@@ -21,8 +21,9 @@ from engine.robot.occupancy import distances
 from engine.robot.robot import FloorMap, Footprint, Joints, Pose, Room, wrap
 from engine.skills.context import SkillContext
 from engine.skills.drive import turn
-from engine.skills.library.gestures import reach
+from engine.skills.hand import move_to
 from engine.skills.outcome import Result, fail, ok
+from engine.skills.strewn import BESIDE, outline, strewn
 from engine.skills.travel import SEEN_RANGE, go_to, points_of
 
 LOOK: Final[Joints] = LOOK_POSES["AHEAD"].joints
@@ -44,6 +45,7 @@ BLOCKED: Final = 4
 """Places in a row that it cannot get to before it gives up."""
 WORTHWHILE: Final = 6
 """Unseen patches that a view must promise: a corner that needs a view of its own hides nothing larger than a cup."""
+_STUCK: Final = fail("no_progress", "The arm stopped on the way to its looking pose.")
 _TURN_SPEED = 1.5  # rad/s
 _GRID = 0.25  # m between places to stand
 _MARGIN = 0.06  # m that the robot keeps from things, beyond its circle
@@ -136,7 +138,12 @@ async def search(
     robot = context.robot
     survey = survey or Survey(room, robot.floor_map, robot.footprint, context.pose)
     pictures = blocked = 0
-    while not found() and (pose := survey.next_view(context.pose)) is not None:
+    if survey.seen == 0.0:  # what lies right before the hull is in no view from here
+        if not await move_to(context, LOOK_POSES["DOWN"].joints):
+            return Searched(False, 0.0, 0, _STUCK)
+        await context.see()
+        pictures = 1
+    while not found() and (pose := _next(context, survey)) is not None:
         on_the_way = context.saying(f"looking through the {room.name}, {survey.seen:.0%} seen", survey.seen)
         trouble = await _stand(on_the_way, pose, room.name)
         if trouble is not None:
@@ -145,12 +152,16 @@ async def search(
                 return Searched(False, survey.seen, pictures, trouble)
             survey.bar(points_of(robot.scan(), context.pose, SEEN_RANGE), robot.footprint.radius + _MARGIN)
             continue
-        if not await reach(context, LOOK):
-            trouble = fail("no_progress", "The arm stopped on the way to its looking pose.")
-            return Searched(False, survey.seen, pictures, trouble)
+        if not await move_to(context, LOOK):
+            return Searched(False, survey.seen, pictures, _STUCK)
         survey.mark((await context.see()).picture)
         pictures, blocked = pictures + 1, 0
     return Searched(found(), survey.seen, pictures)
+
+
+def _next(context: SkillContext, survey: Survey) -> Pose | None:
+    survey.bar(outline(strewn(context)), context.robot.footprint.radius + BESIDE)
+    return survey.next_view(context.pose)
 
 
 async def _stand(context: SkillContext, pose: Pose, room: str) -> Result | None:

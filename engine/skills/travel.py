@@ -9,21 +9,20 @@ believed, or where something small comes into view that lies in the way, the way
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from itertools import pairwise
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.perception.memory import Thing
 from engine.robot.follow import Follower
 from engine.robot.occupancy import Route, Unreachable, route
-from engine.robot.robot import Doorway, Pose, RobotState, Scan
+from engine.robot.robot import Doorway, Pose, RobotState, Scan, Twist
 from engine.skills.context import SkillContext
 from engine.skills.drive import Stall, settle, why_held
+from engine.skills.hand import look
 from engine.skills.lookout import Lookout, lookout
 from engine.skills.outcome import Result, fail, ok
+from engine.skills.strewn import heed, in_the_way, nearest_to, outline, strewn
 
 DETOURS = 3  # times that a blocked way is planned anew
 SEEN_RANGE = 2.5  # m; what the lidar sees further away does not matter for a detour
@@ -37,10 +36,11 @@ FILLED = 0.6  # part of a door's width
 
 TURNING = 0.01  # rad/s
 
-STREWN_LOW = 0.05  # m: what stands lower lies on the floor, where the lidar may not see it
-BESIDE = 0.03  # m between the hull's side and something small that it passes
+HEMMED = 3  # times that something small on the floor may leave no way on before the robot gives up
 
-Ending = Literal["arrived", "held", "astray", "strewn"]
+NOTHING_SEEN: Final[NDArray[np.float64]] = np.empty((0, 2))
+
+Ending = Literal["arrived", "held", "astray", "strewn", "hemmed"]
 
 
 async def go_to(context: SkillContext, goal: Pose, name: str) -> Result:
@@ -51,11 +51,11 @@ async def go_to(context: SkillContext, goal: Pose, name: str) -> Result:
 
 
 async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout) -> Result:
-    seen = np.empty((0, 2))
+    seen = NOTHING_SEEN
     shut: Doorway | None = None
-    detours = corrections = 0
+    detours = corrections = hemmed = 0
     while True:
-        way = _way(context, goal, seen)
+        way = way_to(context, goal, seen)
         if isinstance(way, Unreachable):
             if shut is not None:
                 return fail("door_closed", f"I cannot get to {name}: {_closed(shut)}.")
@@ -66,7 +66,14 @@ async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout) -
         ending, state = await _follow(context, follower, name, watch)
         if ending == "arrived":
             return ok(f"I am at {name}.", x=state.pose.x, y=state.pose.y, yaw=state.pose.yaw)
-        if ending != "held" and corrections < CORRECTIONS:
+        if ending == "hemmed":
+            hemmed += 1
+            if hemmed == HEMMED:
+                left = math.dist((state.pose.x, state.pose.y), (goal.x, goal.y))
+                return fail("path_blocked", f"I stopped {left:.1f} m before {name}: {_lies_there(context)}.")
+            await look(context)  # it may not be there any more, or elsewhere
+            continue
+        if ending in ("astray", "strewn") and corrections < CORRECTIONS:
             corrections += 1
             continue
         code, reason = why_held(state)
@@ -81,41 +88,15 @@ async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout) -
     return fail(code, f"I stopped {left:.1f} m before {name}: {reason}.")
 
 
-def _way(context: SkillContext, goal: Pose, seen: NDArray[np.float64]) -> Route | Unreachable:
-    """Around what lies about, if there is such a way; else over it rather than not at all."""
+def way_to(context: SkillContext, goal: Pose, seen: NDArray[np.float64] = NOTHING_SEEN) -> Route | Unreachable:
+    """Around what lies about, if there is such a way; else as far as it goes. ``seen``: what else is in the way, as
+    points in the map frame, shape (n, 2)."""
     robot, start = context.robot, context.pose
-    strewn = np.concatenate([_outline(thing) for thing in _strewn(context)] or [np.empty((0, 2))])
-    way = route(robot.floor_map, start, goal, robot.footprint, extra=np.concatenate((seen, strewn)))
-    if isinstance(way, Unreachable) and len(strewn):
+    lying = outline(strewn(context))
+    way = route(robot.floor_map, start, goal, robot.footprint, extra=np.concatenate((seen, lying)))
+    if isinstance(way, Unreachable) and len(lying):
         way = route(robot.floor_map, start, goal, robot.footprint, extra=seen)
     return way
-
-
-def _strewn(context: SkillContext) -> list[Thing]:
-    """Small things that are remembered to lie on the floor."""
-    return [thing for thing in context.world.things if thing.surface < STREWN_LOW and thing.kind != "person"]
-
-
-def _outline(thing: Thing) -> NDArray[np.float64]:
-    """Points around a thing, map frame, shape (n, 2)."""
-    angles = np.linspace(0, 2 * math.pi, 8, endpoint=False)
-    radius = thing.size[0] / 2
-    around = np.column_stack((np.cos(angles), np.sin(angles))) * radius + np.array(thing.position[:2])
-    return np.concatenate((around, [thing.position[:2]]))
-
-
-def _in_the_way(thing: Thing, path: Sequence[tuple[float, float]], half_width: float) -> bool:
-    """Whether the hull would touch it on what is left of the path."""
-    x, y = thing.position[:2]
-    near = half_width + thing.size[0] / 2 + BESIDE
-    return any(_distance_to_stretch((x, y), a, b) < near for a, b in pairwise(path))
-
-
-def _distance_to_stretch(point: tuple[float, float], a: tuple[float, float], b: tuple[float, float]) -> float:
-    dx, dy = b[0] - a[0], b[1] - a[1]
-    length = dx * dx + dy * dy
-    along = 0.0 if length == 0 else max(0.0, min(1.0, ((point[0] - a[0]) * dx + (point[1] - a[1]) * dy) / length))
-    return math.dist(point, (a[0] + along * dx, a[1] + along * dy))
 
 
 def closed_door(context: SkillContext) -> Doorway | None:
@@ -143,7 +124,8 @@ async def _follow(context: SkillContext, follower: Follower, name: str, watch: L
     state = context.robot.state()
     stall = Stall(state.t, math.inf, 0.003)
     checks = 0
-    known = {thing.number for thing in _strewn(context)}
+    hull = context.robot.footprint
+    known = {thing.number for thing in strewn(context)}
     while True:
         guidance = follower.guide(state.pose)
         if guidance.arrived:
@@ -154,22 +136,35 @@ async def _follow(context: SkillContext, follower: Follower, name: str, watch: L
             state = context.robot.state()
             stall = Stall(state.t, math.inf, 0.003)
             continue
-        context.drive(guidance.twist)
+        twist = heed(state.pose, strewn(context), hull, _motions(guidance.twist, follower.sidle(state.pose)))
+        if twist is None:
+            return "hemmed", await settle(context)
+        context.drive(twist)
         await watch.go_on()
         before, state = state, await context.robot.tick()
         if before.pose.distance_to(state.pose) > ASTRAY:
             return "astray", state
-        if new := [thing for thing in _strewn(context) if thing.number not in known]:
+        if new := [thing for thing in strewn(context) if thing.number not in known]:
             known |= {thing.number for thing in new}
-            half_width = context.robot.footprint.width / 2
-            if any(_in_the_way(thing, follower.ahead(), half_width) for thing in new):
+            if any(in_the_way(thing, follower.ahead(), hull.width / 2) for thing in new):
                 await settle(context)
                 return "strewn", context.robot.state()
         context.progress(follower.progress, f"{guidance.remaining:.1f} m to {name}")
         turning = abs(state.twist.wz) > TURNING  # at a corner, or into the goal's direction: not a stall
         if stall.update(state.t, guidance.remaining) and not turning:
             await settle(context)
-            return "held", state
+            return "held" if twist == guidance.twist else "hemmed", state
+
+
+def _motions(wanted: Twist, sideways: Twist) -> tuple[Twist, ...]:
+    """What is wanted, and what to do rather than that: not to turn, to go sideways, and to turn alone."""
+    others = (Twist(wanted.vx, wanted.vy), sideways, Twist(wz=wanted.wz))
+    return wanted, *(twist for twist in others if not twist.is_zero)
+
+
+def _lies_there(context: SkillContext) -> str:
+    thing = nearest_to(context.pose, strewn(context))
+    return f"the {thing.name} lies in the way" if thing is not None else "something lies in the way"
 
 
 def points_of(scan: Scan, pose: Pose, reach: float) -> NDArray[np.float64]:

@@ -11,13 +11,15 @@ from typing import Any
 
 import pytest
 
-from engine.perception.memory import WorldMemory
+from engine.perception.memory import Thing, WorldMemory
 from engine.perception.naming import wanted
 from engine.robot.robot import Pose
 from engine.robot.sim.scene import Scene
 from engine.skills.context import SkillContext
+from engine.skills.grasp import pick
 from engine.skills.hand import on_map
 from engine.skills.library.household import ask_user, carry, clean_room, tidy
+from engine.skills.library.manipulation import pick_object
 from engine.skills.library.searching import locate, navigate_to_object, scan_room, seewhat
 from engine.skills.outcome import Result
 from engine.skills.search import Survey
@@ -62,7 +64,11 @@ class House:
         state, true = self.robot.state(), self.robot.world.true_pose
         point = on_map(true, self.robot.arm.grip(state.joints).point)
         names = [name for name in self.robot.scene.objects if self.robot.scene.objects[name].size < 0.1]
-        return [name for name in names if math.dist(self.middle(name), point) < 0.035 and state.gripper > 0.2]
+        closed = {
+            name: self.robot.arm.jaw * state.gripper < self.robot.scene.objects[name].size + 0.004 for name in names
+        }
+        near = [name for name in names if math.dist(self.middle(name), point) < 0.035 and state.gripper > 0.2]
+        return [name for name in near if closed[name]]  # open fingers around something do not hold it
 
     def middle(self, name: str) -> tuple[float, float, float]:
         x, y, z = self.robot.where(name)
@@ -240,6 +246,33 @@ def test_small_things_on_the_floor_are_driven_around() -> None:
         assert math.dist(house.robot.where("blue box"), before) < 0.003
 
     at_home(test, **{"blue box": {"kind": "box", "at": [0.2, -0.55], "size": 0.04, "colour": "blue"}})
+
+
+def test_what_is_not_where_something_like_it_was_seen_is_looked_for_again() -> None:
+    async def test(house: House) -> None:
+        ghost = Thing(77, "cup", "green", None, (0.3, 0.3, 0.04), 0.02, (0.06, 0.08), 0.0, None, 0.0, 1.5)
+        house.memory.take(ghost)
+        house.memory.put(ghost.position, 0.0)
+        result = await pick_object.run(house.context, "green cup")
+        assert result.ok, result
+        assert house.memory.held is not None
+        assert house.robot.where("green cup")[2] > 0.05
+
+    at_home(test)
+
+
+def test_what_a_close_look_shows_to_be_something_else_is_left_alone() -> None:
+    async def test(house: House) -> None:
+        before = house.robot.where("blue box")
+        taken_for = Thing(77, "box", "red", None, (0.4, -0.5, 0.02), 0.01, (0.04, 0.04), 0.0, None, 0.0, 1.5)
+        house.memory.take(taken_for)
+        house.memory.put(taken_for.position, 0.0)
+        result = await pick(house.context, house.memory.things[0])
+        assert (result.outcome, result.error_code) == ("failed", "object_not_found")
+        assert house.memory.held is None
+        assert math.dist(house.robot.where("blue box"), before) < 0.003
+
+    at_home(test)
 
 
 def test_a_closed_door_is_named() -> None:

@@ -165,3 +165,30 @@ def test_a_part_of_a_thing_does_not_change_what_it_is() -> None:
     saw(memory, a("red bottle", 0.5))
     (again,) = saw(memory, a("red thing", 0.5, complete=False), t=1.0)
     assert again.kind == "bottle"
+
+
+def test_a_piece_of_a_larger_thing_at_the_pictures_edge_is_that_thing() -> None:
+    memory = WorldMemory()
+    (box,) = saw(memory, replace(a("red box", 0.6), size=(0.12, 0.12)))
+    sliver = replace(a("red bottle", 0.63, 0.05, complete=False), size=(0.015, 0.03))
+    (again,) = saw(memory, sliver, t=1.0)
+    assert (again.number, again.name, again.size, again.position) == (box.number, "red box", box.size, box.position)
+
+
+def test_what_has_only_been_seen_in_part_is_named_by_the_look_that_shows_more() -> None:
+    memory = WorldMemory()
+    (label,) = saw(memory, replace(a("white cup", 0.9, complete=False), size=(0.05, 0.07)))
+    (bottle,) = saw(memory, replace(a("orange bottle", 0.91, complete=False), size=(0.05, 0.12)), t=1.0)
+    assert (bottle.number, bottle.name) == (label.number, "orange bottle")
+
+
+def test_pieces_of_what_is_seen_as_a_whole_are_forgotten() -> None:
+    memory = WorldMemory()
+    label, top = (
+        replace(a("white cup", 0.8), position=(0.8, 0, 0.03)),
+        replace(a("purple cup", 0.8), position=(0.8, 0, 0.11)),
+    )
+    saw(memory, label, top)
+    whole = replace(a("purple bottle", 0.81), position=(0.81, 0, 0.07), size=(0.06, 0.144), range=1.0)
+    saw(memory, whole, t=1.0)
+    assert [thing.name for thing in memory.things] == ["purple bottle"]

@@ -11,9 +11,10 @@ from engine.perception.memory import Thing
 from engine.perception.naming import Wanted, wanted
 from engine.robot.robot import Furniture, Room
 from engine.skills.context import SkillContext
-from engine.skills.find import find, furniture_called, listing, nearest_bin, room_called, things_in
+from engine.skills.find import furniture_called, listing, nearest_bin, room_called, things_in
 from engine.skills.grasp import lost, pick
 from engine.skills.hand import still_held
+from engine.skills.library.manipulation import fetch
 from engine.skills.library.navigation import PlaceName
 from engine.skills.library.searching import ObjectName, RoomName
 from engine.skills.outcome import ErrorCode, Result, fail, ok
@@ -44,13 +45,11 @@ async def carry(
         return fail("unknown_place", "I have not been told to remember a place yet.")
     held = context.world.held
     if held is None or not wanted(object).fits(held.kind, held.colour, held.tag):
-        found = await find(context, wanted(object), rooms=_rooms_of(context, source))
-        if isinstance(found, Result):
-            return found
-        picked = await pick(context, found)
+        picked = await fetch(context, wanted(object), _rooms_of(context, source))
         if not picked.ok:
             return picked
-        held = context.world.held or found
+        if (held := context.world.held) is None:
+            return fail("dropped", f"I have lost the {object}.")
     went = await go_to(context, goal, name)
     if not still_held(context):
         return lost(context, held)

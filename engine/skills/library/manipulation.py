@@ -7,8 +7,9 @@ from typing import Annotated, Final
 
 from engine.errors import PlanError
 from engine.perception.memory import Thing
-from engine.perception.naming import wanted
+from engine.perception.naming import Wanted, wanted
 from engine.perception.sighting import PixelBox, Sight
+from engine.robot.robot import Room
 from engine.skills.context import SkillContext
 from engine.skills.find import find, furniture_called
 from engine.skills.grasp import lost, pick
@@ -23,6 +24,8 @@ SurfaceName = Annotated[str, Word("surface")]
 Pixel = Annotated[float, Measure("", 0, 4096)]
 ServoAngle = Annotated[float, Measure("deg", 0, 180)]
 
+LOOKED_FOR: Final = 3
+"""Times that a thing is looked for that is not where it was seen."""
 OVERLAP: Final = 0.2
 """Part of the area of two boxes together that they must share for one to mean the other."""
 
@@ -32,8 +35,7 @@ async def pick_object(context: SkillContext, object: ObjectName) -> Result:
     """Pick something up, looking for it first where it is not known."""
     if (held := context.world.held) is not None:
         return _hand_full(held)
-    found = await find(context, wanted(object))
-    return found if isinstance(found, Result) else await pick(context, found)
+    return await fetch(context, wanted(object))
 
 
 @skill(occupies=["base", "arm", "camera"])
@@ -121,6 +123,20 @@ async def close_gripper(context: SkillContext) -> Result:
 
 def _hand_full(held: Thing) -> Result:
     return fail("hand_full", f"I hold the {held.name} already.")
+
+
+async def fetch(context: SkillContext, what: Wanted, rooms: tuple[Room, ...] | None = None) -> Result:
+    """Find a thing (in ``rooms``, or anywhere) and pick it up. From afar something else may look like it: where it
+    turns out not to be there, it is looked for again."""
+    for _ in range(LOOKED_FOR - 1):
+        found = await find(context, what, rooms=rooms)
+        if isinstance(found, Result):
+            return found
+        picked = await pick(context, found)
+        if picked.error_code != "object_not_found":
+            return picked
+    found = await find(context, what, rooms=rooms)
+    return found if isinstance(found, Result) else await pick(context, found)
 
 
 def _thing_in(box: PixelBox, sight: Sight, things: tuple[Thing, ...]) -> Thing | None:

@@ -16,10 +16,10 @@ from engine.perception.naming import Wanted
 from engine.robot.robot import Furniture, Pose, wrap
 from engine.skills.aim import top_of
 from engine.skills.context import SkillContext
-from engine.skills.find import find
 from engine.skills.grasp import pick
 from engine.skills.hand import move_to
 from engine.skills.library.following import ThingColour, enumerated
+from engine.skills.library.manipulation import fetch
 from engine.skills.outcome import ErrorCode, Result, fail, ok
 from engine.skills.put import put_on, put_on_floor
 from engine.skills.registry import Measure, skill
@@ -50,10 +50,7 @@ async def apriltag_sort(context: SkillContext, id: Tag) -> Result:
     """Take the block with this tag and put it on its place: the tray of its number if the house has one, else the
     floor beside the robot."""
     number, home = round(id), context.pose
-    found = await find(context, Wanted(tag=number))
-    if isinstance(found, Result):
-        return found
-    taken = await pick(context, found)
+    taken = await fetch(context, Wanted(tag=number))
     if not taken.ok:
         return taken
     tray = tray_of(context.robot.floor_map.furniture, number)
