@@ -12,7 +12,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine.errors import RobotError
+from engine.errors import CameraError, RobotError
+from engine.robot.arm import ArmModel
+from engine.robot.camera import Picture
 from engine.robot.robot import (
     ARM_INITIAL,
     ZERO,
@@ -25,6 +27,7 @@ from engine.robot.robot import (
     Scan,
     Twist,
 )
+from engine.robot.sim.dimensions import ARM
 
 TICK_S = 0.02
 LIFETIME_S = 0.25
@@ -36,6 +39,7 @@ class KinematicRobot:
     name = "kinematic robot"
     capabilities: frozenset[Capability] = frozenset({"base", "arm", "camera", "voice"})
     footprint = Footprint(0.3, 0.24)
+    arm: ArmModel = ARM
     floor_map = FloorMap(0.05, (-5.0, -4.0), np.zeros((160, 200), dtype=np.bool_))
 
     def __init__(self) -> None:
@@ -78,6 +82,11 @@ class KinematicRobot:
 
     def scan(self) -> Scan:
         return Scan(self._at, np.zeros(0), np.zeros(0))
+
+    async def look(self) -> Picture:
+        raise CameraError("This robot has no camera.")
+
+    def relocate(self, believed: Pose, true: Pose) -> None: ...
 
     def drive(self, twist: Twist, epoch: int) -> None:
         self._advance()
