@@ -89,6 +89,7 @@ class RobotState:
     blocked: str | None  # what the obstacle stop reacts to, in words ("obstacle 0.05 m ahead")
     halted: str | None  # why the robot stopped itself ("heartbeat lost"), None in normal operation
     halted_in: int | None = None  # the epoch in which it did; only a newer one lets it move again
+    grip: float = 0.0  # what the gripper is told, as ``gripper``: less than that while it presses on something
 
     @property
     def moving(self) -> bool:

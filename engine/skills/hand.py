@@ -25,6 +25,8 @@ FINGER: Final = (0.011, 0.011)
 """m, half the width of a finger along its pad, and its thickness: what room it takes beside a thing."""
 PALM: Final = 0.06
 """m from the point between the fingers to the palm: what is taller must be gripped further up."""
+PRESSING: Final = 0.003
+"""m that the fingers are told to close further than they can: about a newton on each, which holds what weighs 100 g."""
 NOTHING: Final = 0.008
 """Gap in m below which there is nothing between closed fingers."""
 
@@ -53,6 +55,13 @@ def on_map(pose: Pose, point: Point) -> Point:
 def gap(context: SkillContext, state: RobotState | None = None) -> float:
     """Between the fingers, m."""
     return context.robot.arm.jaw * (state or context.robot.state()).gripper
+
+
+def presses(context: SkillContext) -> bool:
+    """Whether the fingers press on what is between them: they are told to close further than they can. Without that
+    it slips out sooner or later."""
+    state = context.robot.state()
+    return gap(context, state) - context.robot.arm.jaw * state.grip > PRESSING
 
 
 def still_held(context: SkillContext) -> bool:

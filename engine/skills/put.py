@@ -32,6 +32,7 @@ from engine.skills.hand import (
     on_map,
     open_fingers,
     pressed,
+    presses,
     still_held,
 )
 from engine.skills.outcome import Result, fail, ok
@@ -358,7 +359,7 @@ async def _let_go(context: SkillContext, position: Point, width: float) -> None:
     try:
         await open_fingers(context, width)
     finally:
-        if gap(context) > before + _LOOSE:
+        if gap(context) > before + _LOOSE or not presses(context):
             world.put(position, context.robot.state().t)
     if world.held is not None:  # nothing was between them
         world.put(position, context.robot.state().t)

@@ -85,6 +85,7 @@ class HandRobot:
             joints=tuple(record["joints"].tolist()),
             joint_targets=tuple(record["joint_targets"].tolist()),
             gripper=float(record["gripper"]),
+            grip=float(record["grip"]),
             light=(0, 0, 0),
             blocked=self.world.blocked,
             halted=None,

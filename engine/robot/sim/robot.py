@@ -363,6 +363,7 @@ def _state(record: Record, pose: Pose) -> RobotState:
         joints=tuple(record["joints"].tolist()),
         joint_targets=tuple(record["joint_targets"].tolist()),
         gripper=float(record["gripper"]),
+        grip=float(record["grip"]),
         light=tuple(record["light"].tolist()),
         blocked=record["blocked"].item().decode() or None,
         halted=halted,

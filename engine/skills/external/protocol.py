@@ -15,8 +15,9 @@ bytes of colour, and two of depth, little-endian, in mm along the line of sight 
 the optical frame (x right, y down, z ahead) to the base frame. Capabilities are those that the program occupies; tags
 are AprilTags 36h11 that hang in the house.
 STATE is ``{"t", "pose": [x, y, yaw], "twist": [vx, vy, wz], "command": [vx, vy, wz], "joints": [5], "joint_targets":
-[5], "gripper", "light": [r, g, b], "blocked", "halted"}``. Everything is in SI units and radians, poses in the map
-frame, twists in the base frame; row 0 of the map is the southernmost, "#" is occupied, a range of null hit nothing.
+[5], "gripper", "grip", "light": [r, g, b], "blocked", "halted"}``. Everything is in SI units and radians, poses in
+the map frame, twists in the base frame; row 0 of the map is the southernmost, "#" is occupied, a range of null hit
+nothing.
 
 The program may say, one or several in an object:
 

@@ -13,7 +13,7 @@ from engine.robot.robot import Room
 from engine.skills.context import SkillContext
 from engine.skills.find import find, furniture_called
 from engine.skills.grasp import lost, pick
-from engine.skills.hand import close_fingers, gap, move_to, open_fingers, still_held
+from engine.skills.hand import close_fingers, gap, move_to, open_fingers, presses, still_held
 from engine.skills.library.searching import ObjectName
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.put import put_in, put_on, put_on_floor
@@ -108,7 +108,7 @@ async def open_gripper(context: SkillContext) -> Result:
     try:
         await open_fingers(context, context.robot.arm.jaw)
     finally:
-        if held is not None and gap(context) > held.size[0] + 0.005:
+        if held is not None and not presses(context):
             context.world.put(None, context.robot.state().t)
     return ok("The gripper is open." if held is None else f"The gripper is open; I have let go of the {held.name}.")
 
