@@ -9,15 +9,44 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 
-.PHONY: run test check pictures clean
+# What a virtual microphone needs; the tests that speak into one are skipped without it.
+SOUND := libportaudio2 pulseaudio pulseaudio-utils libasound2-plugins
+
+# Tests of what acts in real time: sound, and whole programs at the pace of the world.
+ALONE := tests/audio tests/e2e
+
+.PHONY: run test test-audio sound test-web check pictures clean
 
 run: $(INSTALLED)
 	@$(BIN)/sayso models pull
 	@$(BIN)/sayso $(ARGS)
 
+# What only computes is tried on all cores; what acts in real time has the machine for itself.
 test: check
-	@$(BIN)/sayso models pull whisper-base whisper-tiny.en
+	@$(BIN)/sayso models pull whisper-base whisper-tiny.en qwen2.5-coder-1.5b piper-joe speech-embedding
+ifdef ARGS
 	$(BIN)/pytest $(ARGS)
+else
+	$(BIN)/pytest --numprocesses logical $(ALONE:%=--ignore %)
+	$(BIN)/pytest $(ALONE)
+endif
+
+# The tests at a virtual microphone, for certain. As root it installs what they need.
+test-audio: sound $(INSTALLED)
+	@$(BIN)/sayso models pull whisper-base
+	TEST_AUDIO=required $(BIN)/pytest tests/audio $(ARGS)
+
+sound:
+	@if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && ! dpkg -s $(SOUND) >/dev/null 2>&1; then \
+		apt-get install --yes --quiet --no-install-recommends $(SOUND) || \
+		{ apt-get update --quiet && apt-get install --yes --quiet --no-install-recommends $(SOUND); }; fi
+
+# The tests in a browser, for certain. As root it installs one.
+test-web: $(INSTALLED)
+	@if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && ! command -v chromium >/dev/null; then \
+		apt-get install --yes --quiet --no-install-recommends chromium || \
+		{ apt-get update --quiet && apt-get install --yes --quiet --no-install-recommends chromium; }; fi
+	TEST_WEB=required $(BIN)/pytest tests/e2e/test_web.py $(ARGS)
 
 check: $(INSTALLED)
 	$(BIN)/ruff check .
@@ -27,6 +56,7 @@ check: $(INSTALLED)
 
 pictures: $(INSTALLED)
 	$(BIN)/python -m tests.tui.pictures
+	$(BIN)/python -m tests.tui.cast
 
 $(INSTALLED): pyproject.toml constraints.txt
 	@test -n "$(PYTHON)" || { echo "sayso needs Python 3.11 or later: make PYTHON=/path/to/python3.11 …" >&2; exit 2; }

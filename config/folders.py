@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-FILES = ("config.yaml", "robot.yaml", "map.yaml", "skills.yaml", "platforms.yaml")
+FILES = ("config.yaml", "robot.yaml", "map.yaml", "skills.yaml", "platforms.yaml", "profiles.yaml")
 """Files of the configuration folder, in reading order; all are optional and a later one wins."""
 
 RESERVED = ("SAYSO_CONFIG_DIR", "SAYSO_CACHE_DIR", "SAYSO_STATE_DIR")
@@ -28,9 +28,34 @@ class Paths:
         return self.cache / "models"
 
     @property
+    def words(self) -> Path:
+        """Heads of wake words that the user trained."""
+        return self.config / "wake"
+
+    @property
     def logs(self) -> Path:
         """Session logs."""
         return self.state / "logs"
+
+    @property
+    def door(self) -> Path:
+        """The socket at which a running sayso takes the sound of ``sayso mic``."""
+        return self.state / "mic.sock"
+
+    @property
+    def requests(self) -> Path:
+        """What was typed in earlier sessions."""
+        return self.state / "requests"
+
+    @property
+    def panes(self) -> Path:
+        """How the panes of the console share the room."""
+        return self.state / "panes.json"
+
+    @property
+    def toured(self) -> Path:
+        """There once somebody has asked for something in the console, and needs no tour any more."""
+        return self.state / "toured"
 
     @property
     def files(self) -> tuple[Path, ...]:

@@ -23,11 +23,11 @@ from config import allowed
 from config.errors import ConfigError, Problem, Where
 from config.folders import FILES, RESERVED, paths
 from config.merge import Filled, assignment, merge, node_at, spelled
-from config.mistakes import PACKAGED, as_written, explained, misplaced, wrong_booleans
+from config.mistakes import PACKAGED, as_written, explained, misplaced, readable_secrets, wrong_booleans
 from config.schema import Settings
 from config.source import Node, SourceError, parse, parse_value, read
 
-DEFAULTS = ("engine.yaml", "robot.yaml", "map.yaml", "skills.yaml", "platforms.yaml")
+DEFAULTS = ("engine.yaml", "robot.yaml", "map.yaml", "skills.yaml", "platforms.yaml", "profiles.yaml")
 PREFIX = "SAYSO_"
 FLAG = "--set"
 MASK = "********"
@@ -166,7 +166,9 @@ class _Load:
 
     def _file(self, path: Path, *, required: bool) -> None:
         try:
-            self._lay(read(path))
+            layer = read(path)
+            self.problems += readable_secrets(layer, path)
+            self._lay(layer)
         except SourceError as error:
             self.problems.append(error.problem)
         except FileNotFoundError:

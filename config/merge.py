@@ -2,8 +2,8 @@
 
 Sections merge key by key, lists and values replace. A place or platform set to null is removed. One that gives all
 its required keys stands alone and inherits nothing (a new living room must not keep the old one's other names); with
-fewer keys it amends the one below. A section with nothing in it, as when all its lines are commented out, changes
-nothing.
+fewer keys, or where none is required, it amends the one below. A section with nothing in it, as when all its lines are
+commented out, changes nothing.
 """
 
 from __future__ import annotations
@@ -47,7 +47,8 @@ def _stands_alone(path: Path, node: Node) -> bool:
     """Environment and flags give one key at a time: they always amend."""
     if not isinstance(node.value, dict) or not node.where.line or not allowed.is_open(path[:-1]):
         return False
-    return allowed.required_at(path) <= node.value.keys()
+    required = allowed.required_at(path)
+    return bool(required) and required <= node.value.keys()
 
 
 def assignment(path: Path, value: Node) -> Node:
@@ -131,9 +132,8 @@ class Filled:
                 return "${"  # written $${ to mean itself
             name, closed = match[2], match[3]
             if not closed or not _NAME.fullmatch(name):
-                self._report(
-                    path, where, f"${{{name:.40}{closed} is no variable; write ${{NAME}}, or $${{ for the signs"
-                )
+                shown = "…" if path[:1] == ("platforms",) else f"{name:.40}"  # a key that somebody put in braces
+                self._report(path, where, f"${{{shown}{closed} is no variable; write ${{NAME}}, or $${{ for the signs")
             elif name not in self._environ:
                 missing.append(name[:40])
             else:

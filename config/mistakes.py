@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import stat
 from collections.abc import Iterator, Mapping
+from pathlib import Path as FilePath
 from typing import Any
 
 from pydantic import ValidationError
@@ -49,7 +51,17 @@ def misplaced(layer: Node, path: Path = ()) -> Iterator[Problem]:
         for key, child in layer.value.items():
             yield from misplaced(child, (*path, key))
     elif layer.value is not None and (allowed.keys_at(path) or allowed.is_open(path)):
-        yield Problem(layer.where, ".".join(path), _rejection(layer), allowed.describe(path))
+        yield Problem(layer.where, ".".join(path), _rejection(layer, secret=_secret(path)), allowed.describe(path))
+
+
+def readable_secrets(layer: Node, file: FilePath) -> Iterator[Problem]:
+    """Keys that are written out in a file which others may read."""
+    if not file.stat().st_mode & (stat.S_IRWXG | stat.S_IRWXO):
+        return
+    for path, node in leaves(layer):
+        if isinstance(node.value, str) and "${" not in node.value and "password" in allowed.types_at(path):
+            message = "a key stands here, and others may read this file; write ${VARIABLE}, or `chmod 600` the file"
+            yield Problem(node.where, ".".join(path), message)
 
 
 def as_written(path: Path, where: Where) -> str:
@@ -81,8 +93,13 @@ def _rejected(path: Path, node: Node, item: Any, tree: Node, raw: Mapping[Path, 
     shape = allowed.shape_at(path) or {}
     choices = [str(choice) for choice in shape.get("enum", ())]
     near = allowed.nearest(str(node.value), choices) if isinstance(node.value, str) else ""
-    secret = "password" in allowed.types_at(path)
-    return Problem(node.where, key, _rejection(node, raw.get(path), secret=secret), allowed.describe(path), near)
+    shown = _rejection(node, raw.get(path), secret=_secret(path))
+    return Problem(node.where, key, shown, allowed.describe(path), near)
+
+
+def _secret(path: Path) -> bool:
+    """Whether a key may stand there, if only by mistake: one line too high, or in the wrong line."""
+    return path[:1] == ("platforms",) or "password" in allowed.types_at(path)
 
 
 def _unknown(path: Path, node: Node) -> Problem:

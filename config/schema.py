@@ -27,8 +27,64 @@ class Section(BaseModel):
 class Audio(Section):
     """Where sound comes from."""
 
-    device: str | int | None = Field(description="Microphone by (part of the) name or index; null: system default.")
-    gain_db: float = Field(ge=-40, le=40, description="Fixed gain before anything else, dB.")
+    device: str | int | None = Field(
+        description="Microphone by (part of the) name or index, or a satellite, tcp://HOST:PORT; null: system default."
+    )
+    echo: Literal["auto", "off"] = Field(
+        description="auto: what the loudspeaker plays is taken out of what the microphone of this machine hears."
+    )
+    gain_db: Annotated[float, Field(ge=-40, le=40)] | Literal["auto"] = Field(
+        description="Gain before anything else, dB; auto: learnt from what is understood, 0 to 30."
+    )
+
+
+WakeProtocol = Literal["ai_voice", "ai_voice_bilingual", "csk4002", "iflytek"]
+"""The wake modules there are; each has a file in engine/wake."""
+
+
+class SerialWake(Section):
+    """A module on a serial line that knows its wake word itself."""
+
+    port: str | None = Field(
+        description="A device, VID:PID[:serial number], or auto: every USB serial port; null: there is no module."
+    )
+    protocol: Literal["auto"] | WakeProtocol = Field(
+        description="Which module it is; auto: all but ai_voice_bilingual are understood, and none is spoken to first."
+    )
+    phrase: int | None = Field(
+        ge=0, le=999, description="Number of the phrase by which the module answers a wake; null: none."
+    )
+
+    @field_validator("port")
+    @classmethod
+    def _port(cls, port: str | None) -> str | None:
+        if port is None or port == "auto" or "/" in port or USB_DEVICE.fullmatch(port):
+            return port
+        raise ValueError("this is no serial port; write its device (/dev/ttyUSB0), VID:PID (1a86:7523), or auto")
+
+    @model_validator(mode="after")
+    def _plays(self) -> SerialWake:
+        last = {"iflytek": -1, "ai_voice": 255, "ai_voice_bilingual": 255}.get(self.protocol, 999)
+        if self.phrase is not None and self.phrase > last:
+            plays = f"plays phrases up to {last}" if last >= 0 else "plays no phrases"
+            raise ValueError(f"the module {self.protocol} {plays}")
+        return self
+
+
+USB_DEVICE = re.compile(r"([0-9a-fA-F]{4}):([0-9a-fA-F]{4})(?::(.+))?")
+"""How a USB device is named: what its maker and its kind have for numbers, and its own serial number if need be."""
+
+
+class Wake(Section):
+    """What calls the robot, besides a key and a command."""
+
+    serial: SerialWake
+    words: Literal["auto"] | tuple[Annotated[str, Field(min_length=1)], ...] = Field(
+        description="Phrases that wake (`sayso wake list`); auto: hey jarvis and hey sayso, as far as installed."
+    )
+    threshold: float | None = Field(
+        gt=0, lt=1, description="How sure it has to be of a word; null: as the word's own trial says."
+    )
 
 
 class Vad(Section):
@@ -47,6 +103,8 @@ class Endpoint(Section):
     pre_roll_s: Seconds = Field(le=2, description="Sound kept from before the confirmed start.")
     start_s: Seconds = Field(gt=0, le=1, description="Speech needed to confirm a start.")
     silence_s: Seconds = Field(gt=0, le=5, description="Silence that ends an utterance.")
+    complete_s: Seconds = Field(gt=0, le=5, description="The same once what was said is a complete command.")
+    incomplete_s: Seconds = Field(gt=0, le=5, description='The same after "and", "to the", or a number without a unit.')
     max_length_s: Seconds = Field(gt=1, le=25, description="Longest utterance; ends it in steady noise too.")
     no_speech_s: Seconds = Field(gt=0, le=120, description="Give up listening when nobody spoke for this long.")
 
@@ -54,20 +112,84 @@ class Endpoint(Section):
 class Asr(Section):
     """Speech recognition."""
 
-    model: str = Field(description="A name from `sayso models list`, or a folder with a CTranslate2 Whisper model.")
+    backend: Literal["whisper", "openai", "wyoming"] = Field(
+        description="whisper: on this machine; openai: a service (platform); wyoming: a server (server)."
+    )
+    model: str = Field(description="Of whisper: a name from `sayso models list`, or a folder with a CTranslate2 model.")
+    platform: str | None = Field(description="Of openai: whose /audio/transcriptions it is (platforms.yaml).")
+    server: str | None = Field(description="Of wyoming: its address, tcp://HOST:PORT or unix:///PATH.")
     language: str = Field(description="ISO 639-1 code, or auto.")
+    languages: tuple[str, ...] = Field(min_length=1, description="Among which auto chooses; ISO 639-1 codes.")
     threads: int = Field(ge=0, le=64, description="0: half of the cores, at least one.")
     window_s: Seconds = Field(ge=10, le=30, description="Encoder window; shorter is faster.")
     min_logprob: float = Field(le=0, description="Reject a transcript whose mean token log-probability is lower.")
     max_no_speech: float = Field(ge=0, le=1, description="Reject a transcript with a higher no-speech probability.")
 
+    @field_validator("server")
+    @classmethod
+    def _address(cls, server: str | None) -> str | None:
+        return _wyoming(server)
+
+    @model_validator(mode="after")
+    def _reachable(self) -> Asr:
+        if self.backend == "wyoming" and self.server is None:
+            raise ValueError("the backend wyoming needs asr.server, for example tcp://127.0.0.1:10300")
+        return self
+
+
+WYOMING = re.compile(r"tcp://[^/:\s]+:\d{1,5}|unix:///\S+")
+"""How a Wyoming server is named."""
+
+
+class Voice(Section):
+    """How answers are spoken."""
+
+    when: Literal["spoken", "always", "never"] = Field(
+        description="Which answers are spoken: those to spoken requests, those to typed ones as well, or none."
+    )
+    backend: Literal["auto", "piper", "espeak", "openai", "wyoming"] = Field(
+        description="auto: piper for English and espeak-ng for everything else, as far as they are installed."
+    )
+    model: str = Field(description="Of piper: a name from `sayso models list`, or the .onnx file of another voice.")
+    speaker: str | None = Field(
+        description="Which voice of espeak (English), of the platform or of the server; null: the usual one."
+    )
+    platform: str | None = Field(description="Of openai: whose /audio/speech it is (platforms.yaml).")
+    server: str | None = Field(description="Of wyoming: its address, tcp://HOST:PORT or unix:///PATH.")
+    speed: float = Field(
+        ge=0.5, le=2, description="1: as fast as the voice speaks by itself; a Wyoming server knows no other."
+    )
+    device: str | int | None = Field(
+        description="Loudspeaker by (part of the) name or index; null: of the satellite that is heard, else the usual."
+    )
+    volume: float = Field(ge=0, le=1, description="Of speech and sounds, 0…1.")
+    duck_db: float = Field(ge=0, le=40, description="How much quieter it speaks while somebody is listened to, dB.")
+    sounds: bool = Field(description="A sound when it wakes and listens, and where a spoken request gets no answer.")
+
+    @field_validator("server")
+    @classmethod
+    def _address(cls, server: str | None) -> str | None:
+        return _wyoming(server)
+
+    @model_validator(mode="after")
+    def _reachable(self) -> Voice:
+        if self.backend == "wyoming" and self.server is None:
+            raise ValueError("the backend wyoming needs voice.server, for example tcp://127.0.0.1:10200")
+        return self
+
 
 class Planner(Section):
     """From words to plans."""
 
-    language: Literal["en"] = Field(description="Language of phrases and answers.")
+    language: Literal["auto", "en", "zh"] = Field(
+        description="Language of phrases, prompts and answers; auto: that of what was said."
+    )
     max_actions: int = Field(ge=1, le=50, description="Longest plan.")
-    vision: str | None = Field(description="A platform that is asked what a picture shows; null: none is.")
+    profile: str = Field(
+        description="Which large models think (profiles.yaml): local, international, china, phrases (none), or yours."
+    )
+    rounds: int = Field(ge=1, le=50, description="Plans that one request may lead to, as feedback is thought over.")
+    steps: int = Field(ge=1, le=500, description="Actions that one request may lead to in all its rounds.")
 
 
 class Session(Section):
@@ -86,7 +208,22 @@ class Console(Section):
     """The terminal interface."""
 
     theme: str = Field(description="Name of a Textual theme.")
+    language: Literal["auto", "en", "zh"] = Field(
+        description="Of words on the screen; auto: zh where planner.language is, else by LC_ALL, LC_MESSAGES or LANG."
+    )
     fps: float = Field(gt=0, le=30, description="How often moving panes are redrawn.")
+    camera: Literal["auto", "on", "off"] = Field(
+        description="Whether what the camera sees is shown from the start; auto: on a large terminal, not over SSH."
+    )
+    camera_graphics: Literal["auto", "blocks", "sixel", "kitty"] = Field(
+        description="How what the camera sees is drawn: characters, or pixels in either way; auto: pixels where the"
+        " terminal says that it has them, on a good line, not in tmux or screen."
+    )
+    motion: Literal["full", "reduced"] = Field(
+        description="reduced: nothing slides, and what moves by itself (sound, times, the robot) does so once a second."
+    )
+    history: bool = Field(description="What is typed is kept in the state folder and recalled in later sessions.")
+    keys: dict[str, str] = Field(description="Other keys, by action (`ctrl+p` in the console and its help name them).")
 
 
 class Limits(Section):
@@ -165,9 +302,12 @@ class Platform(Section):
 
     kind: Literal["local", "openai", "dify"]
     base_url: str | None = None
-    model: str | None = None
+    model: str | None = Field(default=None, description="Of a local one: a name from `sayso models list`, or a file.")
+    threads: int = Field(default=0, ge=0, le=64, description="Of a local model; 0: one for each core, four at most.")
     api_key: SecretStr | None = Field(default=None, description="Write ${VARIABLE}: keys come from the environment.")
     timeout_s: float = Field(default=30, gt=0, le=600, description="Longest wait for an answer.")
+    sees: bool = Field(default=False, description="It is sent what the camera shows when it plans after a look.")
+    grammar: bool = Field(default=False, description="It is a llama.cpp server, which can be held to a grammar.")
 
     @field_validator("base_url")
     @classmethod
@@ -177,10 +317,22 @@ class Platform(Section):
         return url
 
 
+class Profile(Section):
+    """Which large models think, by their names in platforms.yaml. In a list, the next one is asked where one fails;
+    when none is left, only phrases are understood."""
+
+    decision: tuple[str, ...] = Field(
+        default=(), description="Break a new request into steps; empty: execution does it in the same breath."
+    )
+    execution: tuple[str, ...] = Field(default=(), description="Turn steps into actions; empty: phrases only.")
+    vision: str | None = Field(default=None, description="Is sent pictures, to say what they show; null: none is.")
+
+
 class Models(Section):
     """Where model files are kept."""
 
     folder: Path | None = Field(description="null: the user's cache folder.")
+    fetch: bool = Field(description="Fetch the profile's large model, and piper's voice, in the background.")
 
 
 class Misnamed(ValueError):
@@ -267,9 +419,11 @@ class Settings(Section):
     """The whole configuration."""
 
     audio: Audio
+    wake: Wake
     vad: Vad
     endpoint: Endpoint
     asr: Asr
+    voice: Voice
     planner: Planner
     session: Session
     console: Console
@@ -278,6 +432,7 @@ class Settings(Section):
     places: dict[str, Place]
     skills: dict[str, ExternalSkill]
     platforms: dict[str, Platform]
+    profiles: dict[str, Profile]
 
     @field_validator("skills")
     @classmethod
@@ -299,22 +454,64 @@ class Settings(Section):
         return places
 
     @model_validator(mode="after")
-    def _a_platform_that_sees(self) -> Settings:
-        name = self.planner.vision
-        if name is None:
-            return self
-        sighted = [name for name, platform in self.platforms.items() if platform.kind == "openai"]
-        known = f"those that can look at pictures: {', '.join(sighted) or 'none yet; add one to platforms.yaml'}"
+    def _models_that_think(self) -> Settings:
+        if self.planner.profile not in self.profiles:
+            known = tuple(self.profiles)
+            message = f"there is no profile called {self.planner.profile}; there are {', '.join(known)}"
+            raise Unfit(message, "planner", "profile", choices=known)
+        profile = self.profile
+        for layer, names in (("decision", profile.decision), ("execution", profile.execution)):
+            for index, name in enumerate(names):
+                self._usable(name, ("local", "openai", "dify"), layer, str(index))
+        if profile.vision is not None:
+            self._usable(profile.vision, ("openai", "dify"), "vision")
+        return self
+
+    @model_validator(mode="after")
+    def _services_for_speech(self) -> Settings:
+        if self.voice.backend == "openai":
+            self._service("voice", self.voice.platform, "the voice is to be that of", "a model of speech")
+        if self.asr.backend == "openai":
+            self._service("asr", self.asr.platform, "speech is to be recognised by", "a model that transcribes")
+        return self
+
+    def _service(self, section: str, name: str | None, purpose: str, model: str) -> None:
+        """Whether a platform can do what a section wants. Raises :class:`Unfit`."""
+        able = [name for name, it in self.platforms.items() if it.kind == "openai" and it.base_url and it.model]
+        if name not in able:
+            what = "names none" if name is None else f"{name} is none"
+            message = (
+                f"{purpose} a platform of the kind openai with a base_url and {model}, "
+                f"and {section}.platform {what}; add one to platforms.yaml"
+            )
+            raise Unfit(message, section, "platform", choices=able)
+
+    def _usable(self, name: str, kinds: tuple[str, ...], *layer: str) -> None:
+        """Whether a platform can do the work of a layer. Raises :class:`Unfit`."""
+        able = [name for name, platform in self.platforms.items() if platform.kind in kinds]
+        known = f"those for this: {', '.join(able) or 'none yet; add one to platforms.yaml'}"
+        at = ("profiles", self.planner.profile, *layer)
         platform = self.platforms.get(name)
         if platform is None:
-            raise Unfit(f"there is no platform called {name}; {known}", "planner", "vision", choices=sighted)
-        if platform.kind != "openai":
+            raise Unfit(f"there is no platform called {name}; {known}", *at, choices=able)
+        if platform.kind not in kinds:
             message = f"{name} is a platform of the kind {platform.kind}, which cannot look at pictures; {known}"
-            raise Unfit(message, "planner", "vision")
-        if missing := [key for key in ("base_url", "model") if not getattr(platform, key)]:
-            message = f"{' and '.join(missing)} must be set here, because planner.vision names this platform"
+            raise Unfit(message, *at)
+        needed = {"local": ("model",), "openai": ("base_url", "model"), "dify": ("base_url",)}[platform.kind]
+        if missing := [key for key in needed if not getattr(platform, key)]:
+            message = f"{' and '.join(missing)} must be set here, because {'.'.join(at[:3])} names this platform"
             raise Unfit(message, "platforms", name)
-        return self
+
+    @property
+    def profile(self) -> Profile:
+        """The large models in use."""
+        return self.profiles[self.planner.profile]
+
+
+def _wyoming(server: str | None) -> str | None:
+    if server is not None and not WYOMING.fullmatch(server):
+        raise ValueError("this is no address of a Wyoming server; write tcp://127.0.0.1:10300")
+    return server
 
 
 def _is_address(url: str) -> bool:

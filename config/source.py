@@ -45,12 +45,14 @@ class SourceError(Exception):
 
 def read(path: Path) -> Node:
     """The tree of a file. Raises SourceError for everything that keeps it from being one, FileNotFoundError alone
-    excepted: whether a file must exist is the caller's business."""
+    excepted: whether a file must exist is the caller's business. Nothing exists in what is no folder."""
     try:
         with path.open("rb") as file:
             data = file.read(MAX_BYTES + 1)
     except FileNotFoundError:
         raise
+    except NotADirectoryError as error:
+        raise FileNotFoundError(*error.args) from error
     except OSError as error:
         raise SourceError(Problem(Where(str(path)), "", f"cannot be read: {error.strerror or error}")) from error
     return parse(data, str(path))

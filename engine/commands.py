@@ -7,7 +7,7 @@ carry an ``id`` of the sender's choice, which its acknowledgement (event ``ack``
 from __future__ import annotations
 
 from base64 import b64decode
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import msgspec
 
@@ -16,6 +16,8 @@ from engine.events import WakeSource
 
 MAX_LINE = 4 * 1024 * 1024
 """Longest command line that is read, bytes: two minutes of base64 PCM."""
+MAX_TEXT = 2000
+"""Longest request that is read, characters: two minutes of fast speech."""
 
 
 class Command(msgspec.Struct, frozen=True):
@@ -33,12 +35,14 @@ class Say(Command, frozen=True):
 
 
 class Wake(Command, frozen=True):
-    """Listen now; while speaking or acting this stops both first. ``angle_deg`` is where the speaker stands."""
+    """Listen now; while speaking or acting this stops both first. ``angle_deg`` is where the speaker stands; the
+    request began ``ago_s`` seconds ago, where that is known."""
 
     do: ClassVar[str] = "wake"
     source: WakeSource = "command"
     phrase: str = ""
     angle_deg: float | None = None
+    ago_s: Annotated[float, msgspec.Meta(ge=0, le=1)] | None = None
     id: str | None = None
 
 
@@ -128,9 +132,29 @@ def parse_command(line: bytes | str) -> Command:
     if unknown := sorted(raw.keys() - set(known)):
         raise UsageError(f"{do}: unknown field {unknown[0]!r}.", hint=f"Allowed: {', '.join(known)}.")
     try:
-        return msgspec.convert(raw, type=COMMANDS[do])
+        command = msgspec.convert(raw, type=COMMANDS[do])
     except msgspec.ValidationError as error:
         raise UsageError(f"{do}: {error}.") from error
+    if isinstance(command, Say):
+        check_request(command.text)
+    return command
+
+
+def check_request(text: str) -> None:
+    """Raises :class:`UsageError` where a request is empty, or too long to be one."""
+    if not text.strip():
+        raise UsageError("The request is empty.", hint='Say what is to be done, for example "go to the kitchen".')
+    if (why := too_long(text)) is not None:
+        raise UsageError(why)
+
+
+def too_long(text: str) -> str | None:
+    """Why a request is not read, for people, where it is longer than any that somebody would say."""
+    if len(text) <= MAX_TEXT:
+        return None
+    return (
+        f"The request is {len(text)} characters long; {MAX_TEXT} are read at most. Ask for one thing after the other."
+    )
 
 
 def _allowed() -> str:

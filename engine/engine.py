@@ -13,39 +13,67 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from typing import Any, TypeVar
 
 from config import paths
 from config.schema import Place, Settings
 from engine import __version__, events
 from engine.bus import Bus, Subscriber
-from engine.camera_part import CameraPart
+from engine.chimes import Chimes
 from engine.clock import Clock, SystemClock
-from engine.commands import Command, Heard
-from engine.demo import Demo
-from engine.dispatch import Dispatcher
-from engine.ears import Ears
+from engine.commands import Command, Heard, Wake
 from engine.epoch import Epoch
 from engine.errors import RobotError, SaysoError, StorageError
 from engine.event_log import EventLog
 from engine.events import Body, Event
 from engine.handle import PartName, PartStatus
-from engine.hearing import Hearing
-from engine.holds import Holds
-from engine.keeper import Keeper
-from engine.loading import Sound, at_home, make_robot, make_vision
-from engine.parts import Part
+from engine.hearing.hearing import Hearing
+from engine.llm.chat import Message
+from engine.llm.local import LocalChat
+from engine.offer import Offer, offered
+from engine.parts.camera import CameraPart
+from engine.parts.demo import Demo
+from engine.parts.ears import Ears
+from engine.parts.fetching import Fetching
+from engine.parts.keeper import Keeper
+from engine.parts.loading import (
+    Sound,
+    at_home,
+    is_to_be_heard,
+    make_models,
+    make_player,
+    make_robot,
+    make_satellite,
+    make_vision,
+    model_store,
+)
+from engine.parts.model import Instructions, ModelPart
+from engine.parts.part import Part
+from engine.parts.viewfinder import Viewfinder
+from engine.parts.voice import VoicePart
+from engine.parts.words import WordsPart
 from engine.perception.eyes import Eyes
 from engine.perception.memory import World, WorldMemory
+from engine.perception.sighting import Sight
 from engine.planner.build import build_planner, build_registry
+from engine.planner.phrases.stopping import is_stop
 from engine.planner.planner import Planner
-from engine.robot.robot import FloorMap, Robot, RobotState, Scan
+from engine.planner.worlds.house import build_vocabulary
+from engine.robot.floor_map import FloorMap
+from engine.robot.robot import Robot, RobotState, Scan
 from engine.scheduling import prefer
-from engine.session import Session
+from engine.session.dispatch import Dispatcher
+from engine.session.hesitation import Hesitation
+from engine.session.holds import Holds
+from engine.session.recall import Recall
+from engine.session.session import Session
+from engine.session.turn import Needs
 from engine.skills.places import Places
+from engine.skills.registry import SkillRegistry
+from engine.speaking import SpokenVoice
 from engine.tts.voice import SilentVoice
-from engine.turn import Needs
+from engine.wording import build_wording
 
 T = TypeVar("T")
 
@@ -53,6 +81,8 @@ PULSE_S = 0.05
 """Between two signs of life of the engine's loop, s."""
 SWITCH_S = 0.0005
 """How long a thread that stops the robot may have to wait for one that computes in Python, s (Python: 5 ms)."""
+PATIENCE_S = 20.0
+"""How long the answer to a single request waits for a voice that still loads, s."""
 PAUSE_S = 1.0
 """From this long without one, the loop itself says that it was away, once it is back."""
 
@@ -67,12 +97,18 @@ class Engine:
         self._settings = settings = at_home(settings)
         self._mode = mode
         self._sound = sound
-        self._bus = Bus(clock or SystemClock())
+        self._clock = clock or SystemClock()
+        self._bus = Bus(self._clock)
         self._robot: Robot = make_robot(settings.robot, lambda news: self._camera.follow(news))
-        self._epoch = Epoch(self._robot.stop)
+        self._stays = mode in ("console", "engine")  # else it ends with what it was asked to do
+        self._satellite = make_satellite(settings, sound)
+        self._player = make_player(settings.voice, sound, self._satellite)
+        self._epoch = Epoch(self._stop)
         self._parts: dict[PartName, Part[Any]] = {}
         self._memory = WorldMemory()
         self._session: Session | None = None
+        self._viewfinder: Viewfinder | None = None
+        self._registry: SkillRegistry | None = None
         self._ready = threading.Event()
         self._ended = threading.Event()
         self._failure: BaseException | None = None
@@ -123,14 +159,30 @@ class Engine:
     def scan(self) -> Scan | None:
         return self._when_robot_is_up(self._robot.scan)
 
+    def look(self, deliver: Callable[[Sight | SaysoError], object]) -> None:
+        """Take one picture for people who look on; see ``Viewfinder``."""
+        assert self._viewfinder is not None, "start() comes first"
+        self._viewfinder.look(deliver)
+
     def floor_map(self) -> FloorMap | None:
         return self._robot.floor_map
 
     def places(self) -> Mapping[str, Place]:
         return self._settings.places
 
+    def offer(self) -> Offer:
+        if self._registry is None:
+            return Offer()
+        names = tuple(place.name for place in self._settings.places.values())
+        return offered(self._registry, build_vocabulary(self._settings), names)
+
     def world(self) -> World:
         return self._memory.snapshot()
+
+    def _stop(self, epoch: int) -> None:
+        """Whatever moves, then whatever sounds, in the thread of whoever stops it."""
+        self._robot.stop(epoch)
+        self._player.stop(epoch)
 
     def _when_robot_is_up(self, read: Callable[[], T]) -> T | None:
         if "robot" not in self._parts or self._parts["robot"].value is None:
@@ -160,40 +212,99 @@ class Engine:
         log = self._open_log()
         self._emit(events.SessionStarted(__version__, self._mode, self._robot.name, os.getpid()))
         places = Places(self._settings.places)
-        registry = build_registry(self._settings, places)
+        self._registry = registry = build_registry(self._settings, places)
         robot: Part[Robot] = self._part("robot")
         planner: Part[Planner] = self._part("planner")
         hearing: Part[Hearing] = self._part("recogniser")
         microphone: Part[str] = self._part("microphone")
+        self._viewfinder = Viewfinder(robot, asyncio.get_running_loop())
         self._camera = CameraPart(self._part("camera"), self._emit)
 
         holds, eyes = Holds(), Eyes(self._robot, self._memory)
         vision = make_vision(self._settings)
+        models = make_models(self._settings, lambda words: self._tell_log("model", words))
 
         def understood() -> str:
             return planner.value.understood if planner.value else ""
 
+        voice = SpokenVoice(self._player, patience_s=0.0 if self._stays else PATIENCE_S)
         needs = Needs(
             robot=robot,
             planner=planner,
             dispatcher=lambda up: Dispatcher(registry, up, places, self._epoch, holds, understood, eyes, vision),
             hearing=hearing,
-            voice=SilentVoice(),
+            voice=voice,
+            voice_for_typed=voice if self._settings.voice.when == "always" else SilentVoice(),
+            place_names={symbol: place.name for symbol, place in self._settings.places.items()},
+            recall=lambda up: Recall(up, self._memory),
+            wording=build_wording(self._settings),
+            rounds=self._settings.planner.rounds,
+            steps=self._settings.planner.steps,
         )
-        ears = Ears(self._settings, self._sound, microphone, hearing, on_words=lambda words: self.send(Heard(words)))
+        hesitation = Hesitation(
+            self._robot,
+            self._epoch,
+            self._bus,
+            self._clock,
+            state=lambda: self._session.state if self._session is not None else "IDLE",
+            ears=lambda: hearing.value,
+            duck=self._player.duck,
+        )
+
+        def hears_itself() -> bool:
+            return hearing.value is not None and hearing.value.hears_itself
+
+        words = None
+        if self._hears_people():
+            words = WordsPart(
+                self._settings,
+                lambda wake: None if hears_itself() else self.send(wake),
+                lambda spotted: None if hears_itself() else hesitation.suspect(spotted.phrase, sure=spotted.sure),
+                self._emit,
+                wakes=self._listens_for_words(),
+            )
+        ears = Ears(
+            self._settings,
+            self._sound,
+            microphone,
+            hearing,
+            on_words=lambda words: self._overhear(words, voice, hearing.value),
+            judge=lambda text: planner.value.completeness(text) if planner.value is not None else "unknown",
+            listener=words,
+            played=self._player.sounded,
+            on_going_on=self._go_on if self._hears_people() else None,
+            satellite=self._satellite,
+            door=paths().door if self._stays else None,
+            warn=lambda words: self._tell_log("microphone", words),
+            on_fault=self._tell,
+        )
         self._session = Session(
             self._settings.session, self._bus, self._epoch, needs, hear_audio=ears.push, mark_wake=ears.mark
         )
+
+        async def instructions() -> Sequence[Sequence[Message]]:
+            assert models is not None
+            assert models.local is not None
+            return (await planner.get()).beginnings(models.local)
+
         background = [
-            asyncio.create_task(work)
-            for work in (
-                self._beat(),
-                self._keep_robot(robot, places),
-                planner.load(lambda: asyncio.to_thread(build_planner, self._settings, registry)),
-                ears.keep(),
-                *([self._play_demo(ears, hearing)] if self._sound.kind == "demo" else []),
-            )
+            self._keep(self._beat()),
+            self._keep(self._keep_robot(robot, places), "robot"),
+            self._keep(
+                self._keep_planner(planner, lambda: build_planner(self._settings, registry, models=models)), "planner"
+            ),
+            self._keep(ears.keep(), "microphone", "recogniser"),
+            self._keep(self._keep_voice(voice), "voice"),
         ]
+        if models is not None and models.local and self._stays:  # else it is loaded when it is needed
+            background.append(self._keep(self._keep_model(models.local, instructions), "model"))
+        if self._settings.wake.serial.port and self._stays:
+            background.append(self._keep(self._keep_wake(self._part("wake")), "wake"))
+        if words is not None:
+            background.append(self._keep(words.keep(lambda: self._part("wake words")), "wake words"))
+        if self._sound.kind == "demo":
+            background.append(self._keep(self._play_demo(ears, hearing)))
+        is_stop("")  # its words are read once, which nobody who interrupts may have to wait for
         self._ready.set()
         reason = "a fault"
         try:
@@ -203,10 +314,30 @@ class Engine:
             for task in background:
                 task.cancel()
             await asyncio.gather(*background, return_exceptions=True)
+            for thinking in (models, vision):
+                if thinking is not None:
+                    await thinking.close()
             gc.unfreeze()  # what was loaded goes with the engine
             self._emit(events.SessionEnded(reason))
             if log is not None:
                 log.close()
+
+    def _keep(self, work: Coroutine[Any, Any, None], *parts: PartName) -> asyncio.Task[None]:
+        """Do in the background what goes on until the engine ends. Nobody waits for it: a fault in it is told here, and
+        the parts that it kept have failed."""
+
+        def over(task: asyncio.Task[None]) -> None:
+            if task.cancelled() or (error := task.exception()) is None:
+                return
+            name = parts[0] if parts else "engine"
+            fault = SaysoError(f"The {name} has a fault: {error!r}.", hint="Please report it.")
+            for part in (self._parts[name] for name in parts if name in self._parts):
+                part.fail(fault)
+            self._emit(events.ErrorRaised("internal", fault.message, fault.hint))
+
+        task = asyncio.create_task(work)
+        task.add_done_callback(over)
+        return task
 
     async def _beat(self) -> None:
         """Show that the loop lives; when it did not (paused, or held up), say for how long."""
@@ -225,11 +356,72 @@ class Engine:
         keeper = Keeper(self._robot, part, self._epoch, self._emit, self._session.request)
         await keeper.keep(lambda robot: places.remember(robot.state().pose))
 
+    async def _keep_model(self, chat: LocalChat, instructions: Instructions) -> None:
+        """Get the local model ready, fetching it first if it is missing."""
+        name, fetching = self._settings.platforms[chat.name].model or "", None
+        if self._settings.models.fetch:
+            store = model_store(self._settings)
+            fetching = Fetching(store, name) if name in store.manifest.models else None
+        await ModelPart(self._part("model"), chat, instructions, fetching).keep()
+
+    async def _keep_planner(self, part: Part[Planner], build: Callable[[], Planner]) -> None:
+        """Build it, and have it ready for the first command where somebody waits for that."""
+        await part.load(lambda: asyncio.to_thread(build))
+        if self._stays and part.value is not None:
+            await asyncio.to_thread(part.value.warm_up)
+
+    async def _keep_wake(self, part: Part[str]) -> None:
+        """Listen to the wake module."""
+        from engine.parts.wake import WakePart
+
+        prompt = self._settings.robot.realtime_priority
+        await WakePart(part, self._settings.wake.serial, self.send, self._emit, prompt=prompt).keep()
+
+    def _overhear(self, words: str, voice: SpokenVoice, hearing: Hearing | None) -> None:
+        """A stop without a wake. Not the robot's own "Stopped.", which would be answered by another one, where the ears
+        cannot tell it from somebody else's: but while it acts, it stops for whatever may have been one. In the
+        recogniser's thread."""
+        assert self._session is not None, "made before its ears are open"
+        tells_apart = hearing is not None and hearing.without_own_voice
+        if self._session.state == "ACTING" or tells_apart or not voice.echoes(words):
+            self.send(Heard(words))
+
+    def _go_on(self, ago_s: float) -> None:
+        """Somebody goes on whose turn was ended in the middle of a sentence. What has been begun because of it is given
+        up, unless the robot acts: then only a wake, or a stop, interrupts."""
+        assert self._session is not None, "made before its ears are open"
+        if self._session.state not in ("LISTENING", "ACTING", "FEEDBACK"):
+            self.send(Wake("speech", ago_s=ago_s))
+
+    def _hears_people(self) -> bool:
+        """Whether somebody may be heard at any time, and not only one recording, or nobody at all."""
+        return self._stays or (self._sound.source is not None and self._sound.source.live)
+
+    def _listens_for_words(self) -> bool:
+        """Whoever only hears one recording is not woken, and a demo wakes by itself."""
+        return self._stays and self._sound.kind not in ("demo", "source") and self._settings.wake.words != ()
+
+    async def _keep_voice(self, voice: SpokenVoice) -> None:
+        """Speak, and sound, where that is wanted. Whoever only asks for one thing reads the answer."""
+        wanted = self._settings.voice
+        speaks = wanted.when == "always" or (self._stays and (wanted.when == "spoken" or wanted.sounds))
+        if not (speaks and is_to_be_heard(wanted, self._sound)):
+            voice.settle(None)
+            return
+        if wanted.sounds and self._stays:
+            chimes = Chimes(self._player, module_answers=self._settings.wake.serial.phrase is not None)
+            self._bus.subscribe(chimes.see)
+        await VoicePart(self._settings, self._player, voice, lambda: self._part("voice"), self._emit).keep()
+
     async def _play_demo(self, ears: Ears, hearing: Part[Hearing]) -> None:
         """Let the demo speak once the robot can hear."""
         await hearing.get()
-        assert ears.simulated is not None
-        demo = Demo(ears.simulated, self.send)
+
+        def speak() -> None:
+            assert ears.simulated is not None, "it is what can be heard"
+            ears.simulated.speak()
+
+        demo = Demo(speak, self.send)
         unsubscribe = self._bus.subscribe(demo.see)
         try:
             await asyncio.Event().wait()
@@ -239,7 +431,7 @@ class Engine:
 
     def _part(self, name: PartName) -> Part[Any]:
         part: Part[Any] = Part(name, self._report)
-        self._parts[name] = part
+        self._parts = {**self._parts, name: part}  # replaced, not changed: others look through it
         return part
 
     def _report(self, status: PartStatus) -> None:
@@ -270,6 +462,9 @@ class Engine:
         log.on_error = self._tell
         self._bus.subscribe(log.write)
         return log
+
+    def _tell_log(self, source: str, message: str) -> None:
+        self._emit(events.Log("warning", source, message))
 
     def _tell(self, error: SaysoError) -> None:
         self._emit(events.ErrorRaised(error.code, error.message, error.hint))

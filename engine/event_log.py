@@ -10,6 +10,7 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 from engine.errors import StorageError
@@ -19,7 +20,8 @@ SUFFIX = ".jsonl"
 
 
 class EventLog:
-    """Appends events to ``FOLDER/SESSION.jsonl``; goes on in ``SESSION.2.jsonl`` beyond ``max_bytes``."""
+    """Appends events to ``FOLDER/SESSION.jsonl``; goes on in ``SESSION.2.jsonl`` beyond ``max_bytes``. Each new file
+    makes the oldest ones in the folder go, so that ``keep`` stay."""
 
     def __init__(self, folder: Path, session: str, *, max_bytes: int, keep: int) -> None:
         self._folder = folder
@@ -32,16 +34,13 @@ class EventLog:
         self.on_error: Callable[[StorageError], None] | None = None
 
     def open(self) -> Path:
-        """Create the first file and remove the oldest ones beyond ``keep``. Raises :class:`StorageError`."""
+        """Create the first file. Raises :class:`StorageError`."""
         try:
             self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-            path = self._next_file()
-            old = sorted(self._folder.glob(f"*{SUFFIX}"), key=lambda file: file.stat().st_mtime)
-            for file in old[: max(0, len(old) - self._keep)]:
-                file.unlink(missing_ok=True)
+            return self._next_file()
         except OSError as error:
+            self.close()
             raise self._trouble(error) from error
-        return path
 
     def write(self, event: Event) -> None:
         """Append one event; a subscriber of the bus."""
@@ -73,7 +72,19 @@ class EventLog:
         path = self._folder / f"{name}{SUFFIX}"
         self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o600)
         self._size = 0
+        self._prune(path)
         return path
+
+    def _prune(self, newest: Path) -> None:
+        """Remove the oldest files beyond ``keep``, own ones included. Other engines may do so at the same time."""
+        ages = {}
+        for file in self._folder.glob(f"*{SUFFIX}"):
+            with suppress(FileNotFoundError):
+                ages[file] = file.stat().st_mtime_ns
+        ages.pop(newest, None)
+        old = sorted(ages, key=lambda file: ages[file])
+        for file in old[: max(0, len(old) + 1 - self._keep)]:
+            file.unlink(missing_ok=True)
 
     def _trouble(self, error: OSError) -> StorageError:
         return StorageError(

@@ -36,8 +36,11 @@ State = Literal[
 ]
 Scope = Literal["stop", "interrupt", "wake", "end_task", "replaced", "halted", "shutdown"]
 """Kinds of interruption; ``engine.states`` says what each one does. ``halted``: the robot stopped by itself."""
-WakeSource = Literal["key", "serial", "word", "command", "demo", "file"]
+WakeSource = Literal["key", "serial", "word", "speech", "command", "demo", "file"]
+"""``speech``: somebody goes on whose turn was ended in the middle of a sentence."""
 PlanSource = Literal["phrases", "local", "openai", "dify", "direct"]
+Layer = Literal["decision", "execution", "vision"]
+"""What a large model is asked for: steps in words, actions, or what a picture shows."""
 
 
 class Body(msgspec.Struct, frozen=True):
@@ -86,6 +89,25 @@ class TwistView(msgspec.Struct, frozen=True):
     vx: float  # m/s, forward
     vy: float  # m/s, to the left
     wz: float  # rad/s, counter-clockwise
+
+
+class MessageView(msgspec.Struct, frozen=True):
+    """One message of those that a large model was sent."""
+
+    role: Literal["system", "user", "assistant"]
+    text: str  # a picture is told as [picture 160×120], px; what was too long says how much of it is missing
+
+
+class IntentView(msgspec.Struct, frozen=True):
+    """What was wanted, in the words of pipelines that expect an intent: made from the plan, or from the question."""
+
+    action: str  # pick_up, place, bring, navigate, clean_room, …; without a plan respond, clarify, refuse or error
+    target: str | None = None  # the thing, or the place of a journey
+    secondary_location: str | None = None  # where the thing is brought or put
+    ambiguity: str | None = None  # what is unclear: target, location, amount or request
+    clarification_question: str | None = None
+    goal: str = ""  # all of it in one word: pick_up_red_box
+    steps: tuple[str, ...] = ()  # what skills go through: locate, navigate, grasp, lift
 
 
 class TurnResult(msgspec.Struct, frozen=True):
@@ -223,6 +245,29 @@ class DecisionMade(Body, frozen=True):
     source: PlanSource
 
 
+@kind("model.asked")
+class ModelAsked(Body, frozen=True):
+    """A call of a large model is over, whatever became of it. One that was broken off, or was answered when nobody
+    waited any more, is told too and has no effect: it may come after its turn, whose id and epoch it carries."""
+
+    layer: Layer
+    platform: str  # as the configuration calls it
+    round: int  # 1; 2 when an answer that was no good was given back
+    head: str  # of the messages that many questions begin with, only this: the first 16 digits of a SHA-256…
+    head_length: int  # …and their characters
+    messages: tuple[MessageView, ...]  # the rest, oldest first; Dify keeps a conversation and gets the new ones only
+    reply: str  # as it came, or what had come until it broke off
+    duration_s: float  # s, with the loading of a local model that had to be loaded first
+    model: str = ""  # that the platform runs, where the configuration names it
+    error_code: str | None = None
+    error: str = ""
+    prompt_tokens: int = 0  # 0 where the service does not say
+    cached_tokens: int = 0  # of the prompt, those that needed no computing
+    reply_tokens: int = 0
+    cut_off: bool = False  # the reply reached its greatest length
+    cancelled: bool = False  # it was broken off before it was answered
+
+
 @kind("plan.made")
 class PlanMade(Body, frozen=True):
     """A validated plan."""
@@ -232,6 +277,7 @@ class PlanMade(Body, frozen=True):
     actions: tuple[ActionView, ...]
     response: str
     source: PlanSource
+    intent: IntentView | None = None  # the same for programs that expect an intent
 
 
 @kind("plan.rejected")
@@ -250,6 +296,7 @@ class ClarificationAsked(Body, frozen=True):
 
     question: str
     about: str = ""
+    intent: IntentView | None = None  # what is known of the request, and what is unclear about it
 
 
 @kind("refusal.made")
@@ -342,6 +389,24 @@ class RobotStateView(Body, frozen=True):
     gripper: float  # 0 closed … 1 open
     moving: bool
     blocked: str | None  # what holds the robot back, if anything
+
+
+@kind("motion.paused")
+class MotionPaused(Body, frozen=True):
+    """Somebody may have said stop: the robot rests until that is known. What follows is ``interrupt.raised`` when they
+    did (or nobody could tell), else ``motion.resumed``."""
+
+    source: Literal["word"]
+    phrase: str  # what was spotted
+
+
+@kind("motion.resumed")
+class MotionResumed(Body, frozen=True):
+    """Nobody had said stop: a false pause."""
+
+    reason: Literal["not_a_stop"]
+    paused_s: float  # s
+    false_pauses: int  # in this session, with this one
 
 
 @kind("camera.frame")

@@ -10,10 +10,14 @@ from typing import Literal, Protocol
 from config.schema import Place
 from engine.bus import Subscriber
 from engine.commands import Command
+from engine.errors import SaysoError
+from engine.offer import Offer
 from engine.perception.memory import World
-from engine.robot.robot import FloorMap, RobotState, Scan
+from engine.perception.sighting import Sight
+from engine.robot.floor_map import FloorMap
+from engine.robot.robot import RobotState, Scan
 
-PartName = Literal["robot", "microphone", "recogniser", "planner", "voice", "camera"]
+PartName = Literal["robot", "microphone", "recogniser", "planner", "voice", "camera", "model", "wake", "wake words"]
 PartState = Literal["loading", "ready", "missing", "failed"]
 
 
@@ -57,12 +61,21 @@ class EngineHandle(Protocol):
         """Newest lidar scan; None while there is none."""
         ...
 
+    def look(self, deliver: Callable[[Sight | SaysoError], object]) -> None:
+        """Take one picture, and hand it over with what is recognised in it, or the error; in the engine's thread. For
+        people who look on: the camera works for them only as long as they go on asking."""
+        ...
+
     def floor_map(self) -> FloorMap | None:
         """The fixed map; None while the robot starts."""
         ...
 
     def places(self) -> Mapping[str, Place]:
         """Places by symbol."""
+        ...
+
+    def offer(self) -> Offer:
+        """What the robot can be asked to do, and the words for it; empty while the engine starts."""
         ...
 
     def world(self) -> World:

@@ -16,6 +16,7 @@ The grammar, read by the parser below and never by ``eval``::
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Mapping
@@ -66,6 +67,10 @@ class Action:
         return f"{self.name}({', '.join(_show(value) for value in self.args.values())})"
 
 
+_BETTER_TWICE = ("grasp_failed", "dropped", "target_lost", "path_blocked")
+"""Error codes of failures by chance."""
+
+
 @dataclass(frozen=True, slots=True)
 class Plan:
     """What will be done: every action is valid, or there is no plan."""
@@ -75,6 +80,10 @@ class Plan:
     response: str
     source: PlanSource
     steps: tuple[str, ...] = ()
+    finished: bool = True
+    """When its actions have gone well, nothing is left to be thought over."""
+    written: str = ""
+    """As the model wrote it; empty for plans that no model wrote."""
 
     def groups(self) -> tuple[tuple[int, ...], ...]:
         """The actions by index, those that start together in one group."""
@@ -85,6 +94,19 @@ class Plan:
             else:
                 groups.append((index,))
         return tuple(groups)
+
+    def is_worth_thinking_over(self, failed: str | None) -> bool:
+        """Whether a model made it that may find another way after this failure. A small one is only asked about what
+        may be better the second time: it explains nothing that the failure itself does not say."""
+        if self.source == "local":
+            return failed in _BETTER_TWICE
+        return self.source in ("openai", "dify")
+
+    def as_written(self) -> str:
+        """In the form in which models write plans."""
+        if self.written:
+            return self.written
+        return json.dumps({"action": [str(action) for action in self.actions]}, ensure_ascii=False)
 
     def as_event(self) -> PlanMade:
         return PlanMade(

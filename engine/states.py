@@ -5,11 +5,11 @@
                                                         └──────▶ CLARIFYING ────────────────────────▶
 
 An action may ask the user something: then CLARIFYING follows ACTING. A typed request enters at DECIDING or PLANNING.
-FEEDBACK may lead back to them: the planner is told what was done and plans on. From every state a turn can end, and
-then the session rests: in IDLE when its task cycle is empty, in WAITING when it has a history. IDLE and WAITING are
-the only states without a running turn.
+FEEDBACK may lead back to them: the planner is told what was done and plans on, or gives up and says so. From every
+state a turn can end, and then the session rests: in IDLE when its task cycle is empty, in WAITING when it has a
+history. IDLE and WAITING are the only states without a running turn.
 
-Nothing here acts. ``engine.session`` follows these tables, and a way that is not in them is a fault.
+Nothing here acts. ``engine.session.session`` follows these tables, and a way that is not in them is a fault.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ NEXT: Final[Mapping[State, frozenset[State]]] = {
     "CLARIFYING": _to(),
     "SPEAKING": _to(),
     "ACTING": _to("FEEDBACK", "CLARIFYING"),
-    "FEEDBACK": _to("DECIDING", "PLANNING"),
+    "FEEDBACK": _to("DECIDING", "PLANNING", "SPEAKING"),
 }
 """The states that may follow each state."""
 

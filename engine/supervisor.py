@@ -34,8 +34,9 @@ _KILL_LIMIT_S = 2.0  # after which whoever cannot be killed (another user's, stu
 _STORM = 100  # ends within the grace, after which it is over: they do not tidy up, they multiply
 _PASSES = 5  # rounds of SIGKILL without a pause: whoever sleeps in the middle of a fork storm does not wake up soon
 _PAUSE_S = 0.001
-_DEFAULTS = (signal.SIGINT, signal.SIGHUP, signal.SIGTERM, signal.SIGPIPE, signal.SIGXFSZ)
-"""Signals that we, or Python, or whoever started the engine ignore; the program shall not inherit that."""
+_DEFAULTS = tuple(signal.valid_signals() - {signal.SIGKILL, signal.SIGSTOP})
+"""Signals that we, or Python, or whoever started the engine (a shell, for what it runs in the background) may ignore;
+the program shall not inherit that."""
 _PROC = os.path.exists("/proc/self/stat")  # noqa: PTH110 - pathlib is slow to load
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36  # <linux/prctl.h>
 

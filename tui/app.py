@@ -1,98 +1,89 @@
 """The console: it holds an engine, shows what the engine says, and passes on what a person wants.
 
-The screen is painted before the engine exists: whoever starts the console hands it a function that starts one, and
-that function runs in a thread behind the first picture. From then on there are two directions and nothing else:
-events come in through an inbox and are folded into a :class:`~tui.model.ConsoleModel` that the screen draws, and keys
-become commands. What moves (pose, level, running durations) is sampled at a fixed pace, and only while it moves.
+The screen is painted before the engine exists: whoever starts the console hands it a function that starts one, and that
+function runs in a thread behind the first picture. From then on there are two directions and nothing else: events come
+in and are drawn (``tui.rooms.drawing``), and keys become commands. What has a state of its own has a room of its own:
+the line to the terminal (``tui.rooms.sending``), the camera (``tui.rooms.viewing``), what a person takes along
+(``tui.rooms.keeping``), the palette (``tui.rooms.choosing``), the doctor (``tui.rooms.examining``), the settings
+(``tui.rooms.dressing``, ``tui.rooms.changing``) and the end (``tui.rooms.leaving``).
 """
 
 from __future__ import annotations
 
 import gc
 import os
-import signal
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from types import FrameType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Literal
 
-from textual.app import App
+from rich.console import RenderableType
 from textual.driver import Driver
 from textual.keys import _character_to_key
-from textual.message import Message
 from textual.screen import Screen
+from textual.widgets import Input
 
 from config.errors import ConfigError
-from engine.commands import Command, EndTask, Interrupt, Quit, Say, Wake
+from engine.commands import EndTask, Interrupt, Quit, Say, Wake
 from engine.errors import ExitCode, SaysoError
-from engine.events import ErrorRaised, Event, Log
-from engine.scheduling import prefer, raise_priority
-from tui import strings
-from tui.driver import listening_driver
-from tui.facts import Problem, printable
-from tui.keys import BINDINGS, KEYS, shown
-from tui.model import ConsoleModel
-from tui.pacing import Inbox, Pacer
-from tui.screens.console import ConsoleScreen, View
+from tui.keys.bindings import BINDINGS
+from tui.keys.keys import ALL_KEYS
+from tui.looks.themes import CONTRAST, DARK, LIGHT
+from tui.messages import (
+    Answered,
+    Dressed,
+    Failed,
+    HungUp,
+    Measured,
+    Recalled,
+    Reported,
+    Seen,
+    Settled,
+    Started,
+    Told,
+    Warned,
+    Woken,
+)
+from tui.rooms.changing import Changing
+from tui.rooms.choosing import Choosing
+from tui.rooms.drawing import Drawing
+from tui.rooms.dressing import Dressing, Rooms
+from tui.rooms.examining import Examining
+from tui.rooms.keeping import Keeping
+from tui.rooms.leaving import Leaving
+from tui.rooms.sending import Sending
+from tui.rooms.viewing import Viewing
 from tui.screens.help import HelpScreen
-from tui.themes import DARK, LIGHT
-from tui.watchdog import INTERVAL_S, SILENT_S, Watchdog, engine_is_back, engine_is_silent, robot_is_back
+from tui.screens.pages import Paged
+from tui.screens.turn import TurnScreen
+from tui.shown.facts import Problem, printable
+from tui.shown.view import View
+from tui.stage import Stage
+from tui.terminal.driver import listening_driver
 from tui.widgets.ask import Ask
-from tui.widgets.status import Hint
+from tui.widgets.floor_view import FloorView
+from tui.widgets.timeline import Timeline
+from tui.words import strings
+from tui.words.language import Language, of_environment, speak
 
 if TYPE_CHECKING:
-    from engine.handle import EngineHandle, PartState, PartStatus
-    from engine.robot.robot import FloorMap
+    from rich.text import Text
+    from textual.filter import LineFilter
 
-LOG_FRAMES: Final = 4
-"""The log scrolls as a whole, which is much to send: it is redrawn once in so many frames."""
-PARTS_INTERVAL_S: Final = 0.25
-"""How often the parts are asked how they are while some are still loading."""
-LEAVE_LIMIT_S: Final = 3.0
-"""How long an orderly end may take when the terminal is gone or the process is to end."""
-ALL_KEYS_COLUMNS: Final = 76
-"""Columns from which the status line has room for all keys."""
+    from engine.handle import EngineHandle
+    from tui.palette.form import Form
+    from tui.palette.palette import Palette
+    from tui.screens.panes import PaneName
 
 
-class SaysoApp(App[None]):
+class SaysoApp(Stage):
     """The application. ``start_engine`` runs in a thread and returns the engine, or raises ``SaysoError``."""
 
     TITLE = strings.NAME
     CSS_PATH = "screens/console.tcss"  # here, because Textual does not read the style sheet of a default screen
     BINDINGS = BINDINGS
     ENABLE_COMMAND_PALETTE = False
-
-    class Woken(Message):
-        """Events lie in the inbox."""
-
-    class Started(Message):
-        """The engine is there."""
-
-        def __init__(self, handle: EngineHandle) -> None:
-            super().__init__()
-            self.handle = handle
-
-    class HungUp(Message):
-        """The terminal is gone, or somebody ends the process."""
-
-    class Dressed(Message):
-        """The settings are read: how the console is to look."""
-
-        def __init__(self, theme: str, fps: float) -> None:
-            super().__init__()
-            self.theme = theme
-            self.fps = fps
-
-    class Failed(Message):
-        """The engine did not start, or did not take a command."""
-
-        def __init__(self, error: Exception, title: str, *, fatal: bool) -> None:
-            super().__init__()
-            self.error = error
-            self.title = title
-            self.fatal = fatal
 
     def __init__(
         self,
@@ -101,64 +92,76 @@ class SaysoApp(App[None]):
         theme: str = DARK.name,
         fps: float = 8.0,
         keymap: Mapping[str, str] | None = None,
+        language: Language = "en",
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """``keymap`` replaces keys by action id (see ``tui.keys``); ``clock`` is monotonic seconds."""
-        super().__init__()
-        self.register_theme(DARK)
-        self.register_theme(LIGHT)
-        self.theme = theme
-        keys = {key.id: key.key for key in KEYS} | {
+        """``keymap`` replaces keys by action id (see ``tui.keys.keys``); ``clock`` is monotonic seconds."""
+        keys = {key.id: key.key for key in ALL_KEYS} | {
             action: ",".join(_character_to_key(key) if len(key) == 1 else key for key in chosen.split(","))
             for action, chosen in (keymap or {}).items()
         }
+        speak(language)
+        super().__init__(keys, clock)
+        for one in (DARK, LIGHT, CONTRAST):
+            self.register_theme(one)
+        self.theme = theme
         self.set_keymap(keys)
-        self._stop_keys = frozenset(keys["interrupt"].split(","))
-        self._shown_keys = {action: "/".join(map(shown, key.split(","))) for action, key in keys.items()}
+        self.sending = Sending(self)
+        self.viewing = Viewing(self, self.sending)
+        self.leaving = Leaving(self)
+        self.drawing = Drawing(self, self.sending, self.viewing, self.leaving, lambda: self.notice, fps)
+        self.keeping = Keeping(self)
+        self.examining = Examining(self, self.keeping)
+        self.dressing = Dressing(self, Rooms(self.drawing, self.viewing, self.examining, self.leaving), keys)
+        self.dress, self.speak = self.dressing.dress, self.dressing.speak
+        self.changing = Changing(self, self.dressing)
+        self.leaving.at_the_end(self.dressing.close)
+        self.leaving.at_the_end(self.changing.close)
+        self._choosing = Choosing(self)
         self._start_engine = start_engine
-        self._handle: EngineHandle | None = None
-        self._unsubscribe: Callable[[], None] | None = None
-        self._inbox: Inbox[tuple[Event, float]] = Inbox(lambda: self.post_message(self.Woken()))
-        self._clock = clock
-        self._lag = float("inf")  # smallest seen difference between our clock and event time
-        self._interval = 1 / fps
-        self._model = ConsoleModel()
-        self._shown = View(self._model)
-        self._logged = self._model.log  # what the log has been asked to show
-        self._parts: tuple[PartStatus, ...] = ()
-        self._floor_map: FloorMap | None = None
         self._asked_early: list[Say] = []  # typed before the engine was there
-        self._quit_asked = False
-        self._watchdog = Watchdog(clock())
-        self._left = threading.Event()
-        self._exit_code = ExitCode.DONE
-        self._main = ConsoleScreen(self._shown_keys)
 
     @property
     def shown(self) -> View:
         """What is on the screen."""
-        return self._shown
+        return self.drawing.view
+
+    def redraw(self) -> None:
+        self.drawing.ask()
+
+    def note(self, level: Literal["info", "warning", "error"], text: str) -> None:
+        self.drawing.log(level, text)
+
+    @property
+    def notice(self) -> str:
+        """What must be read in the status line now."""
+        leave, ended = self.shown_keys["leave"], self.drawing.model.ended
+        if ended is not None:
+            return strings.SESSION_ENDED.format(reason=strings.REASONS.get(ended, ended), key=leave)
+        return strings.QUIT_QUESTION.format(key=leave) if self.leaving.asked else self.keeping.told
 
     # Starting
 
     def get_default_screen(self) -> Screen[None]:
-        return self._main
+        return self.main
 
     def get_driver_class(self) -> type[Driver]:
-        return listening_driver(super().get_driver_class(), self._key_arrived, self._hang_up)
+        return listening_driver(
+            super().get_driver_class(),
+            self._key_arrived,
+            lambda: self.leaving.hang_up(),
+            lambda: self.post_message(Reported(self.clock())),
+            lambda answer: self.post_message(Answered(answer)),
+        )
 
     def on_mount(self) -> None:
-        self._frames = Pacer(self, self._interval, self._draw)
-        self._logs = Pacer(self, LOG_FRAMES * self._interval, self._draw_log)
-        self._parts_timer = self.set_interval(PARTS_INTERVAL_S, self._ask_parts, pause=True)
-        self.set_interval(INTERVAL_S, self._feel_pulse)
+        self.drawing.begin()
         if not self.is_headless and threading.current_thread() is threading.main_thread():
-            for number in (signal.SIGHUP, signal.SIGTERM):
-                signal.signal(number, self._signalled)
+            self.leaving.watch()
 
     def on_ready(self) -> None:
         """All panes are there: draw them, and begin what takes long only after that."""
-        self._frames.ask()
+        self.redraw()
         self.call_after_refresh(self._start)
 
     def _start(self) -> None:
@@ -170,284 +173,299 @@ class SaysoApp(App[None]):
         try:
             handle = self._start_engine()
         except Exception as error:  # noqa: BLE001 - whatever it was, a person must read it
-            self.post_message(self.Failed(error, strings.ENGINE_FAILED, fatal=True))
+            self.post_message(Failed(error, strings.ENGINE_FAILED, fatal=True))
             return
-        if not self.post_message(self.Started(handle)):  # the console was left in the meantime
+        if not self.post_message(Started(handle, handle.offer())):  # the console was left in the meantime
             handle.send(Quit())
 
-    def dress(self, theme: str, fps: float, *, prompt: bool = False) -> None:
-        """Look as the settings say. Thread-safe: settings are read behind the first picture.
-
-        ``prompt``: the thread that reads the keyboard goes before others, where the system allows it.
-        """
-        if prompt and (reader := getattr(self._driver, "reader", None)) is not None:
-            raise_priority(reader)
-            prefer(threading.main_thread().native_id or 0)
-        self.post_message(self.Dressed(theme, fps))
-
-    def on_sayso_app_dressed(self, message: Dressed) -> None:
-        if message.theme in self.available_themes:
-            self.theme = message.theme
-        else:
-            self._model = self._model.with_log("warning", "console", strings.UNKNOWN_THEME.format(message.theme))
-        self._frames.pace(1 / message.fps)
-        self._logs.pace(LOG_FRAMES / message.fps)
-        self._frames.ask()
-
-    def on_sayso_app_started(self, message: Started) -> None:
-        self._handle = message.handle
-        self._unsubscribe = message.handle.subscribe(lambda event: self._inbox.put((event, self._clock())))
-        self._ask_parts()
-        self._parts_timer.resume()
+    def on_started(self, message: Started) -> None:
+        self.handle = message.handle
+        self.offer = message.offer
+        self.main.line.know(message.offer.words)
+        self.leaving.unsubscribe = self.drawing.follow(message.handle)
+        self.viewing.begin()
         for command in self._asked_early:
-            self._send(command)
+            self.send(command)
         self._asked_early = []
 
-    def on_sayso_app_failed(self, message: Failed) -> None:
+    def on_failed(self, message: Failed) -> None:
         error = message.error
         if isinstance(error, SaysoError | ConfigError):
             problem, code = Problem(error.message, error.hint, message.title, message.fatal), ExitCode(error.exit_code)
         else:
-            problem, code = Problem(repr(error), strings.CRASH_HINT, message.title, message.fatal), ExitCode.FAILED
+            words = self.leaving.noted(error)
+            problem, code = Problem(words, strings.CRASH_HINT, message.title, message.fatal), ExitCode.FAILED
         problem = replace(problem, message=printable(problem.message), hint=printable(problem.hint))
         if message.fatal:
-            self._exit_code = code
-        self._model = replace(self._model.with_log("error", "engine", problem.message), problem=problem)
-        self._frames.ask()
+            self.leaving.failed(code)
+        model = self.drawing.model.with_log("error", "engine", problem.message)
+        self.drawing.model = replace(model, problem=problem)
+        self.redraw()
 
-    # From the engine to the screen
+    # Settings, which are read behind the first picture
 
-    def on_sayso_app_woken(self) -> None:
-        self._frames.ask()
+    def on_dressed(self, message: Dressed) -> None:
+        self.dressing.dressed(message)
 
-    def _draw(self) -> bool:
-        """Fold what has come in and show it. True while something moves by itself."""
-        arrived = self._inbox.take()
-        model = self._model
-        for event, when in arrived:
-            model = model.after(event)
-            self._lag = min(self._lag, when - event.t)
-        if any(isinstance(event.body, Log | ErrorRaised) for event, _ in arrived):
-            self._parts_timer.resume()  # a part may have changed
-        if not model.busy:
-            self._quit_asked = False
-        if model.problem is not None and model.problem.fatal and self._exit_code is ExitCode.DONE:
-            self._exit_code = ExitCode.MISSING if model.problem.code == "robot_lost" else ExitCode.FAILED
-        self._model = model
-        if model.log is not self._logged:
-            self._logged = model.log
-            self._logs.ask()
-        robot = self._handle.robot_state() if self._handle is not None else None
-        self._shown = View(
-            model=model,
-            now=max(model.t, self._clock() - self._lag),
-            started=self._handle is not None,
-            notice=self._notice(),
-            hints=self._hints(),
-            parts=self._parts,
-            robot=robot,
-            floor_map=self._floor_map,
-            places=self._handle.places() if self._handle is not None else {},
-            world=self._handle.world() if self._handle is not None else None,
-        )
-        self._main.show(self._shown)
-        return model.moving or (robot is not None and robot.moving)
+    def on_recalled(self, message: Recalled) -> None:
+        self.dressing.recalled(message.keys, message.history)
 
-    def _draw_log(self) -> bool:
-        self._main.show_log(self._model)
-        return False
+    def on_measured(self, message: Measured) -> None:
+        self.dressing.measured(message.shares, message.file)
 
-    def _ask_parts(self) -> None:
-        """Ask the engine how its parts are; stop asking once none is loading."""
-        assert self._handle is not None
-        parts = self._handle.status()
-        if _robot_state(parts) == "ready" and _robot_state(self._parts) == "loading":
-            self._model = robot_is_back(self._model)
-        if self._floor_map is None:
-            self._floor_map = self._handle.floor_map()
-        if not any(part.state == "loading" for part in parts):
-            self._parts_timer.pause()
-        if parts != self._parts:
-            self._parts = parts
-            self._frames.ask()
+    def on_settled(self, message: Settled) -> None:
+        self.changing.settled(message)
 
-    def _feel_pulse(self) -> None:
-        if self._handle is None:
-            return
-        match self._watchdog.look(self._clock(), self._handle.pulse()):
-            case "silent":
-                self._model = engine_is_silent(self._model, self._shown_keys)
-            case "back":
-                self._model = engine_is_back(self._model)
-            case None:
-                return
-        self._frames.ask()
+    # From other threads
 
-    @property
-    def engine_hangs(self) -> bool:
-        """The engine is there and does not answer; whoever waits for it waits for ever."""
-        return self._handle is not None and self._handle.pulse() > SILENT_S
+    def on_woken(self, message: Woken) -> None:
+        self.drawing.woken()
 
-    def _notice(self) -> str:
-        """What must be read in the status line now."""
-        leave = self._shown_keys["leave"]
-        if self._model.ended is not None:
-            return strings.SESSION_ENDED.format(reason=self._model.ended, key=leave)
-        return strings.QUIT_QUESTION.format(key=leave) if self._quit_asked else ""
+    def on_warned(self, message: Warned) -> None:
+        self.note("warning", message.text)
 
-    def _hints(self) -> tuple[Hint, ...]:
-        model, here = self._model, self._handle is not None
-        matters = {
-            "interrupt": model.busy or model.moving,
-            "wake": here and not self._main.typing,
-            "end_task": here and not self._main.typing,
-            "type": here and not self._main.typing,
-            "help": not self._main.typing,
-            "leave": not self._main.typing,
-        }
-        few = () if self.size.width >= ALL_KEYS_COLUMNS else ("help", "leave")
-        return tuple(
-            Hint(self._shown_keys[key.id], key.word, matters[key.id], urgent=key.id == "interrupt")
-            for key in KEYS
-            if key.word and key.id not in few
-        )
+    def on_told(self, message: Told) -> None:
+        self.keeping.tell(message.text, message.level)
+
+    def on_seen(self, message: Seen) -> None:
+        self.viewing.seen(message.found)
+
+    def on_reported(self, message: Reported) -> None:
+        self.sending.reported(message.t)
+
+    def on_answered(self, message: Answered) -> None:
+        self.viewing.answered(message.answer)
+
+    def on_hung_up(self, message: HungUp) -> None:
+        self.leaving.leave()
 
     # From keys to the engine
 
     def _key_arrived(self, key: str) -> None:
         """In the thread that reads the keyboard, before the key is queued: stopping waits for nothing."""
-        if key in self._stop_keys:
-            self._send(Interrupt())
-
-    def _send(self, command: Command) -> None:
-        """Thread-safe. An interrupting command has stopped the robot when this returns."""
-        if self._handle is None:
-            return
-        try:
-            self._handle.send(command)
-        except SaysoError as error:
-            self.post_message(self.Failed(error, strings.SOMETHING_FAILED, fatal=False))
+        if key in self.dressing.stop_keys:
+            self.send(Interrupt())
 
     def action_interrupt(self) -> None:
         if self.is_headless:  # there is no keyboard to read, and no thread that has already done it
-            self._send(Interrupt())
+            self.send(Interrupt())
         self._asked_early = []
-        self._quit_asked = False
-        if self.screen is not self._main:
-            self.pop_screen()
-        self._main.set_focus(None)
-        self._frames.ask()
+        self.leaving.asked = False
+        self.come_back()
+        if self.main.unzoom():
+            self.redraw_later()
+        self.main.set_focus(None)
+        self.redraw()
 
     def action_wake(self) -> None:
-        self._send(Wake("key"))
+        self.send(Wake("key"))
 
     def action_end_task(self) -> None:
-        self._send(EndTask())
+        self.send(EndTask())
+
+    def on_ask_asked(self, message: Ask.Asked) -> None:
+        self.dressing.typed(message.text)
+        self._say(message.text)
+
+    def on_floor_view_chosen(self, message: FloorView.Chosen) -> None:
+        self._say(message.request)
+
+    def _say(self, text: str) -> None:
+        command = Say(text)
+        if self.handle is not None:
+            self.send(command)
+            return
+        self._asked_early.append(command)
+        self.note("info", strings.ASKED_EARLY.format(printable(text)))
+
+    # Keys that only change what is shown
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """A slash that is being typed is a slash."""
-        return False if action == "type" and self._main.typing else super().check_action(action, parameters)
+        typing = isinstance(self.focused, Input)
+        return False if action == "type" and typing else super().check_action(action, parameters)
+
+    def on_descendant_focus(self) -> None:
+        self.redraw()  # the keys that matter have changed
+
+    def on_descendant_blur(self) -> None:
+        self.redraw()
+
+    def on_resize(self) -> None:
+        self.call_later(self.redraw_later)  # how much is told depends on the room there is
 
     def action_type(self) -> None:
         """Acts before the keys behind it are dealt out: what was typed ahead goes into the line."""
-        if self.screen is not self._main:
-            self.pop_screen()
-        self._main.type()
+        self.come_back()
+        self.main.type()
 
     def action_help(self) -> None:
-        if self.screen is self._main:
-            self.push_screen(HelpScreen(self._shown_keys))
+        if self.screen is self.main:
+            self.push_screen(HelpScreen(self.shown_keys))
         else:
-            self.pop_screen()
+            self.come_back()
+
+    def action_doctor(self) -> None:
+        if self.screen is self.main:
+            self.examining.open()
+        else:
+            self.come_back()
+
+    def action_settings(self) -> None:
+        self.changing.open()
+
+    def action_examine(self) -> None:
+        self.examining.open()
+
+    async def action_palette(self) -> None:
+        await self._choosing.open()
+
+    async def action_recall(self) -> None:
+        await self._choosing.recall()
+
+    async def on_palette_chosen(self, message: Palette.Chosen) -> None:
+        await self._choosing.chosen(message.choice)
+
+    async def on_form_composed(self, message: Form.Composed) -> None:
+        await self._choosing.composed(message.text)
 
     def action_log(self) -> None:
-        self._main.toggle_log()
+        self.main.toggle_log()
+
+    def action_link(self) -> None:
+        self.sending.meter()
+        self.come_back()
+        self.redraw()
+
+    def action_map(self) -> None:
+        if self.screen is self.main:
+            self.main.point()
+
+    def action_camera(self) -> None:
+        if self.screen is self.main:
+            self.viewing.show(not self.main.camera_shown)
+
+    def action_copy(self) -> None:
+        self.keeping.copy()
+
+    def action_save(self) -> None:
+        self.keeping.save()
+
+    def action_pane(self, name: PaneName) -> None:
+        """Go to the pane of this name."""
+        if self.main.has_class("-tiny"):
+            return
+        self.come_back()
+        if name == "camera" and not self.main.camera_shown:
+            self.viewing.show(True)
+        self.main.go_to(name)
+        self.redraw_later()
+
+    def action_zoom(self) -> None:
+        if self.screen is self.main and not self.main.has_class("-tiny"):
+            self.main.zoom()
+            self.redraw_later()
+
+    def action_border(self, steps: int) -> None:
+        """Move the border between panes to the right."""
+        if self.screen is not self.main or (shares := self.main.shift(steps)) is None:
+            return
+        if self.dressing.sizes is not None:
+            self.dressing.sizes.keep(shares)
+        self.redraw_later()
+
+    def action_scroll_line(self, lines: int) -> None:
+        if self.screen is self.main:
+            self.main.scroll_lines(lines)
 
     def action_older(self) -> None:
-        self._main.scroll_conversation(-5)
+        self._scroll_page(-1)
 
     def action_newer(self) -> None:
-        self._main.scroll_conversation(5)
+        self._scroll_page(1)
+
+    def _scroll_page(self, step: int) -> None:
+        page = self.screen if isinstance(self.screen, Paged) else self.main
+        page.scroll_page(step)
+
+    def action_timeline(self) -> None:
+        self.come_back()
+        self.main.toggle_timeline()
+        self.redraw_later()
+
+    def action_turn_back(self) -> None:
+        self._browse(-1)
+
+    def action_turn_on(self) -> None:
+        self._browse(1)
+
+    def _browse(self, step: int) -> None:
+        self.drawing.browse(step)
+        if self.screen is self.main:
+            self.main.toggle_timeline(on=True)
+
+    def on_timeline_chosen(self, message: Timeline.Chosen) -> None:
+        kept = self.drawing.model.turns.kept
+        self.drawing.browsed = next((turn.id for turn in kept if turn.number == message.number), None)
+        self.drawing.now()
+        self.action_turn()
+
+    def action_turn(self) -> None:
+        if self.screen is self.main:
+            self.push_screen(TurnScreen(self.shown_keys, self.shown))
+        else:
+            self.come_back()
+
+    # Leaving
 
     def action_leave(self) -> None:
         """Quit; while a task is running, only when asked twice."""
-        if self._model.busy and not self._quit_asked and not self.engine_hangs:
-            self._quit_asked = True
-            self._frames.ask()
+        if self.drawing.model.busy and not self.leaving.asked and not self.engine_hangs:
+            self.leaving.asked = True
+            self.redraw()
             return
-        self.action_leave_now()
+        self.leaving.leave()
 
     def action_leave_now(self) -> None:
-        """Quit: the robot has stopped when the console goes."""
-        self._send(Quit())
-        unsubscribe, self._unsubscribe = self._unsubscribe, None
-        if self.engine_hangs:
-            self._exit_code = self._exit_code or ExitCode.FAILED
-        elif unsubscribe is not None:
-            unsubscribe()
-        self.exit(return_code=int(self._exit_code))
-
-    def on_ask_asked(self, message: Ask.Asked) -> None:
-        command = Say(message.text)
-        if self._handle is not None:
-            self._send(command)
-            return
-        self._asked_early.append(command)
-        self._model = self._model.with_log("info", "console", strings.ASKED_EARLY.format(printable(message.text)))
-        self._frames.ask()
-
-    def on_descendant_focus(self) -> None:
-        self._frames.ask()  # the keys that matter have changed
-
-    def on_descendant_blur(self) -> None:
-        self._frames.ask()
+        self.leaving.leave()
 
     def _fatal_error(self) -> None:
-        """As Textual's, but without the values of local variables, which may be anybody's secrets."""
-        from rich.traceback import Traceback  # 40 ms that the first paint does not wait for
-
-        self._exit_renderables.append(Traceback(show_locals=False, width=None))
+        """As Textual's, but without the values of local variables and other secrets."""
+        assert self._exception is not None
+        told: Text = self.leaving.traceback(self._exception)
+        self._exit_renderables.append(told)
         self._close_messages_no_wait()
 
-    def _signalled(self, number: int, frame: FrameType | None) -> None:
-        """In a thread of its own: the one that was interrupted by the signal may hold what stopping needs."""
-        threading.Thread(target=self._hang_up, name="hang-up", daemon=True).start()
+    def _handle_exception(self, error: Exception) -> None:
+        """As Textual's; the robot stops, and what happened is written down at the end."""
+        self.leaving.fault(error)
+        super()._handle_exception(error)
 
-    def _hang_up(self) -> None:
-        """The terminal is gone, or somebody ended us (SIGHUP, SIGTERM). In any thread: the robot stops first."""
-        self._exit_code = ExitCode.INTERRUPTED
-        self._send(Quit())
-        self.post_message(self.HungUp())
-        threading.Thread(target=self._leave_for_sure, name="leave", daemon=True).start()
+    # Drawing
 
-    def _leave_for_sure(self) -> None:
-        """The interface may wait for a terminal that takes nothing any more."""
-        if not self._left.wait(LEAVE_LIMIT_S):
-            os._exit(self._exit_code)
+    def get_line_filters(self) -> Sequence[LineFilter]:
+        """As Textual's; a theme of high contrast is one in every pane."""
+        filters = super().get_line_filters()
+        if self.theme != CONTRAST.name:
+            return filters
+        from tui.looks.contrast import Lift  # which other themes do without
 
-    def on_sayso_app_hung_up(self) -> None:
-        self.action_leave_now()
+        return [*filters, Lift()]
 
-    def run_to_the_end(self) -> int:
-        """Run until somebody leaves and the engine has ended, too; returns the exit code of the process."""
-        self.run()
-        self._left.set()
-        code, limit = self.return_code or 0, time.monotonic() + LEAVE_LIMIT_S
-        while self._handle is not None and not self._handle.join(0.1):
-            if self.engine_hangs or time.monotonic() > limit:
-                os._exit(code)  # the interpreter would wait for threads that hang
-        return code
-
-
-def _robot_state(parts: Sequence[PartStatus]) -> PartState | None:
-    return next((part.state for part in parts if part.name == "robot"), None)
+    def _display(self, screen: Screen[Any], renderable: RenderableType | None) -> None:
+        """As Textual's, with less to send, and only when the terminal has drawn what was sent before."""
+        ready = self.sending.screened(renderable)
+        super()._display(screen, ready)
+        if ready is not None:
+            self.viewing.send(screen, ready)
+            self.sending.sent()
 
 
 def run_console(start_engine: Callable[[Callable[..., None]], EngineHandle]) -> int:
     """Run the console until somebody leaves it, and return the exit code of the process.
 
     ``start_engine`` runs in a thread behind the first picture and returns the engine. It is given
-    :meth:`SaysoApp.dress`, to tell theme and frames per second once it has read the settings.
+    :meth:`SaysoApp.dress`, to tell theme, keys and the like once it has read the settings.
     """
-    app = SaysoApp(lambda: start_engine(app.dress))
-    return app.run_to_the_end()
+    app = SaysoApp(lambda: start_engine(app.dress), language=of_environment(os.environ))
+    return app.leaving.run()

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import math
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,7 +17,7 @@ from typing import Any, NoReturn
 
 from engine import __version__
 from engine.errors import ExitCode, SaysoError
-from tui.commands.output import data, say, silence_stdout
+from tui.output import data, say, silence_stdout
 
 DESCRIPTION = """\
 Say it, and a robot does it. Without a command: the console, with a robot in a simulated flat.
@@ -24,6 +26,11 @@ EPILOG = """\
 exit codes: 0 done · 1 the robot could not do it · 2 usage or configuration · 3 a device or model is missing
             4 timed out · 5 needs clarification · 6 refused · 130 interrupted
 """
+OTHERS = "train with this recording of speech or noise without the phrase as well (a WAV file)"
+VOICES = "train with the voices in this folder as well: piper's (.onnx), Kokoro's styles (.bin, .npz)"
+URI = "where to listen: tcp://HOST:PORT (default: tcp://127.0.0.1:10300, for programs on this machine only)"
+WEB = "serve the console to a browser on this machine, one tab at a time"
+WEB_HOST = "the address to listen at (default: 127.0.0.1); whoever reaches it can drive the robot: there is no password"
 COMPLETE_FILE = {
     "bash": "_shtab_compgen_files",
     "zsh": "_files",
@@ -31,6 +38,8 @@ COMPLETE_FILE = {
     "fish": "(__fish_complete_path (commandline -ct))",
 }
 """What shtab calls ``FILE``: complete the names of files."""
+LATER = "later_"
+"""How the options that stand for settings are named after the command, until they are joined to those before it."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -56,7 +65,24 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def entry() -> None:
     """The console script."""
+    open_missing_streams()
     sys.exit(main())
+
+
+def open_missing_streams() -> None:
+    """Open /dev/null for what whoever started us has closed (``2>&-``): else the next file that is opened would stand
+    there, and be written into by all that write to stderr."""
+    for fd, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
+        try:
+            os.fstat(fd)
+        except OSError:
+            nothing = os.open(os.devnull, os.O_RDWR)
+            os.dup2(nothing, fd)
+            if nothing == fd:
+                os.set_inheritable(fd, True)
+            else:
+                os.close(nothing)
+            setattr(sys, name, open(fd, mode, encoding="utf-8", closefd=False))  # noqa: SIM115 - for good
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -72,24 +98,31 @@ def build_parser() -> argparse.ArgumentParser:
         help="print a completion script for a shell and exit",
     )
     parser.add_argument("--demo", action="store_true", help="play demo speech through a simulated microphone")
+    parser.add_argument("--tab", action="store_true", help=argparse.SUPPRESS)  # how --web starts it
+    parser.set_defaults(run="tui.commands.console:run", json=False)
+    browser = parser.add_argument_group("the console in a browser")
+    browser.add_argument("--web", action="store_const", dest="run", const="tui.commands.web:run", help=WEB)
+    browser.add_argument("--web-host", metavar="HOST", default="127.0.0.1", help=WEB_HOST)
+    browser.add_argument("--web-port", metavar="PORT", type=_port, default=8300, help="default: 8300; 0: a free one")
     settings = _settings_options()
     _add_settings(parser)
-    parser.set_defaults(run="tui.commands.console:run", json=False)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
 
-    def command(name: str, run: str, summary: str, *, json: bool = True) -> argparse.ArgumentParser:
+    def command(name: str, run: str, summary: str, *, json: str | None = "print JSON lines") -> argparse.ArgumentParser:
         sub = commands.add_parser(name, help=summary, description=summary, parents=[settings])
         sub.set_defaults(run=run)
-        if json:
-            sub.add_argument("--json", action="store_true", help="print JSON lines")
+        if json is not None:
+            sub.add_argument("--json", action="store_true", help=json)
         return sub
 
-    engine = command("engine", "tui.commands.engine:run", "run without a screen: JSON lines out, commands in")
+    summary = "run without a screen: JSON lines out, commands in"
+    engine = command("engine", "tui.commands.engine:run", summary, json="as it does anyway")
     engine.add_argument(
         "--source",
         choices=["auto", "mic", "demo", "none"],
         default="auto",
-        help="where sound comes from; auto: the microphone if there is one (default)",
+        help="where sound comes from; auto: the microphone if there is one (default); none: from commands, and then "
+        "nothing is spoken unless voice.device or voice.when=always asks for it",
     )
 
     ask = command("ask", "tui.commands.ask:run", "do what TEXT says and report; '-' reads one request a line")
@@ -103,16 +136,43 @@ def build_parser() -> argparse.ArgumentParser:
 
     plan = command("plan", "tui.commands.plan:run", "print the plan for TEXT; nothing moves; '-' reads stdin")
     plan.add_argument("text", help="a request, or - for stdin")
+    world = plan.add_argument(
+        "--world", metavar="FILE", type=Path, help="plan for the places, objects and people of FILE (YAML or JSON)"
+    )
+    world.complete = COMPLETE_FILE  # type: ignore[attr-defined]
 
     transcribe = command("transcribe", "tui.commands.transcribe:run", "print what is said in recordings")
     _file(transcribe, "files", "WAV files", nargs="+")
 
     command("skills", "tui.commands.skills:run", "list what the robot can do")
-    command("doctor", "tui.commands.doctor:run", "look for what is missing, and say how to get it")
+    mic = command("mic", "tui.commands.mic:run", "hand sound on stdin over to the sayso that runs here", json=None)
+    mic.add_argument("--wyoming", metavar="URI", help="instead, the sound of a Wyoming satellite: tcp://HOST:10700")
+
+    doctor = command("doctor", "tui.commands.doctor:run", "look for what is missing, and say how to get it")
+    doctor.add_argument(
+        "--mic", action="store_true", help="record three seconds instead; say whether it is too loud or too quiet"
+    )
 
     models = command("models", "tui.commands.models:run", "list, download and verify models")
     models.add_argument("action", choices=["list", "pull", "verify", "path"])
     models.add_argument("names", nargs="*", metavar="MODEL", help="default: the models that sayso needs")
+
+    wake = command("wake", "tui.commands.wake:run", "wake words: list, try and train them")
+    wake.add_argument("action", choices=["list", "test", "train"])
+    what = wake.add_argument("what", nargs="?", metavar="PHRASE|FILE", help="to train: a phrase; to test: a WAV file")
+    what.complete = COMPLETE_FILE  # type: ignore[attr-defined]
+    wake.add_argument("--mine", metavar="DIR|record", help="train with recordings of the phrase by yourself as well")
+    others = wake.add_argument("--others", metavar="FILE", type=Path, action="append", help=OTHERS)
+    others.complete = COMPLETE_FILE  # type: ignore[attr-defined]
+    voices = wake.add_argument("--voices", metavar="DIR", type=Path, action="append", help=VOICES)
+    voices.complete = COMPLETE_FILE  # type: ignore[attr-defined]
+    wake.add_argument("--quick", action="store_true", help="train with less of everything")
+    wake.add_argument("--to", metavar="FILE", type=Path, help="where the head goes; default: your folder")
+    wake.add_argument("--yes", action="store_true", help="keep it without asking")
+
+    wyoming = command("wyoming", "tui.commands.wyoming:run", "lend recogniser and voice to programs that speak Wyoming")
+    wyoming.add_argument("--uri", metavar="URI", default="tcp://127.0.0.1:10300", help=URI)
+    wyoming.add_argument("--only", choices=["asr", "tts"], help="lend the recogniser alone, or the voice")
 
     scene = command("scene", "tui.commands.scene:run", "list scenes, and show one from above")
     scene.add_argument("action", choices=["list", "show"])
@@ -146,31 +206,59 @@ class _Parser(argparse.ArgumentParser):
         say(f"{self.prog}: {message}. Try: {self.prog} --help")
         raise SystemExit(int(ExitCode.USAGE))
 
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """With the settings before the command joined to those after it."""
+        arguments = super().parse_args(args, namespace)
+        for later in [key for key in vars(arguments) if key.startswith(LATER)]:
+            name, after = later.removeprefix(LATER), vars(arguments).pop(later)
+            before = getattr(arguments, name)
+            if after is not None:
+                setattr(arguments, name, [*before, *after] if isinstance(before, list) else after)
+        return arguments
+
 
 def _settings_options() -> _Parser:
     parent = _Parser(add_help=False)
-    _add_settings(parent, default=argparse.SUPPRESS)
+    _add_settings(parent, LATER)
     return parent
 
 
-def _add_settings(parser: argparse.ArgumentParser, default: object = None) -> None:
+def _add_settings(parser: argparse.ArgumentParser, prefix: str = "") -> None:
     group = parser.add_argument_group("settings")
-    file = group.add_argument(
-        "--config", metavar="FILE", type=Path, action="append", default=default, help="read settings from FILE too"
-    )
+
+    def add(name: str, text: str, **more: Any) -> argparse.Action:
+        return group.add_argument(f"--{name}", dest=prefix + name, help=text, **more)
+
+    file = add("config", "read settings from FILE too", metavar="FILE", type=Path, action="append")
     file.complete = COMPLETE_FILE  # type: ignore[attr-defined]
-    group.add_argument(
-        "--set", metavar="KEY=VALUE", action="append", default=default, help="e.g. --set endpoint.silence_s=0.8"
-    )
-    group.add_argument("--scene", default=default, help="the robot's scene: a name or a YAML file")
-    group.add_argument("--speed", choices=["real", "max"], default=default, help="how fast simulated time passes")
-    group.add_argument("--model", default=default, help="the recogniser's model: a name or a folder")
+    add("set", "e.g. --set endpoint.silence_s=0.8", metavar="KEY=VALUE", action="append")
+    add("scene", "the robot's scene: a name or a YAML file", metavar="SCENE")
+    add("speed", "how fast simulated time passes", choices=["real", "max"])
+    add("model", "the recogniser's model: a name or a folder", metavar="MODEL")
 
 
 def _add_timeout(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--timeout", type=float, metavar="S", default=None, help="give up after S seconds (exit code 4)"
+        "--timeout", type=_seconds, metavar="S", default=None, help="give up after S seconds (exit code 4)"
     )
+
+
+def _seconds(text: str) -> float:
+    """A time that one can wait for, s."""
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not 0 < seconds < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is no time; one is a number of seconds above 0")
+    return seconds
+
+
+def _port(text: str) -> int:
+    """A number that a port can have."""
+    if not text.isdecimal() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"{text!r} is no port; one is 0 to 65535")
+    return int(text)
 
 
 def _file(parser: argparse.ArgumentParser, name: str, text: str, nargs: str | None = None) -> None:

@@ -125,7 +125,7 @@ class IsolatedRecogniser:
         answer = self._answer(wire)
         if not isinstance(answer, Loaded):
             raise self._nonsense(repr(answer))
-        self._wire = wire
+        self._wire, self.name = wire, answer.name or self.name
         return wire
 
     def _found(self, wire: Wire[Answer], cancelled: Callable[[], bool]) -> Transcript | Rejected:

@@ -26,6 +26,8 @@ class Decoding:
     audio_s: float  # length of the sound, s
     decode_s: float  # time it took, s
     window_s: float  # length of the encoder window that was used last, s
+    doubtful: bool = False  # a quick pass was made, and another look may find something else
+    only_reading: bool = False  # a quick pass was made; another look tells what else may have been said
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +37,7 @@ class Transcript:
     text: str
     confidence: float  # 0…1, geometric mean of the tokens' probabilities
     decoding: Decoding
+    others: tuple[str, ...] = ()  # what may have been said instead, nearly as likely, the likelier first
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +55,7 @@ class Recogniser(Protocol):
 
     @property
     def name(self) -> str:
-        """For people: ``whisper-base (int8, 1 thread)``."""
+        """For people: ``whisper-base (int8, 1 thread)``; once it is loaded, with its language and how long it takes."""
         ...
 
     def load(self) -> None:

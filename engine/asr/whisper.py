@@ -14,9 +14,9 @@ from __future__ import annotations
 import logging
 import math
 import os
-import re
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +24,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from config.schema import Asr
+from engine.asr.gates import judge
 from engine.asr.recogniser import Decoding, Rejected, Transcript
 from engine.errors import ModelError
+from engine.han import is_chinese
 
 RATE = 16_000
 FULL_WINDOW_S = 30.0
@@ -43,39 +45,22 @@ DOUBTFUL_LOGPROB = -0.6
 REPETITIVE = 2.4
 """Compression ratio from which a text counts as a loop (Whisper's own threshold)."""
 
+READINGS = 5
+"""So many ways to read a sound are compared (the width of the beam) when the first made no sense…"""
+
+NEARLY = 0.3
+"""…and those whose mean log-probability is at most this much lower than the best's may have been said as well."""
+
 TOKENS_PER_S = 8
 """No one speaks faster (English: 4 words a second, 1.5 tokens a word, with reserve); bounds the time of a loop."""
 
 VOCABULARY_WORDS = 60
 """The prompt shares its 224 tokens with nothing else, but a long one slows every utterance down."""
 
-FILES = ("model.bin", "config.json", "tokenizer.json")
+READING_WORDS = 8
+"""So many of these are told to whoever looks for other readings: a long list draws every noise to one of its words."""
 
-ARTEFACTS = frozenset(
-    (
-        "amara org",
-        "bye",
-        "bye bye",
-        "i",
-        "music",
-        "oh",
-        "please subscribe",
-        "silence",
-        "so",
-        "subtitles by the amara org community",
-        "thank you",
-        "thank you for watching",
-        "thank you so much for watching",
-        "thank you very much",
-        "thanks for watching",
-        "the",
-        "uh",
-        "um",
-        "you",
-    )
-)
-"""What Whisper writes in noise and silence (normalised): credits and small talk of the subtitles it learnt from, and
-single words that are no command."""
+FILES = ("model.bin", "config.json", "tokenizer.json")
 
 
 class WhisperRecogniser:
@@ -86,7 +71,8 @@ class WhisperRecogniser:
         self._settings = settings
         self._threads = settings.threads or max(1, (os.cpu_count() or 1) // 2)
         self._model: Any = None
-        self.name = f"{folder.name} (int8, {self._threads} thread{'s' if self._threads > 1 else ''})"
+        self._first: tuple[NDArray[np.float32], tuple[str, ...], _Result] | None = None  # the last short pass
+        self.name = self._name = f"{folder.name} (int8, {self._threads} thread{'s' if self._threads > 1 else ''})"
 
     def load(self) -> None:
         """Load the model and run it once, so that the first command is as quick as the next. About 1 s.
@@ -108,7 +94,11 @@ class WhisperRecogniser:
                 hint="Set asr.language to another one, or asr.model to a multilingual model.",
             )
         self._model = model
-        self._decode(np.zeros(RATE, np.float32), None, self._settings.window_s, lambda: False)
+        for _ in range(2):  # the first one takes longer
+            began = time.perf_counter()
+            self._decode(np.zeros(RATE, np.float32), (), self._settings.window_s, lambda: False)
+            took = time.perf_counter() - began
+        self.name = f"{self._name}, {self._settings.language}, {took:.1f} s a pass"
 
     def transcribe(
         self,
@@ -124,13 +114,13 @@ class WhisperRecogniser:
         audio_s = len(samples) / RATE
         if audio_s < SHORTEST_S:
             return Rejected("too_short", f"{audio_s:.2f} s of sound is too short for a word.")
-        prompt = _prompt(vocabulary)
+        short = audio_s + MARGIN_S <= self._settings.window_s  # as commands are
         window_s = min(FULL_WINDOW_S, max(self._settings.window_s, audio_s + MARGIN_S))
-        result = self._decode(samples, prompt, window_s, cancelled)
+        result = self._first_look(samples, tuple(vocabulary), window_s, cancelled)
         hopeless = result.no_speech_probability > self._settings.max_no_speech  # a second look would not save it
-        done = quick or hopeless or not result.doubtful
-        if not done and window_s < FULL_WINDOW_S and not cancelled():
-            second = self._decode(samples, prompt, FULL_WINDOW_S, cancelled)
+        doubtful = result.doubtful and not hopeless and window_s < FULL_WINDOW_S
+        if doubtful and not quick and not cancelled():
+            second = self._decode(samples, vocabulary, FULL_WINDOW_S, cancelled)
             window_s = FULL_WINDOW_S
             if second.avg_logprob > result.avg_logprob:
                 result = second
@@ -141,27 +131,79 @@ class WhisperRecogniser:
             audio_s=audio_s,
             decode_s=time.perf_counter() - began,
             window_s=window_s,
+            doubtful=doubtful and quick,
+            only_reading=quick and short,
         )
-        return judge(result.text, decoding, self._settings, vocabulary)
+        found = judge(result.text, decoding, self._settings, vocabulary)
+        if isinstance(found, Rejected) or quick or cancelled() or not short:
+            return found
+        others = self._others(samples, vocabulary, found, cancelled)
+        return replace(found, decoding=replace(decoding, decode_s=time.perf_counter() - began), others=others)
 
     def close(self) -> None:
         """Nothing runs elsewhere."""
 
-    def _decode(
-        self, samples: NDArray[np.float32], prompt: str | None, window_s: float, cancelled: Callable[[], bool]
+    def _first_look(
+        self,
+        samples: NDArray[np.float32],
+        vocabulary: tuple[str, ...],
+        window_s: float,
+        cancelled: Callable[[], bool],
     ) -> _Result:
-        """One greedy pass with an encoder window of ``window_s``."""
+        """A pass with a short window; after a quick one, whoever looks twice need not look at the same again."""
+        last, self._first = self._first, None
+        if last is not None and last[1] == vocabulary and np.array_equal(last[0], samples):
+            return last[2]
+        result = self._decode(samples, vocabulary, window_s, cancelled)
+        if not cancelled():
+            self._first = samples, vocabulary, result
+        return result
+
+    def _others(
+        self,
+        samples: NDArray[np.float32],
+        vocabulary: Sequence[str],
+        found: Transcript,
+        cancelled: Callable[[], bool],
+    ) -> tuple[str, ...]:
+        """Other readings of a short sound, which pass the same gates: the right one is often the second or third."""
+        self._model.readings = []
+        self._decode(samples, vocabulary, self._settings.window_s, cancelled, readings=READINGS)
+        readings: list[tuple[str, float]] = self._model.readings
+        least = max(found.decoding.avg_logprob, readings[0][1]) - NEARLY if readings else 0.0
+        others = []
+        for text, logprob in readings:
+            decoding = replace(found.decoding, avg_logprob=logprob)
+            passed = judge(text, decoding, self._settings, vocabulary)
+            if logprob >= least and isinstance(passed, Transcript) and text != found.text:
+                others.append(text)
+        return tuple(others)
+
+    def _decode(
+        self,
+        samples: NDArray[np.float32],
+        vocabulary: Sequence[str],
+        window_s: float,
+        cancelled: Callable[[], bool],
+        *,
+        readings: int = 1,
+    ) -> _Result:
+        """One pass with an encoder window of ``window_s``: greedy, or with a beam for several readings."""
         self._model.window_frames = math.ceil(window_s * self._model.frames_per_second)
-        language = None if self._settings.language == "auto" else self._settings.language
+        self._model.compares = readings > 1
+        language = self._language_of(samples)
+        if language is not None:  # a list in another language would be an invitation to write it
+            vocabulary = [noun for noun in vocabulary if is_chinese(noun) == (language == "zh")]
+        words = VOCABULARY_WORDS if readings == 1 else READING_WORDS
         segments, info = self._model.transcribe(
             samples,
             language=language,
-            beam_size=1,
+            beam_size=readings,
             temperature=0.0,
             no_repeat_ngram_size=3,
             condition_on_previous_text=False,
             without_timestamps=True,
-            initial_prompt=prompt,
+            initial_prompt=_prompt(vocabulary[:words]),
             max_new_tokens=16 + math.ceil(TOKENS_PER_S * len(samples) / RATE),
             no_speech_threshold=None,  # the gates are ours: faster-whisper's would drop the text without a reason
             log_prob_threshold=None,
@@ -173,6 +215,18 @@ class WhisperRecogniser:
             if cancelled():
                 break
         return _Result.of(found, info.language)
+
+    def _language_of(self, samples: NDArray[np.float32]) -> str | None:
+        """The one that is set, or the likeliest of those that are spoken here: of a short command alone, Whisper
+        believes it to be in any of a hundred."""
+        if self._settings.language != "auto":
+            return self._settings.language
+        if not self._model.model.is_multilingual:
+            return None
+        features = self._model.feature_extractor(samples)[..., :-1]  # which is what transcribing encodes: see encode()
+        _, _, found = self._model.detect_language(features=features)
+        chances: dict[str, float] = dict(found)
+        return max(self._settings.languages, key=lambda language: chances.get(language, 0.0))
 
 
 class _Result:
@@ -201,42 +255,9 @@ class _Result:
         )
 
 
-def judge(text: str, decoding: Decoding, settings: Asr, vocabulary: Sequence[str]) -> Transcript | Rejected:
-    """Let a text through as a transcript, or say why it is none."""
-    words = _normalised(text)
-    if not words:
-        return Rejected("empty", "No words were recognised.", text, decoding)
-    if decoding.no_speech_probability > settings.max_no_speech:
-        detail = f"The sound is no speech with probability {decoding.no_speech_probability:.2f}."
-        return Rejected("no_speech", detail, text, decoding)
-    if decoding.avg_logprob < settings.min_logprob:
-        detail = f"Too uncertain: mean log-probability {decoding.avg_logprob:.2f} is below {settings.min_logprob:g}."
-        return Rejected("low_confidence", detail, text, decoding)
-    if words in ARTEFACTS:
-        return Rejected("artefact", f"{text!r} is what the recogniser writes in noise.", text, decoding)
-    if _echoes(words, vocabulary):
-        return Rejected("artefact", "Only the list of expected words came back.", text, decoding)
-    return Transcript(text, min(1.0, math.exp(decoding.avg_logprob)), decoding)
-
-
-def _normalised(text: str) -> str:
-    """Lower-case words without punctuation and stage directions such as ``[Music]``."""
-    spoken = re.sub(r"\[[^\]]*\]|\([^)]*\)|♪[^♪]*♪?", " ", text)
-    return " ".join(re.findall(r"[^\W_]+(?:['’][^\W_]+)*", spoken.casefold()))
-
-
-def _echoes(words: str, vocabulary: Sequence[str]) -> bool:
-    """Whether ``words`` are three or more of the expected ones with nothing but articles between them."""
-    nouns = sorted((_normalised(noun) for noun in vocabulary), key=len, reverse=True)
-    if not nouns:
-        return False
-    left, count = re.subn(rf"\b(?:{'|'.join(map(re.escape, nouns))})\b", " ", words)
-    return count >= 3 and not set(left.split()) - {"the", "a", "and"}
-
-
 def _prompt(vocabulary: Sequence[str]) -> str | None:
     """Nouns as a list, as they might stand in a text; None without any."""
-    return ", ".join(vocabulary[:VOCABULARY_WORDS]) + "." if vocabulary else None
+    return ", ".join(vocabulary) + "." if vocabulary else None
 
 
 def _open_model(folder: Path, threads: int) -> Any:
@@ -250,10 +271,38 @@ def _open_model(folder: Path, threads: int) -> Any:
 
     class WindowedModel(WhisperModel):  # type: ignore[misc]
         window_frames = 3000
+        last: tuple[NDArray[np.float32], Any] | None = None
+        compares = False  # several readings, which are kept
+        readings: list[tuple[str, float]] = []  # noqa: RUF012 (of the last pass, with their mean log-probabilities)
 
         def encode(self, features: NDArray[np.float32]) -> Any:
             # faster-whisper pads every stretch to 30 s just before it calls this; the encoder takes less
-            return super().encode(np.ascontiguousarray(features[..., : self.window_frames]))
+            taken = np.ascontiguousarray(features[..., : self.window_frames])
+            if self.last is None or not np.array_equal(self.last[0], taken):  # else the language was found in it
+                self.last = taken, super().encode(taken)
+            return self.last[1]
+
+        def generate_with_fallback(self, encoder_output: Any, prompt: list[int], tokenizer: Any, options: Any) -> Any:
+            # faster-whisper's own throws all readings but the best away; falling back is our business anyway
+            if not self.compares:
+                return super().generate_with_fallback(encoder_output, prompt, tokenizer, options)
+            (found,) = self.model.generate(
+                encoder_output,
+                [prompt],
+                beam_size=options.beam_size,
+                num_hypotheses=options.beam_size,
+                no_repeat_ngram_size=options.no_repeat_ngram_size,
+                max_length=len(prompt) + options.max_new_tokens,
+                return_scores=True,
+                return_no_speech_prob=True,
+                suppress_blank=options.suppress_blank,
+                suppress_tokens=options.suppress_tokens,
+            )
+            self.readings = [
+                (tokenizer.decode(tokens).strip(), score * len(tokens) / (len(tokens) + 1))
+                for tokens, score in zip(found.sequences_ids, found.scores, strict=True)
+            ]
+            return found, self.readings[0][1], 0.0, 1.0
 
     try:
         return WindowedModel(str(folder), device="cpu", compute_type="int8", cpu_threads=threads, local_files_only=True)

@@ -12,10 +12,10 @@ from typing import Generic, TypeVar
 import msgspec
 
 from engine.asr.recogniser import Rejected, Transcript
+from engine.messages import LENGTH_BYTES, packed
 
 MAX_BYTES = 1 << 26
 """Longest message: 17 minutes of sound."""
-_LENGTH = 4  # bytes, little-endian
 _CHUNK = 1 << 16
 
 
@@ -36,6 +36,8 @@ class Cancel(msgspec.Struct, frozen=True, tag=True):
 
 class Loaded(msgspec.Struct, frozen=True, tag=True):
     """The model is loaded and warm."""
+
+    name: str = ""  # of the recogniser, with what is known of it by now
 
 
 class Accepted(msgspec.Struct, frozen=True, tag=True):
@@ -75,11 +77,11 @@ class Wire(Generic[T]):
     def send(self, message: Request | Answer, limit: float | None = None) -> None:
         """Send within ``limit`` s. Raises ``OSError`` (``TimeoutError``) when the other side is gone (does not read)
         and ``ValueError`` for a message that is too long."""
-        data = msgspec.msgpack.encode(message)
-        if len(data) > MAX_BYTES:
-            raise ValueError(f"{len(data)} bytes are too long for a message")
+        data = packed(message)
+        if len(data) > LENGTH_BYTES + MAX_BYTES:
+            raise ValueError(f"{len(data) - LENGTH_BYTES} bytes are too long for a message")
         self._link.settimeout(limit)
-        self._link.sendall(len(data).to_bytes(_LENGTH, "little") + data)
+        self._link.sendall(data)
 
     def receive(self, limit: float | None = None) -> T | None:
         """The next message; None when nothing has come for ``limit`` s. Raises ``EOFError`` when the other side is
@@ -99,14 +101,14 @@ class Wire(Generic[T]):
 
     def _message(self) -> T | None:
         """Take a message out of what was read, if a whole one is there."""
-        if len(self._read) < _LENGTH:
+        if len(self._read) < LENGTH_BYTES:
             return None
-        end = _LENGTH + int.from_bytes(self._read[:_LENGTH], "little")
-        if end > _LENGTH + MAX_BYTES:
-            raise Garbage(f"a message of {end - _LENGTH} bytes")
+        end = LENGTH_BYTES + int.from_bytes(self._read[:LENGTH_BYTES], "little")
+        if end > LENGTH_BYTES + MAX_BYTES:
+            raise Garbage(f"a message of {end - LENGTH_BYTES} bytes")
         if len(self._read) < end:
             return None
-        data = bytes(self._read[_LENGTH:end])
+        data = bytes(self._read[LENGTH_BYTES:end])
         del self._read[:end]
         try:
             return self._decoder.decode(data)

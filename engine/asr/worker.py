@@ -81,7 +81,7 @@ def main(argv: list[str]) -> int:
     answer: Answer
     try:
         recogniser.load()
-        answer = w.Loaded()
+        answer = w.Loaded(recogniser.name)
     except ModelError as error:
         answer = w.Failed(error.message, error.hint)
     wire.send(answer)

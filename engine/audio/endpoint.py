@@ -3,7 +3,8 @@
 Time is the number of frames that were pushed; nothing is read from outside, so that the same frames always give the
 same utterance. An utterance starts once enough speech came in a row, and is given a pre-roll from before that, because
 a word begins before a detector is sure of it. It ends after enough silence, or at its greatest length, which also ends
-it in a noise that sounds like speech for ever.
+it in a noise that sounds like speech for ever. How much silence is enough, whoever knows what was said can say anew in
+every pause (:meth:`Endpointer.wait`), or that none is needed (:meth:`Endpointer.conclude`).
 """
 
 from __future__ import annotations
@@ -68,10 +69,10 @@ class Endpointer:
 
     def __init__(self, settings: Endpoint) -> None:
         self._start_frames = _frames_up(settings.start_s)
-        self._silence_frames = _frames_up(settings.silence_s)
+        self._usual_silence = self._silence_frames = _frames_up(settings.silence_s)
         self._max_frames = max(self._start_frames, _frames_down(settings.max_length_s))
         self._no_speech_frames = _frames_up(settings.no_speech_s)
-        self._tail_frames = min(_frames_up(TAIL_S), self._silence_frames)
+        self._tail_frames = min(_frames_up(TAIL_S), self._usual_silence)
         pre_roll = _frames_up(settings.pre_roll_s)
         self._before: deque[Frame] = deque(maxlen=pre_roll)  # pre-roll; frames enter when no speech run holds them
         self._run: list[Frame] = []  # speech in a row that is not confirmed yet
@@ -81,12 +82,31 @@ class Endpointer:
         self._silence = 0  # frames since speech was last certain
         self._resumed = 0  # speech frames in a row within that silence
         self._speech = 0
+        self._concluded = False
         self._ended = False
 
     @property
     def in_speech(self) -> bool:
         """Between ``Started`` and ``Ended``."""
         return bool(self._frames) and not self._ended
+
+    @property
+    def pause(self) -> int:
+        """Frames of the pause so far, 0 while somebody speaks. A click in it does not end it."""
+        return self._silence
+
+    @property
+    def so_far(self) -> Samples:
+        """The sound of the utterance up to now, with its pre-roll and the pause."""
+        return np.concatenate([frame.samples for frame in self._frames])
+
+    def wait(self, silence_s: float) -> None:
+        """In this pause, so much silence ends the utterance; in the next one it is as usual again."""
+        self._silence_frames = _frames_up(silence_s)
+
+    def conclude(self) -> None:
+        """All has been said: the next frame ends the utterance, whatever is heard in it."""
+        self._concluded = True
 
     def push(self, frame: Frame, vad: VadResult) -> Started | Ended | None:
         """Take the next frame. Raises ``RuntimeError`` after the end."""
@@ -124,9 +144,11 @@ class Endpointer:
         self._resumed = self._resumed + 1 if vad.speech else 0
         if self._resumed >= RESUME_FRAMES or (vad.speech and not self._silence):
             self._silence = 0
+            self._silence_frames = self._usual_silence
         else:
             self._silence += 1
-        if self._silence >= self._silence_frames and not vad.speech:  # a word that has just begun is heard first
+        silent = self._silence >= self._silence_frames and not vad.speech  # a word that has just begun is heard first
+        if silent or self._concluded:
             return self._end("silence", trim=True)
         if len(self._frames) - self._pre_roll >= self._max_frames:
             return self._end("max_length", trim=False)

@@ -51,8 +51,9 @@ class Meter:
 
 def loudness(frames: Sequence[Frame]) -> Level:
     sound = np.concatenate([frame.samples for frame in frames]).astype(np.float32) / 32768
-    return Level(_decibels(float(np.sqrt(np.mean(sound**2)))), _decibels(float(np.max(np.abs(sound)))))
+    return Level(decibels(float(np.sqrt(np.mean(sound**2)))), decibels(float(np.max(np.abs(sound)))))
 
 
-def _decibels(amplitude: float) -> float:
+def decibels(amplitude: float) -> float:
+    """An amplitude (1: full scale) in dB relative to full scale."""
     return round(max(QUIETEST_DB, 20 * math.log10(max(amplitude, 1e-9))), 1)

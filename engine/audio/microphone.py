@@ -1,169 +1,165 @@
-"""The live microphone, through PortAudio (sounddevice).
+"""The live microphone. A process of its own records it (``engine.audio.recorder``); this is the end where one listens.
 
-No device is touched, and sounddevice is not imported, before the source is opened: on Linux the mere import fails
-where PortAudio is not installed. Every failure becomes a ``DeviceError`` that says what to do.
+No device is touched, and sounddevice is not imported, in this process. Every failure becomes a ``DeviceError`` that
+says what to do. A microphone that is lost stays lost: whoever wants it back opens another one, which can wait for it.
 """
 
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import threading
+from collections import deque
+from dataclasses import replace
 from types import TracebackType
-from typing import Any
 
+import msgspec
 import numpy as np
-import soxr
-from numpy.typing import NDArray
 
-from engine.audio.source import FRAME_S, RATE, Frame, FrameQueue, Framer, to_int16
-from engine.errors import DeviceError
+from engine.audio.recorder import MESSAGES, Failed, Looking, Message, Opened, Sound
+from engine.audio.source import Frame, Framer
+from engine.child import Child
+from engine.errors import DeviceError, ProcessError
+from engine.messages import LENGTH_BYTES
 
-WAITING_FRAMES = 64
-"""Frames (2 s) that may wait for a reader; older ones are lost and counted."""
+ANSWER_S = 10.0
+"""A recorder that says nothing for this long hangs: it looks every second, and reports silence after three."""
 
-SILENT_S = 3.0
-"""A microphone that delivers nothing for this long is gone: ALSA does not always say so when one is unplugged."""
-
-NO_MICROPHONE = "Without one you can type, or watch the demo: sayso --demo."
+_EPITAPH_S = 1.0  # from the end of the link to the end of the process
+_RECORDER = "engine.audio.recorder"
 
 
 class Microphone:
     """A microphone by (part of) its name or by index; None is the system's default.
 
-    Opened at 16 kHz where the device can, else at its own rate and resampled. Opening and reading raise
-    ``DeviceError``.
+    ``patient``: opening waits until it is there, however long that takes. Opening and reading raise ``DeviceError``.
     """
 
     live = True
 
-    def __init__(self, device: str | int | None = None) -> None:
+    def __init__(self, device: str | int | None = None, *, patient: bool = False) -> None:
         self.name = "microphone"
-        self._device = device
-        self._queue = FrameQueue(WAITING_FRAMES)
+        self.overruns = 0
+        """How often the device has lost sound."""
+        self._arguments = (f"--device={msgspec.json.encode(device).decode()}", *(("--patient",) if patient else ()))
+        self._unread = 0
         self._framer = Framer()
-        self._resampler: Any = None
-        self._stream: Any = None
-        self._overruns = 0
-        self._closing = threading.Event()
+        self._ready: deque[Frame] = deque()
+        self._child: Child | None = None
+        self._reader: asyncio.StreamReader | None = None
+        self._writer: asyncio.StreamWriter | None = None
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Sound lost by the device or by us."""
         found = []
-        if self._overruns:
-            found.append(f"{self.name}: the device lost sound {self._overruns} times.")
-        if self._queue.dropped:
-            found.append(f"{self.name}: {self._queue.dropped * FRAME_S:.1f} s of sound were not read in time.")
+        if self.overruns:
+            found.append(f"{self.name}: the device lost sound {_times(self.overruns)}.")
+        if self._unread:
+            found.append(f"{self.name}: sound was not read in time {_times(self._unread)}.")
         return tuple(found)
 
     async def __aenter__(self) -> Microphone:
-        await asyncio.to_thread(self._open)
+        try:
+            await self._start()
+            await self._until_open()
+        except BaseException:
+            await self._end()
+            raise
         return self
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._closing.set()
-        self._queue.close()
-        if self._stream is not None:
-            stream, self._stream = self._stream, None
-            await asyncio.to_thread(stream.close)
+        self._ready.clear()
+        await self._end()
 
     def __aiter__(self) -> Microphone:
         return self
 
     async def __anext__(self) -> Frame:
-        try:
-            async with asyncio.timeout(SILENT_S):
-                return await self._queue.get()
-        except TimeoutError as error:
-            raise DeviceError(
-                f"The {self.name} delivers no sound any more.", hint="Check that it is plugged in."
-            ) from error
+        while not self._ready:
+            if self._child is None:
+                raise StopAsyncIteration
+            match await self._message():
+                case Sound(pcm, overruns, unread):
+                    self.overruns, self._unread = overruns, unread
+                    now = asyncio.get_running_loop().time()
+                    self._ready.extend(
+                        replace(frame, at=now) for frame in self._framer.push(np.frombuffer(pcm, np.int16))
+                    )
+                case None:  # closed meanwhile
+                    raise StopAsyncIteration
+                case answer:
+                    raise _nonsense(answer)
+        return self._ready.popleft()
 
-    def _open(self) -> None:
-        sounddevice = _import_sounddevice()
+    async def _start(self) -> None:
+        starting = asyncio.ensure_future(asyncio.to_thread(Child, "microphone", _RECORDER, self._arguments))
         try:
-            info = sounddevice.query_devices(self._device, "input")
-        except ValueError as error:  # no such device, an ambiguous name, or one without inputs
-            raise DeviceError(
-                f"There is no microphone {self._device!r}: {str(error).splitlines()[0]}.", hint=_choices(sounddevice)
-            ) from error
-        except sounddevice.PortAudioError as error:
-            which = "" if self._device is None else f" {self._device!r}"
-            raise DeviceError(f"There is no microphone{which}.", hint=_choices(sounddevice)) from error
-        self.name = f"microphone ({info['name']})"
-        native, channels = round(info["default_samplerate"]), int(info["max_input_channels"])
-        failure: Exception | None = None
-        for rate, width in dict.fromkeys(((RATE, 1), (native, 1), (native, channels))):
-            try:
-                self._start(sounddevice, rate, width)
-            except sounddevice.PortAudioError as error:
-                failure = error
-            else:
-                return
-        raise DeviceError(
-            f"The {self.name} cannot be opened: {failure}", hint="Another program may be using it."
-        ) from failure
-
-    def _start(self, sounddevice: Any, rate: int, channels: int) -> None:
-        """Open the device with one set of parameters and let it run."""
-        self._resampler = soxr.ResampleStream(rate, RATE, 1, dtype="float32") if rate != RATE else None
-        stream = sounddevice.InputStream(
-            device=self._device,
-            samplerate=rate,
-            channels=channels,
-            dtype="float32",
-            callback=self._arrived,
-            finished_callback=self._finished,
-        )
-        try:
-            stream.start()
-        except sounddevice.PortAudioError:
-            self._closing.set()  # the end of this try is not the end of the microphone
-            with contextlib.suppress(sounddevice.PortAudioError):
-                stream.close()
-            self._closing.clear()
+            self._child = await asyncio.shield(starting)
+        except asyncio.CancelledError:
+            self._child = await starting  # or nobody would end it
             raise
-        self._stream = stream
+        except ProcessError as error:
+            raise DeviceError(error.message) from error
+        self._child.link.setblocking(False)
+        self._reader, self._writer = await asyncio.open_connection(sock=self._child.link)
 
-    def _arrived(self, block: NDArray[np.float32], _count: int, _time: object, status: Any) -> None:
-        """PortAudio's thread: take a block and return quickly."""
-        if status.input_overflow:
-            self._overruns += 1
-        mono = block.mean(axis=1, dtype=np.float32)
-        if self._resampler is not None:
-            mono = self._resampler.resample_chunk(mono)
-        for frame in self._framer.push(to_int16(mono)):
-            self._queue.put(frame)
+    async def _until_open(self) -> None:
+        while True:
+            match await self._message():
+                case Opened(name):
+                    self.name = name
+                    return
+                case Looking():
+                    continue
+                case answer:
+                    raise _nonsense(answer)
 
-    def _finished(self) -> None:
-        """PortAudio's thread: the stream ended, by us or because the device is gone."""
-        if not self._closing.is_set():
-            self._queue.end(DeviceError(f"The {self.name} is gone.", hint="Plug it in again, then wake the robot."))
+    async def _message(self) -> Message | None:
+        """What the recorder says next; None once the microphone is closed. Raises ``DeviceError``, also the one that
+        the recorder tells of."""
+        reader, child = self._reader, self._child
+        assert reader is not None
+        assert child is not None
+        try:
+            async with asyncio.timeout(ANSWER_S):
+                length = int.from_bytes(await reader.readexactly(LENGTH_BYTES), "little")
+                message = MESSAGES.decode(await reader.readexactly(length))
+        except TimeoutError as error:
+            raise DeviceError(f"The {self.name} hangs.", hint="It is tried again.") from error
+        except (asyncio.IncompleteReadError, OSError) as error:
+            if self._child is None:
+                return None
+            why = await asyncio.to_thread(child.epitaph, wait=_EPITAPH_S)
+            raise DeviceError(why or "The microphone process closed its connection.") from error
+        if isinstance(message, Failed):
+            raise Lost(message.message, hint=message.hint, for_good=message.for_good)
+        return message
+
+    async def _end(self) -> None:
+        child, self._child = self._child, None
+        if self._writer is not None:
+            self._writer.close()
+        if child is not None:
+            await asyncio.to_thread(_bury, child)
 
 
-def _import_sounddevice() -> Any:
-    try:
-        import sounddevice
-    except OSError as error:
-        raise DeviceError(
-            "The microphone cannot be used: the PortAudio library is missing.",
-            hint="Install it (Debian, Ubuntu: apt install libportaudio2). " + NO_MICROPHONE,
-        ) from error
-    except ImportError as error:
-        raise DeviceError(
-            "The microphone cannot be used: the Python package sounddevice is missing.",
-            hint="Install it with pip. " + NO_MICROPHONE,
-        ) from error
-    return sounddevice
+class Lost(DeviceError):
+    """The microphone is not there (any more). ``for_good``: looking for it is in vain."""
+
+    def __init__(self, message: str, *, hint: str, for_good: bool) -> None:
+        super().__init__(message, hint=hint)
+        self.for_good = for_good
 
 
-def _choices(sounddevice: Any) -> str:
-    names = [
-        f"{index}: {device['name']}"
-        for index, device in enumerate(sounddevice.query_devices())
-        if device["max_input_channels"] > 0
-    ]
-    return f"Set audio.device to one of: {'; '.join(names)}." if names else NO_MICROPHONE
+def _bury(child: Child) -> None:
+    child.kill()
+    child.release()
+
+
+def _nonsense(answer: object) -> DeviceError:
+    return DeviceError(f"The microphone process says what makes no sense: {type(answer).__name__}.")
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"

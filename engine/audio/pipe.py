@@ -10,6 +10,7 @@ import os
 import selectors
 import stat
 import threading
+import time
 from types import TracebackType
 from typing import BinaryIO
 
@@ -149,3 +150,21 @@ class PushSource(_PcmSource):
         """No more sound will come; the reader's iteration ends after what was pushed. Thread-safe."""
         with self._lock:
             self._finish()
+
+
+class GuestSource(PushSource):
+    """Sound that somebody outside hands over for a while."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name=name)
+        self._heard = time.monotonic()
+
+    @property
+    def idle_s(self) -> float:
+        """For how long nothing has come, s."""
+        return time.monotonic() - self._heard
+
+    def push(self, pcm: bytes) -> None:
+        """Append sound. Thread-safe, returns at once."""
+        self._heard = time.monotonic()
+        super().push(pcm)

@@ -43,6 +43,7 @@ class Frame:
 
     samples: Samples  # shape (512,)
     end: float  # s of sound since the stream began, at the frame's end
+    at: float | None = None  # s, of the loop's clock: when it came; None where this machine's loudspeaker is not heard
 
 
 class Source(Protocol):

@@ -1,170 +1,192 @@
 """Any service that speaks OpenAI's chat completions: OpenAI itself, OpenRouter, DashScope, Ollama, vLLM, llama.cpp.
 
-``POST {base_url}/chat/completions`` (https://platform.openai.com/docs/api-reference/chat), pictures as data URLs.
-Everything goes to the configured address and nowhere else: no redirect is followed, and no proxy is taken from the
-environment. The key is put into a request when it is sent and is in nothing that could be shown; where a service
-repeats it, it is blotted out.
+``POST {base_url}/chat/completions`` (https://platform.openai.com/docs/api-reference/chat), streamed, with the official
+client; pictures are data URLs. Services differ in what they take: where one refuses a question for one of its wishes (a
+form of the answer, a seed, …), it is asked again without that one, and is spared it from then on.
 """
 
 from __future__ import annotations
 
 import asyncio
 import base64
-import functools
-import json
-import re
-import ssl
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
-from urllib.parse import urlsplit
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal
 
-from pydantic import BaseModel, Field, SecretStr, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from config.schema import Platform
-from engine.llm.chat import ChatError, KeyWanted, Message, Refused, Reply, TooSlow, Unreachable, Unreadable
+from engine.llm.chat import Ask, Hear, Message, Refused, Reply, _deaf
+from engine.llm.service import Failure, Service, media_type
+from engine.llm.streamed import Streamed
 
 if TYPE_CHECKING:
-    import httpx  # slow to import, and most sessions need no service
+    from openai import AsyncOpenAI
 
-PAUSE_S: Final = 0.3
-"""Before the one other attempt, s."""
-MAX_BYTES: Final = 1 << 20
-"""Longest answer that is read; what is longer is no answer to a question of ours."""
-_MASK: Final = "********"
-_TOLD: Final = 200  # characters of what a service says about its refusal
-_THOUGHTS: Final = re.compile(r"\A\s*<think>.*?</think>", re.DOTALL)
-_SENDABLE: Final = re.compile(r"[!-~]*")  # what a header can carry
-_JPEG: Final = b"\xff\xd8"
-_PNG: Final = b"\x89PNG"
+_WISHES: Final = ("response_format", "grammar", "seed", "temperature", "stream_options", "max_tokens")
+"""What an answer can do without. Newer models of OpenAI call the last one max_completion_tokens, and take no other."""
+_UNKNOWN_WISH: Final = frozenset((400, 422, 501))
+_OURS: Final = frozenset(("grammar",))
+"""Fields that are no part of OpenAI's protocol."""
 
 
 class OpenAIChat:
-    """One model of one platform. Holds nothing open between two questions."""
+    """One model of one platform. Belongs to the loop in which it is asked first."""
 
-    def __init__(self, name: str, platform: Platform) -> None:
-        """``platform`` has a ``base_url`` and a ``model``; the configuration sees to that where it is used."""
-        assert platform.base_url is not None
+    def __init__(
+        self,
+        name: str,
+        platform: Platform,
+        *,
+        kind: Literal["openai", "local"] = "openai",
+        uds: Path | None = None,
+        takes_grammar: bool = False,
+        extra: Mapping[str, Any] | None = None,
+    ) -> None:
+        """``platform`` has a ``model``, and a ``base_url`` where there is no ``uds``; the configuration sees to that
+        where it is used. ``takes_grammar``: it is llama.cpp; ``extra`` are further fields of each question."""
         assert platform.model is not None
-        self._name = name
+        assert platform.base_url is not None or uds is not None
+        remedy = f"Check platforms.{name}.model: does it take pictures, and so long a question?"
+        self._service = Service(name, platform, "an OpenAI-compatible service", remedy, uds)
         self._model = platform.model
-        self._url = f"{platform.base_url.rstrip('/')}/chat/completions"
-        self._host = urlsplit(platform.base_url).hostname or ""
-        self._timeout_s = platform.timeout_s
-        self._key = SecretStr(platform.api_key.get_secret_value().strip()) if platform.api_key else SecretStr("")
+        self._kind = kind
+        self._takes_grammar = takes_grammar or platform.grammar
+        self._sees = platform.sees
+        self._extra = dict(extra or {})
+        self._refused: set[str] = set()  # wishes that the service does not take
+        self._client: AsyncOpenAI | None = None
 
     @property
     def name(self) -> str:
-        return self._name
+        return self._service.name
 
-    async def reply(self, messages: Sequence[Message]) -> Reply:
-        if not _SENDABLE.fullmatch(self._key.get_secret_value()):
-            message = f"The key of the platform {self._name} has characters that no key has."
-            raise KeyWanted(message, hint=f"Look at platforms.{self._name}.api_key, and at the variable it names.")
-        request = {"model": self._model, "messages": [_as_sent(message) for message in messages]}
+    @property
+    def model(self) -> str:
+        return self._model
+
+    @property
+    def held(self) -> bool:
+        return self._takes_grammar
+
+    @property
+    def sees(self) -> bool:
+        return self._sees
+
+    async def reply(self, ask: Ask, hear: Hear = _deaf) -> Reply:
+        messages = [_as_sent(message) for message in ask.messages]
+        return await self._service.ask(lambda: self._asked(ask, messages, hear))
+
+    async def close(self) -> None:
+        self._client = None
+        await self._service.close()
+
+    async def _asked(self, ask: Ask, messages: list[Any], hear: Hear) -> Reply | Failure:
+        """The answer, with as many wishes as the service takes."""
+        without = set(self._refused)
+        while True:
+            body = self._body(ask, messages, without)
+            found = await self._attempt(body, hear)
+            if isinstance(found, Reply):
+                self._refused = without
+                return found
+            wish = _refused_wish(found, body)
+            if wish is None:
+                return found
+            without.add(wish)
+
+    def _body(self, ask: Ask, messages: list[Any], without: set[str]) -> dict[str, Any]:
+        limit = "max_completion_tokens" if "max_tokens" in without else "max_tokens"
+        body: dict[str, Any] = {"model": self._model, "messages": messages, limit: ask.max_tokens}
+        body |= {"temperature": ask.temperature, "seed": ask.seed, "stream_options": {"include_usage": True}}
+        if ask.grammar is not None and self._takes_grammar:
+            body["grammar"] = ask.grammar
+        elif ask.schema is not None:
+            schema = {"name": "answer", "schema": dict(ask.schema), "strict": True}
+            body["response_format"] = {"type": "json_schema", "json_schema": schema}
+        return {key: value for key, value in body.items() if key not in without}
+
+    async def _attempt(self, body: dict[str, Any], hear: Hear) -> Reply | Failure:
+        client = await self._ready()
+        import httpx2
+        import openai
+
+        extra = {key: value for key, value in body.items() if key in _OURS} | self._extra
+        known = {key: value for key, value in body.items() if key not in _OURS}
+        streamed = Streamed(hear, self._service.secret)
         try:
-            async with asyncio.timeout(self._timeout_s):
-                found = await self._asked(json.dumps(request).encode())
-        except TimeoutError:
-            found = TooSlow(
-                f"The model of the platform {self._name} did not answer within {self._timeout_s:g} s.",
-                hint=f"Give it longer with platforms.{self._name}.timeout_s, or take a faster model.",
-            )
-        if isinstance(found, ChatError):
-            raise found  # here, where no exception is being handled whose request has the key in it
-        return found
+            stream: Any = await client.chat.completions.create(**known, stream=True, extra_body=extra or None)
+            async with stream:
+                if "event-stream" not in stream.response.headers.get("content-type", ""):
+                    return self._read(await stream.response.aread(), streamed)
+                return await self._listen(stream, streamed)
+        except openai.APIStatusError as error:
+            response = error.response
+            return self._service.refused(error.status_code, response.content, response.headers)
+        except (openai.APIConnectionError, httpx2.HTTPError, httpx2.InvalidURL, OSError) as error:
+            return self._service.broken(error, streamed.begun)
+        except openai.APIError as error:  # some services say so in the midst of an answer
+            return self._service.refused(_status(error), _said(error), {}, streamed.begun)
 
-    async def _asked(self, body: bytes) -> Reply | ChatError:
-        """The answer, or what is wrong; what may be better in a moment is tried twice."""
-        client = await asyncio.to_thread(self._client)
-        async with client:
-            found = await self._attempt(client, body)
-            if isinstance(found, Unreachable) or (isinstance(found, Refused) and _may_pass(found.status)):
-                await asyncio.sleep(PAUSE_S)
-                found = await self._attempt(client, body)
-        return found
+    async def _listen(self, stream: Any, streamed: Streamed) -> Reply | Failure:
+        usage, end = _Usage(), None
+        while True:
+            try:
+                chunk = _Completion.model_validate(await anext(stream), from_attributes=True)
+            except StopAsyncIteration:
+                break
+            except (ValueError, RecursionError):  # pydantic's own error is one of them
+                return Failure(self._service.unreadable("it is not what a chat completion looks like"))
+            if chunk.usage is not None:
+                usage = chunk.usage
+            for choice in chunk.choices[:1]:
+                end = choice.finish_reason or end
+                streamed.add(choice.delta.text)
+        if end is None:
+            if not streamed.begun:
+                return Failure(self._service.unreadable("there is nothing in it"))
+            return self._service.broken(ConnectionError("it ends without an end"), begun=True)
+        return self._reply(streamed, usage, end)
 
-    def _client(self) -> httpx.AsyncClient:
-        """Takes a while the first time: for a thread."""
-        import httpx
-
-        return httpx.AsyncClient(
-            verify=_trusted(), timeout=self._timeout_s, trust_env=False, follow_redirects=False, auth=self._signed
-        )
-
-    def _signed(self, request: httpx.Request) -> httpx.Request:
-        """The request with the key in it, at the last moment."""
-        if self._key:
-            request.headers["Authorization"] = f"Bearer {self._key.get_secret_value()}"
-        return request
-
-    async def _attempt(self, client: httpx.AsyncClient, body: bytes) -> Reply | ChatError:
-        import httpx
-
-        headers = {"Content-Type": "application/json", "Accept-Encoding": "identity"}
-        received = bytearray()
-        try:
-            async with client.stream("POST", self._url, content=body, headers=headers) as response:
-                async for chunk in response.aiter_bytes():
-                    received += chunk
-                    if len(received) > MAX_BYTES:
-                        return self._unreadable(f"it is longer than {MAX_BYTES >> 20} MB")
-        except (httpx.HTTPError, httpx.InvalidURL, OSError) as error:
-            why = self._short(str(error)) or type(error).__name__
-            return Unreachable(
-                f"The platform {self._name} cannot be reached at {self._host}: {why.rstrip('.')}.",
-                hint=f"Check the network, and platforms.{self._name}.base_url.",
-            )
-        if response.status_code != httpx.codes.OK:
-            return self._refused(response.status_code, bytes(received))
-        return self._read(bytes(received))
-
-    def _read(self, body: bytes) -> Reply | ChatError:
+    def _read(self, body: bytes, streamed: Streamed) -> Reply | Failure:
+        """An answer in one piece, of a service that does not stream."""
         try:
             answer = _Completion.model_validate_json(body)
         except ValidationError:
-            return self._unreadable("it is not what a chat completion looks like")
-        if not answer.choices:
-            if answer.error is not None:  # some services say so with status 200
-                return self._refused(200, body)
-            return self._unreadable("there is nothing in it")
-        # Some services leave a model's thoughts in its answer.
-        text = _THOUGHTS.sub("", answer.choices[0].message.text).strip()
-        return Reply(self._blotted(text)) if text else self._unreadable("there is nothing in it")
+            return Failure(self._service.unreadable("it is not what a chat completion looks like"))
+        if not answer.choices and answer.error is not None:  # some services say so with status 200
+            return self._service.refused(200, body, {})
+        for choice in answer.choices[:1]:
+            streamed.add(choice.message.text)
+        end = answer.choices[0].finish_reason if answer.choices else None
+        return self._reply(streamed, answer.usage or _Usage(), end or "stop")
 
-    def _refused(self, status: int, body: bytes) -> ChatError:
-        said = self._short(_complaint(body))
-        message = f"The platform {self._name} refused with status {status}{f': {said}' if said else ''}"
-        where = f"platforms.{self._name}"
-        if status in (401, 403) and not self._key:
-            hint = f"It wants a key: give it one with {where}.api_key: ${{VARIABLE}}, and set that variable."
-            return KeyWanted(f"{message.rstrip('.')}.", hint=hint)
-        hints = {
-            401: f"Check the key: the variable that {where}.api_key names.",
-            403: f"Check the key: the variable that {where}.api_key names, and what it may do.",
-            404: f"Check {where}.base_url, and that there is a model called {self._model}.",
-            429: "Wait a while, or look at the limits of your account.",
-        }
-        if 300 <= status < 400:
-            hint = f"It sends one elsewhere, where sayso does not go: set {where}.base_url to the right address."
-        elif status >= 500:
-            hint = "Try again later."
-        else:
-            hint = hints.get(status, f"Check {where}.model: does it take pictures?")
-        return Refused(f"{message.rstrip('.')}.", status, hint=hint)
+    def _reply(self, streamed: Streamed, usage: _Usage, end: str) -> Reply | Failure:
+        text = streamed.whole()
+        if not text:
+            why = "it was cut off before it began; give it more tokens" if end == "length" else "there is nothing in it"
+            return Failure(self._service.unreadable(why))
+        cached = usage.prompt_tokens_details.cached_tokens if usage.prompt_tokens_details else None
+        tokens = (usage.prompt_tokens or 0, cached or 0, usage.completion_tokens or 0)
+        return Reply(text, self.name, self._kind, *tokens, cut_off=end == "length")
 
-    def _unreadable(self, why: str) -> Unreadable:
-        return Unreadable(
-            f"The answer of the platform {self._name} cannot be read: {why}.",
-            hint=f"Check that platforms.{self._name}.base_url is that of an OpenAI-compatible service.",
+    async def _ready(self) -> AsyncOpenAI:
+        if self._client is None:
+            http = await self._service.client()
+            self._client = await asyncio.to_thread(self._made, http)
+        return self._client
+
+    def _made(self, http: Any) -> AsyncOpenAI:
+        """Takes a while the first time: for a thread."""
+        from openai import AsyncOpenAI
+
+        # The key is put in further below; everything else is given lest it be taken from the environment.
+        url = self._service.base_url
+        client = AsyncOpenAI(
+            api_key="-", admin_api_key="-", base_url=url, timeout=None, max_retries=0, http_client=http
         )
-
-    def _short(self, text: str) -> str:
-        """What a service said, fit to be shown: one line, without the key, not too long."""
-        line = " ".join("".join(sign if sign.isprintable() else " " for sign in self._blotted(text)).split())
-        return line if len(line) <= _TOLD else f"{line[: _TOLD - 1]}…"
-
-    def _blotted(self, text: str) -> str:
-        return text.replace(self._key.get_secret_value(), _MASK) if self._key else text
+        assert client.chat.completions  # imported now, not when somebody waits for an answer
+        return client
 
 
 class _Part(BaseModel):
@@ -182,55 +204,52 @@ class _Said(BaseModel):
 
 
 class _Choice(BaseModel):
-    message: _Said
+    message: _Said = _Said()
+    delta: _Said = _Said()
+    finish_reason: str | None = None
+
+
+class _Details(BaseModel):
+    cached_tokens: int | None = None
+
+
+class _Usage(BaseModel):
+    prompt_tokens: int | None = None
+    completion_tokens: int | None = None
+    prompt_tokens_details: _Details | None = None
 
 
 class _Completion(BaseModel):
-    """What is read of a chat completion."""
+    """What is read of a chat completion, or of a piece of one."""
 
+    model_config = ConfigDict(from_attributes=True)
     choices: list[_Choice] = Field(default_factory=list)
+    usage: _Usage | None = None
     error: Any = None
-
-
-@functools.cache
-def _trusted() -> ssl.SSLContext:
-    """The certificate authorities of the system, and those that come with the HTTP library."""
-    import certifi
-
-    context = ssl.create_default_context()
-    context.load_verify_locations(certifi.where())
-    return context
 
 
 def _as_sent(message: Message) -> dict[str, Any]:
     if message.picture is None:
         return {"role": message.role, "content": message.text}
-    url = f"data:{_media_type(message.picture)};base64,{base64.b64encode(message.picture).decode('ascii')}"
+    url = f"data:{media_type(message.picture)};base64,{base64.b64encode(message.picture).decode('ascii')}"
     picture = {"type": "image_url", "image_url": {"url": url}}
     return {"role": message.role, "content": [{"type": "text", "text": message.text}, picture]}
 
 
-def _media_type(picture: bytes) -> str:
-    if picture.startswith(_PNG):
-        return "image/png"
-    if picture.startswith(_JPEG):
-        return "image/jpeg"
-    raise ValueError("a picture is a PNG or a JPEG file")
+def _refused_wish(failure: Failure, body: Mapping[str, Any]) -> str | None:
+    """The wish that a question was refused for: one that the refusal names, else the form of the answer."""
+    error = failure.error
+    if not isinstance(error, Refused) or error.status not in _UNKNOWN_WISH:
+        return None
+    named = (wish for wish in _WISHES if wish in body and wish in failure.said)
+    return next(named, "response_format" if "response_format" in body else None)
 
 
-def _may_pass(status: int) -> bool:
-    """Whether a refusal may be over in a moment."""
-    return status == 429 or status >= 500
+def _status(error: Any) -> int:
+    """The status that a service gives an error in the midst of an answer, where it gives one."""
+    code = str(error.body.get("code")) if isinstance(error.body, dict) else ""
+    return int(code) if code.isdecimal() and 400 <= int(code) < 600 else 200
 
 
-def _complaint(body: bytes) -> str:
-    """What a refusal says, in whichever of the usual ways; else the beginning of it as it stands."""
-    text = body.decode("utf-8", "replace")
-    try:
-        told = json.loads(text)
-    except (ValueError, RecursionError):
-        return text
-    for key in ("error", "message", "detail"):
-        while isinstance(told, dict) and key in told:
-            told = told[key]
-    return told if isinstance(told, str) else text
+def _said(error: Any) -> bytes:
+    return str(error.message).encode("utf-8", "replace")

@@ -68,7 +68,7 @@ class Model(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     """A model: the files that one loader reads from one folder."""
 
     name: FileName
-    kind: Literal["asr", "llm", "voice"]
+    kind: Literal["asr", "llm", "voice", "wake"]
     description: str
     licence: str
     """SPDX identifier of the licence of the weights."""

@@ -110,6 +110,18 @@ class ModelStore:
             f"The model {name} is {what[status.state]} ({status.folder}).", hint=f"Run: sayso models pull {name}"
         )
 
+    def file(self, name: str) -> Path:
+        """Where the first file of a model is, or will be when it is fetched. Raises ``ModelError``."""
+        model = self.manifest[name]
+        return self.folder / model.name / model.files[0].name
+
+    def fetched(self, name: str) -> int:
+        """Bytes that an interrupted pull has left, and that the next one need not fetch."""
+        work = self._partial / self.manifest[name].name
+        with contextlib.suppress(OSError):
+            return sum(file.stat().st_size for file in (*work.glob("*.whl"), *work.glob("*.download")))
+        return 0
+
     def verify(self, name: str, progress: ProgressCallback = _silent) -> Verification:
         """Read and hash every file of a model. Changes nothing; a missing model has missing files."""
         model = self.manifest[name]

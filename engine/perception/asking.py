@@ -11,11 +11,15 @@ from typing import Final
 
 import cv2
 
-from engine.llm.chat import Chat, Message
+from engine.clock import Clock, SystemClock
+from engine.llm.call import Tell, reply_of, untold
+from engine.llm.chat import Ask, Chat, Message, _deaf
 from engine.robot.camera import Picture
 
 LONGEST: Final = 400
 """Characters of an answer that are passed on."""
+TOKENS: Final = 1024
+"""Longest answer; some models think aloud before it."""
 WIDTH: Final = 480
 """A picture that is narrower is enlarged to this, pixels…"""
 MOST: Final = 4
@@ -25,14 +29,21 @@ MOST: Final = 4
 class Onlooker:
     """Tells what a picture shows, by asking a model that sees."""
 
-    def __init__(self, chat: Chat) -> None:
+    def __init__(self, chat: Chat, clock: Clock | None = None) -> None:
         self._chat = chat
+        self._clock = clock or SystemClock()
 
-    async def __call__(self, picture: Picture, question: str) -> str:
-        """The answer on one line, at most ``LONGEST`` printable characters. Raises ``ChatError``."""
+    async def __call__(self, picture: Picture, question: str, tell: Tell = untold) -> str:
+        """The answer on one line, at most ``LONGEST`` printable characters; ``tell`` is told of the call, however it
+        ends. Raises ``ChatError``."""
         file = await asyncio.to_thread(as_png, picture)
-        reply = await self._chat.reply([Message("user", question, file)])
+        ask = Ask((Message("user", question, file),), max_tokens=TOKENS)
+        reply = await reply_of(self._chat, ask, _deaf, tell, self._clock)
         return printable(reply.text)
+
+    async def close(self) -> None:
+        """Leave no connection behind."""
+        await self._chat.close()
 
 
 def as_png(picture: Picture) -> bytes:

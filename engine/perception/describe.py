@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.perception.sighting import Sight, Sighting
-from engine.robot.robot import FloorMap
+from engine.robot.floor_map import FloorMap
 
 MOST: Final = 8
 """Things that are told one by one; the rest are counted."""

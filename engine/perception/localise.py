@@ -1,28 +1,27 @@
-"""Where the robot stands, from the tags that are fixed to the house.
+"""Where the robot stands, from all that tells it.
 
-One tag tells everything: how far it is, in which direction, and by the way its face looks also the robot's own
-heading. Several are laid on the map together by least squares, after those that contradict the others are left out.
-A :class:`Localiser` weighs such a fix against odometry, whose error grows with the way driven, as a Kalman filter does,
-and learns by how much each axis of the odometry counts too far or too short. What contradicts both has to be seen twice
-before it is believed.
+A :class:`Localiser` weighs landmarks and walls against odometry, whose error grows with the way driven, as a Kalman
+filter does, and learns by how much each axis of the odometry counts too far or too short. A tag tells everything, but
+from afar it tells the heading, and with it the place across the line of sight, badly; and there are ways of some metres
+without any. Walls are in sight nearly everywhere, but one looks like another: what contradicts odometry is not believed
+of them, and of tags when a second picture agrees.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.perception.sighting import Sight, TagSighting
-from engine.robot.camera import Picture
-from engine.robot.robot import Landmark, Pose, wrap
-
-Covariance = NDArray[np.float64]
-"""Of x, y and yaw in the map frame: m and rad, shape (3, 3)."""
+from engine.perception.compass import Heading
+from engine.perception.landmarks import Fix
+from engine.perception.sighting import Sight
+from engine.perception.walls import WallSighting
+from engine.robot.geometry import Pose, wrap
 
 SLIP: Final = 0.02
 """By what fraction an axis of odometry (forward, left, turning) may be wrong, at first…"""
@@ -41,126 +40,8 @@ JUMP: Final = (0.5, math.radians(30))
 AGREEING: Final = (0.15, math.radians(8))
 """…this well."""
 _SURPRISE = 16.3  # χ² with three degrees of freedom, 99.9 %
+_SURPRISE_OF_ONE = 10.8  # with one
 _SURE = (0.02, math.radians(1.5))  # how well the robot knows at first where it was put
-
-_HEADING = math.radians(0.3)  # of a face whose depth is seen, for a tag of 20 pixels
-_HEADING_BY_CORNERS = math.radians(5)  # without depth: a small tag looks nearly the same when tilted the other way
-_HEIGHT = 0.06  # m that a tag may seem too high or too low
-_UPRIGHT = 0.35  # of the normal that may point up or down
-_SHARPEST = 0.25  # of the normal towards the robot: flatter views are not believed
-_RIGHT_SIZE = 1.01
-_OUTLIER = 4.0  # standard deviations
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Fix:
-    """Where the base was when the picture was taken."""
-
-    pose: Pose
-    covariance: Covariance
-    tags: int  # by how many tags
-
-    @property
-    def sigma(self) -> float:
-        """Standard deviation of the position along its worse axis, m."""
-        return math.sqrt(float(np.linalg.eigvalsh(self.covariance[:2, :2])[-1]))
-
-    @property
-    def sigma_yaw(self) -> float:
-        """Of the heading, rad."""
-        return math.sqrt(float(self.covariance[2, 2]))
-
-
-@dataclass(frozen=True, slots=True)
-class _Mark:
-    """A landmark and how the robot sees it, base frame."""
-
-    landmark: Landmark
-    x: float  # m
-    y: float
-    facing: float  # rad, direction of its face
-    sigma: float  # m
-    sigma_facing: float  # rad
-
-    @property
-    def pose(self) -> Pose:
-        """Where the robot is if this alone counts."""
-        yaw = wrap(self.landmark.yaw - self.facing)
-        c, s = math.cos(yaw), math.sin(yaw)
-        return Pose(self.landmark.x - c * self.x + s * self.y, self.landmark.y - s * self.x - c * self.y, yaw)
-
-
-def where(tags: Sequence[TagSighting], picture: Picture, landmarks: Sequence[Landmark]) -> Fix | None:
-    """The robot's pose by the landmarks in a picture; None without any that can be trusted."""
-    marks = [mark for mark in (_mark(tag, picture, landmarks) for tag in tags) if mark is not None]
-    if not marks:
-        return None
-    groups = [[other for other in marks if _fits(mark.pose, other, slack=mark)] for mark in marks]
-    agreed = max(groups, key=lambda group: (len(group), -sum(mark.sigma for mark in group)))
-    if len(marks) > 1 and len(agreed) == 1:
-        return None  # each says something else
-    return _lay(agreed)
-
-
-def _mark(tag: TagSighting, picture: Picture, landmarks: Sequence[Landmark]) -> _Mark | None:
-    """A sighting of a landmark; None for what only has its number, such as a block."""
-    landmark = next((each for each in landmarks if each.id == tag.id), None)
-    if landmark is None or not 1 / _RIGHT_SIZE < tag.size / landmark.size < _RIGHT_SIZE:
-        return None
-    place = picture.from_map(np.array([tag.position]))[0]
-    if abs(place[2] - landmark.z) > _HEIGHT + tag.sigma or abs(tag.normal[2]) > _UPRIGHT:
-        return None
-    facing = wrap(math.atan2(tag.normal[1], tag.normal[0]) - picture.pose.yaw)
-    towards = wrap(math.atan2(-place[1], -place[0]) - facing)
-    if math.cos(towards) < _SHARPEST:
-        return None
-    pixels = picture.lens.fx * tag.size / max(tag.range, 0.05)
-    heading = (_HEADING if _has_depth(tag, picture) else _HEADING_BY_CORNERS) * max(1.0, 20 / pixels)
-    return _Mark(landmark, float(place[0]), float(place[1]), facing, tag.sigma, heading)
-
-
-def _has_depth(tag: TagSighting, picture: Picture) -> bool:
-    column, row = tag.corners.mean(axis=0).astype(int)
-    height, width = picture.depth.shape
-    return 0 <= row < height and 0 <= column < width and math.isfinite(picture.depth[row, column])
-
-
-def _fits(pose: Pose, mark: _Mark, slack: _Mark) -> bool:
-    """Whether the robot at ``pose``, which ``slack`` told, may well see ``mark`` as it does."""
-    turn = math.hypot(mark.sigma_facing, slack.sigma_facing)
-    away = math.hypot(mark.x - slack.x, mark.y - slack.y)
-    reach = math.hypot(mark.sigma, slack.sigma) + away * slack.sigma_facing
-    x, y, facing = _off(pose, mark)
-    return math.hypot(x, y) < _OUTLIER * reach and abs(facing) < _OUTLIER * turn
-
-
-def _off(pose: Pose, mark: _Mark) -> tuple[float, float, float]:
-    """Where ``mark`` seems to be from ``pose``, minus where it is: x, y and facing on the map."""
-    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-    x = pose.x + c * mark.x - s * mark.y - mark.landmark.x
-    y = pose.y + s * mark.x + c * mark.y - mark.landmark.y
-    return x, y, wrap(pose.yaw + mark.facing - mark.landmark.yaw)
-
-
-def _lay(marks: Sequence[_Mark]) -> Fix:
-    """The pose from which all of them are where they should be, as nearly as their errors allow."""
-    pose = min(marks, key=lambda mark: mark.sigma).pose
-    weights = np.array([[1 / mark.sigma, 1 / mark.sigma, 1 / mark.sigma_facing] for mark in marks]).ravel()
-    while True:
-        c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-        off = np.array([_off(pose, mark) for mark in marks]).ravel()
-        slopes = np.concatenate(
-            [
-                np.array([[1, 0, -s * mark.x - c * mark.y], [0, 1, c * mark.x - s * mark.y], [0, 0, 1.0]])
-                for mark in marks
-            ]
-        )
-        weighed = slopes * weights[:, None]
-        covariance: Covariance = np.linalg.inv(weighed.T @ weighed)
-        step = covariance @ weighed.T @ (off * weights)
-        pose = Pose(pose.x - float(step[0]), pose.y - float(step[1]), wrap(pose.yaw - float(step[2])))
-        if float(np.abs(step).max()) < 1e-6:
-            return Fix(pose, covariance, len(marks))
 
 
 class Localiser:
@@ -181,14 +62,26 @@ class Localiser:
         """Standard deviation of the position when the last picture was taken, m."""
         return math.sqrt(float(np.linalg.eigvalsh(self._covariance[:2, :2])[-1]))
 
-    def update(self, t: float, believed: Pose, fix: Fix | None) -> Pose:
-        """A picture was taken at ``believed``, and landmarks in it told ``fix``: where the robot most probably was.
+    def update(
+        self,
+        t: float,
+        believed: Pose,
+        fix: Fix | None,
+        heading: Heading | None = None,
+        walls: Sequence[WallSighting] = (),
+    ) -> Pose:
+        """A picture was taken at ``believed``, landmarks in it told ``fix``, and the lidar the ``heading`` and the
+        ``walls``: where the robot most probably was.
 
         That is ``believed`` itself where the difference does not matter. Whoever asks has to make the robot believe it.
         """
         pose = self._moved(t, believed)
         if fix is not None:
             pose = self._blend(believed, pose, fix)
+        if heading is not None:
+            pose = self._turned_to(pose, heading)
+        for wall in walls:
+            pose = self._off_wall(pose, wall)
         off = _between(believed, pose)
         if math.hypot(off[0], off[1]) < UNTOUCHED[0] and abs(off[2]) < UNTOUCHED[1]:
             pose = believed
@@ -235,8 +128,30 @@ class Localiser:
             self._doubt = None
             return fix.pose
         self._doubt = None
-        gain = self._covariance[:, :3] @ np.linalg.inv(spread)
-        self._covariance = self._covariance - gain @ self._covariance[:3, :]
+        return self._weighed(pose, off, fix.covariance, np.eye(3, 6))
+
+    def _turned_to(self, pose: Pose, heading: Heading) -> Pose:
+        return self._by_walls(pose, wrap(heading.yaw - pose.yaw), heading.sigma, np.eye(1, 6, 2))
+
+    def _off_wall(self, pose: Pose, wall: WallSighting) -> Pose:
+        x, y = _turned(wall.x, wall.y, pose.yaw)
+        told = np.eye(1, 6, wall.axis)
+        told[0, 2] = x if wall.axis else -y
+        return self._by_walls(pose, wall.at - (pose.y + y if wall.axis else pose.x + x), wall.sigma, told)
+
+    def _by_walls(self, pose: Pose, off: float, sigma: float, told: NDArray[np.float64]) -> Pose:
+        """What contradicts odometry is no wall."""
+        if off**2 > _SURPRISE_OF_ONE * (float((told @ self._covariance @ told.T)[0, 0]) + sigma**2):
+            return pose
+        return self._weighed(pose, np.array([off]), np.array([[sigma**2]]), told)
+
+    def _weighed(
+        self, pose: Pose, off: NDArray[np.float64], error: NDArray[np.float64], told: NDArray[np.float64]
+    ) -> Pose:
+        """``pose``, corrected by what was told, which is ``off`` from what it should be, and by what follows from that
+        for the rest; ``error`` is the covariance of what was told, ``told`` how it depends on what is estimated."""
+        gain = self._covariance @ told.T @ np.linalg.inv(told @ self._covariance @ told.T + error)
+        self._covariance = self._covariance - gain @ told @ self._covariance
         step = gain @ off
         self._scale = np.clip(self._scale + step[3:], -3 * SLIP, 3 * SLIP)
         return Pose(pose.x + float(step[0]), pose.y + float(step[1]), wrap(pose.yaw + float(step[2])))

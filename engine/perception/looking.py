@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from engine.robot.robot import Joints
+from engine.robot.arm import Joints
 
 LookName = Literal["DOWN", "AHEAD", "FAR"]
 

@@ -29,6 +29,8 @@ VISIBLE_RANGE: Final = 1.0
 """m within which a small thing that is in the picture is certain to be noticed."""
 SPOT: Final = 0.035
 """m within which two small things cannot stand."""
+MOST: Final = 200
+"""Things that are remembered: beyond that the one that was seen longest ago is forgotten."""
 _UNLIKE = 0.03  # m that count against something else on the same spot
 _PILED = 0.03  # m between the middles of things in one picture that are not the same thing
 _LARGER = 1.2  # times as wide as what shows of it
@@ -139,28 +141,36 @@ class WorldMemory:
         """Take in what was seen; gives the things in the picture in the order of ``sight.objects``."""
         with self._lock:
             seen: dict[int, Thing] = {}
-            found = []
-            for sighting in sight.objects:
+            found: dict[int, Thing] = {}
+            by_number = sorted(range(len(sight.objects)), key=lambda index: sight.objects[index].tag is None)
+            for index in by_number:  # a tag says which thing it is, the rest goes by where it is
+                sighting = sight.objects[index]
                 known = self._match(sighting, seen.keys())
                 if known is not None and known.number in seen:  # another part of what is in the picture already
-                    found.append(seen[known.number])
+                    found[index] = seen[known.number]
                     continue
-                thing = self._remember(sighting, known, sight.t)
+                found[index] = thing = self._remember(sighting, known, sight.t)
                 seen[thing.number] = thing
-                found.append(thing)
             for number in self._missing(sight.picture, seen.keys()) | self._doubles(seen):
                 del self._things[number]
-            return tuple(found)
+            for thing in sorted(self._things.values(), key=lambda thing: -thing.seen_at)[MOST:]:
+                del self._things[thing.number]
+            return tuple(found[index] for index in range(len(sight.objects)))
 
     def _match(self, sighting: Sighting, taken: Collection[int]) -> Thing | None:
-        """The remembered thing that this is, if there is one: one like it near by, or whatever stands on that spot."""
+        """The remembered thing that this is, if there is one: the one of its number wherever that was, one like it near
+        by, or whatever stands on that spot."""
+        if sighting.tag is not None:
+            for thing in self._things.values():
+                if thing.tag == sighting.tag:
+                    return thing
         best, nearest = None, math.inf
         for thing in self._things.values():
             distance = math.dist(thing.position, sighting.position)
             if thing.number not in taken and _is_part(thing, sighting):
                 limit = math.inf
             elif _alike(thing, sighting) and thing.number not in taken:
-                limit = max(SAME, 3 * math.hypot(thing.sigma, sighting.sigma)) if sighting.tag is None else math.inf
+                limit = max(SAME, 3 * math.hypot(thing.sigma, sighting.sigma))
             elif (sighting.tag is not None and thing.tag is not None) or (thing.number in taken and distance > _PILED):
                 continue  # another block, or one stands on the other
             else:
@@ -211,6 +221,7 @@ class WorldMemory:
                 _within(thing, other)
                 or (
                     other.named_from < thing.named_from
+                    and (other.whole or not thing.whole)
                     and other.distance_to(*thing.position[:2]) < max(SPOT, min(SAME, 2 * thing.sigma))
                 )
                 for other in seen.values()

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from engine.perception.colours import colour_name, to_hsv
 from engine.perception.sighting import PixelBox, Sighting
 from engine.robot.camera import Picture, Points
-from engine.robot.robot import FloorMap
+from engine.robot.floor_map import FloorMap
 
 FARTHEST: Final = 5.0
 """m from the base's centre."""

@@ -8,7 +8,9 @@ the picture's edge. A piece that carries a table top is the table.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Final
 
 import cv2
@@ -26,7 +28,17 @@ _HUE: Final = 22.0  # degrees between neighbouring pixels of one colour
 _PALE: Final = 0.2  # saturation below which a pixel is white, grey or black for certain
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What lies around a piece in the picture."""
+
+    hidden: float  # fraction of the outline, above and at the sides, that ends at something nearer
+    foot_hidden: bool  # most of its lower end lies behind something nearer
+    under: tuple[int, ...]  # labels of the surfaces right below, the commonest first
+    carries: float  # fraction of the columns in which a table top lies right on it
+
+
+@dataclass(frozen=True, eq=False)  # without slots, for what is reckoned once: pieces are compared in pairs
 class Piece:
     """Pixels that belong together. ``n`` is their number."""
 
@@ -35,49 +47,62 @@ class Piece:
     points: NDArray[np.float64]  # base frame, m, shape (n, 3)
     hsv: Hsv  # shape (n, 3)
     pixel: float  # m that a pixel covers there
-    hidden: float  # fraction of the outline, above and at the sides, that ends at something nearer
-    foot_hidden: bool  # most of its lower end lies behind something nearer
-    under: tuple[int, ...]  # labels of the surfaces right below, the commonest first
-    carries: float  # fraction of the columns in which a table top lies right on it
     cut: frozenset[str]  # edges of the picture that it touches: left, right, top, bottom
+    look_around: Callable[[], Surroundings]  # takes time, and of most pieces the size says enough
 
     @property
     def n(self) -> int:
         return len(self.rows)
 
-    @property
+    @cached_property
+    def around(self) -> Surroundings:
+        return self.look_around()
+
+    @cached_property
     def box(self) -> PixelBox:
         left, right = self.columns.min(), self.columns.max() + 1
         return int(left), int(self.rows.min()), int(right), int(self.rows.max()) + 1
 
-    @property
+    @cached_property
     def low(self) -> float:
         return float(self.points[:, 2].min())
 
-    @property
+    @cached_property
     def high(self) -> float:
         return float(self.points[:, 2].max())
 
-    @property
+    @cached_property
     def span(self) -> float:
         """Diagonal of the rectangle around it on the floor, m."""
         return _span(self.points)
+
+    @cached_property
+    def coloured(self) -> bool:
+        """Whether a good part of it has a colour."""
+        return bool(np.count_nonzero(self.hsv[:, 1] > CHROMATIC) >= 0.3 * self.n)
+
+    @cached_property
+    def middle(self) -> NDArray[np.float64]:
+        """Mean of its points on the floor, base frame, m."""
+        middle: NDArray[np.float64] = self.points[:, :2].mean(axis=0)
+        return middle
 
     def joined(self, other: Piece) -> Piece:
         """Both as one; their common border no longer hides anything."""
         more = max(self, other, key=lambda piece: piece.n)
         lower = min(self, other, key=lambda piece: piece.low)
+
+        def look_around() -> Surroundings:
+            return replace(lower.around, hidden=more.around.hidden)
+
         return Piece(
             np.concatenate((self.rows, other.rows)),
             np.concatenate((self.columns, other.columns)),
             np.concatenate((self.points, other.points)),
             np.concatenate((self.hsv, other.hsv)),
             more.pixel,
-            more.hidden,
-            lower.foot_hidden,
-            lower.under,
-            lower.carries,
             self.cut | other.cut,
+            look_around,
         )
 
 
@@ -100,7 +125,7 @@ def take_apart(relief: Relief, hsv: Hsv, widest: float = math.inf) -> list[Piece
             rows, columns = np.divmod(order[ends[label - 1] : ends[label]], labels.shape[1])
             points = relief.points[rows, columns]
             if _span(points) < widest:
-                found.append(_piece(relief, hsv, points.astype(np.float64), labels == label, rows, columns))
+                found.append(_piece(relief, hsv, points.astype(np.float64), rows, columns))
     return found
 
 
@@ -140,13 +165,26 @@ def _piece(
     relief: Relief,
     hsv: Hsv,
     points: NDArray[np.float64],
-    mask: Mask,
     rows: NDArray[np.intp],
     columns: NDArray[np.intp],
 ) -> Piece:
-    height, width = mask.shape
+    height, width = relief.standing.shape
     pixel = float(np.median(relief.pixel[rows, columns]))
-    gap = _GAP + 2 * pixel
+    edges = (
+        ("left", columns.min() == 0),
+        ("right", columns.max() == width - 1),
+        ("top", rows.min() == 0),
+        ("bottom", rows.max() == height - 1),
+    )
+    cut = frozenset(name for name, touches in edges if touches)
+    look_around = partial(_surroundings, relief, rows, columns, _GAP + 2 * pixel)
+    return Piece(rows, columns, points, hsv[rows, columns], pixel, cut, look_around)
+
+
+def _surroundings(relief: Relief, rows: NDArray[np.intp], columns: NDArray[np.intp], gap: float) -> Surroundings:
+    height, width = relief.standing.shape
+    mask = np.zeros((height, width), dtype=np.bool_)
+    mask[rows, columns] = True
     ends, hidden = [0, 0, 0, 0], [0, 0, 0, 0]
     for side, (down, right) in enumerate(((0, -1), (0, 1), (-1, 0), (1, 0))):
         r, c = rows + down, columns + right
@@ -155,27 +193,11 @@ def _piece(
         r, c = r[inside], c[inside]
         nearer = relief.range[r, c] < relief.range[rows[inside], columns[inside]] - gap
         ends[side], hidden[side] = len(r), int(np.count_nonzero(nearer))
-    cut = {
-        name
-        for name, touches in (
-            ("left", columns.min() == 0),
-            ("right", columns.max() == width - 1),
-            ("top", rows.min() == 0),
-            ("bottom", rows.max() == height - 1),
-        )
-        if touches
-    }
-    return Piece(
-        rows,
-        columns,
-        points,
-        hsv[rows, columns],
-        pixel,
+    return Surroundings(
         sum(hidden[:3]) / max(sum(ends[:3]), 1),
         hidden[3] > 0.5 * ends[3],
         _under(relief, mask, rows, columns),
         _carries(relief, mask, rows, columns, gap),
-        frozenset(cut),
     )
 
 

@@ -7,7 +7,7 @@ standard deviation of a horizontal position; it grows with distance.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,10 @@ from engine.robot.camera import Picture
 
 Kind = Literal["box", "ball", "cup", "bottle", "block", "person", "thing"]
 """``block`` is a box with tags on its faces; ``thing`` is what has no shape that is known."""
+
+Part = Literal["people", "things", "tags"]
+"""What can be looked for apart from the rest."""
+EVERYTHING: Final[frozenset[Part]] = frozenset({"people", "things", "tags"})
 
 Colour = Literal["red", "orange", "yellow", "green", "blue", "purple", "white", "grey", "black"]
 """Colours that are told apart."""
@@ -39,7 +43,7 @@ class Sighting:
     surface: float  # height of what it stands on, m: 0 is the floor
     yaw: float | None = None  # of its sides, map frame, rad modulo π/2, where they show
     tag: int | None = None
-    complete: bool = True  # not cut off by the picture's edge
+    complete: bool = True  # neither cut off by the picture's edge nor partly behind something
 
     @property
     def name(self) -> str:

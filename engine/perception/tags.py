@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from engine.perception.sighting import TagSighting
 from engine.robot.camera import Lens, Picture, Points
-from engine.robot.robot import Landmark
+from engine.robot.floor_map import Landmark
 
 BLOCK_TAG: Final = 0.036
 """Edge of the black square on a tag block of 4.5 cm, m: eight of its ten cells."""

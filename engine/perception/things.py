@@ -22,7 +22,7 @@ from engine.perception.shapes import Shape, fit
 from engine.perception.sighting import Colour, Kind, Sighting, TagSighting
 from engine.perception.surfaces import Relief, relief
 from engine.robot.camera import Picture
-from engine.robot.robot import FloorMap
+from engine.robot.floor_map import FloorMap
 
 LARGEST: Final = 0.25
 """m that a small thing measures at most."""
@@ -35,6 +35,7 @@ _FIXED_NEAR, _FIXED_GROWS = 0.1, 0.05
 _TOP_CUT, _TOP_CLEAR = 0.9, 0.3  # m away from which, near what is fixed, the upper edge cuts off no small thing
 _FEWEST: Final = 4  # pixels
 _SLIVER, _RIM = 3, 0.3  # pixels across, and how much of the outline ends at something nearer
+_COVERED: Final = 0.15  # of the outline, from which on it may be another thing than it looks
 _FAR_PIXEL: Final = 0.01  # m that a pixel covers where thin strips are lost
 _OVERHANG: Final = 0.55  # of its height, that a ball hides of its own lower half when it is seen from above
 _CHEQUERED_FROM: Final = 12  # pixels from which a tag's pattern can be told from a box's faces
@@ -48,7 +49,7 @@ def find_things(picture: Picture, floor_map: FloorMap, tags: Sequence[TagSightin
     fixed = _distance_to_fixed(floor_map)
     found: list[Sighting] = []
     for piece in pieces:
-        surface = _support(piece, land, pieces)
+        surface = _support(piece, land, pieces) if _small(piece) else None
         if surface is not None and _plausible(piece, surface):
             sighting = _sighting(picture, floor_map, fixed, piece, surface, tags)
             if sighting is not None:
@@ -59,38 +60,44 @@ def find_things(picture: Picture, floor_map: FloorMap, tags: Sequence[TagSightin
 def _support(piece: Piece, land: Relief, pieces: Sequence[Piece]) -> float | None:
     """Height of what it stands on; None when it hangs."""
     reach = 0.012 + 2 * piece.pixel
-    for label in piece.under:
+    for label in piece.around.under:
         height = land.heights[label]
         if piece.low - height < max(reach, _OVERHANG * (piece.high - height)):
             return height
     left, _, right, bottom = piece.box
     for other in pieces:  # on another thing?
-        if other is piece or abs(other.high - piece.low) > reach or other.carries > 0.3:
+        if other is piece or abs(other.high - piece.low) > reach or other.around.carries > 0.3:
             continue
         l2, top, r2, _ = other.box
         if min(right, r2) > max(left, l2) and top - 2 <= bottom and other.span < LARGEST:
-            gap = np.linalg.norm(other.points[:, :2].mean(axis=0) - piece.points[:, :2].mean(axis=0))
+            gap = np.linalg.norm(other.middle - piece.middle)
             if gap < 0.06:
                 return other.high
-    if "bottom" in piece.cut or piece.foot_hidden:
+    if "bottom" in piece.cut or piece.around.foot_hidden:
         below = [height for height in land.heights if height < piece.low + 0.005]
         if below and piece.low - max(below) < 0.06:
             return max(below)
     return None
 
 
+def _small(piece: Piece) -> bool:
+    """Whether it is as large as a small thing, in the picture and on the floor."""
+    left, top, right, bottom = piece.box
+    enough = piece.n >= _FEWEST and min(right - left, bottom - top) >= 2
+    return enough and piece.span <= 1.2 * LARGEST and not {"left", "right"} <= piece.cut
+
+
 def _plausible(piece: Piece, surface: float) -> bool:
-    """As far as size and outline go."""
+    """As far as its height and its outline go."""
     high = piece.high - surface
-    if not SMALLEST - 0.2 * piece.pixel < high < LARGEST or piece.span > 1.2 * LARGEST:
+    if not SMALLEST - 0.2 * piece.pixel < high < LARGEST:
         return False
-    if piece.carries > 0.3 or piece.hidden > 0.5:
+    if piece.around.carries > 0.3 or piece.around.hidden > 0.5:
         return False
     left, top, right, bottom = piece.box
     narrow = min(right - left, bottom - top)
-    if narrow <= _SLIVER and piece.hidden > _RIM:
-        return False  # what shows of something beside a finger, or behind another thing
-    return len({"left", "right"} & piece.cut) < 2 and piece.n >= _FEWEST and narrow >= 2
+    # Else it is what shows of something beside a finger, or behind another thing.
+    return narrow > _SLIVER or piece.around.hidden <= _RIM
 
 
 def _sighting(
@@ -106,7 +113,8 @@ def _sighting(
     height = shape.height
     middle = np.array([*shape.middle, surface + height / 2])
     away = float(np.linalg.norm(middle - camera))
-    complete = not piece.cut
+    covered = piece.around.foot_hidden or piece.around.hidden > _COVERED
+    complete = not piece.cut and not covered
     x, y, z = picture.on_map(middle[None])[0].tolist()
     if away > FARTHEST or shape.width > LARGEST:
         return None
@@ -115,9 +123,7 @@ def _sighting(
         doubtful = clearance < _FIXED_NEAR + _FIXED_GROWS * away
     else:
         doubtful = not _on_a_table(floor_map, x, y, surface)
-    if doubtful and (
-        piece.cut or piece.foot_hidden or piece.hidden > 0.15 or piece.n < 10 or height > 3.5 * shape.width
-    ):
+    if doubtful and (not complete or piece.n < 10 or height > 3.5 * shape.width):
         return None
     if "top" in piece.cut and (height > 3 * shape.width or (away > _TOP_CUT and clearance < _TOP_CLEAR)):
         return None
@@ -144,7 +150,7 @@ def _sighting(
 
 def _sigma(away: float, piece: Piece, complete: bool) -> float:
     sigma = 0.003 + 0.4 * piece.pixel
-    if piece.hidden > 0.15 or not complete:
+    if not complete:
         sigma += 0.012
     return round(sigma + 0.002 * away, 4)
 
@@ -198,17 +204,17 @@ def _colour(piece: Piece, kind: Kind, surface: float) -> Colour:
 def _bottles(pieces: list[Piece]) -> list[Piece]:
     """Labels and caps put back on their bottles: pale pieces on the axis of coloured ones."""
     merged = list(pieces)
-    waiting = [piece for piece in pieces if not _coloured(piece) and piece.span < 0.12]
+    waiting = [piece for piece in pieces if not piece.coloured and piece.span < 0.12]
     while waiting:
         pale = waiting.pop(0)
-        strong = [other for other in merged if other is not pale and _coloured(other) and _on_one_axis(pale, other)]
+        strong = [other for other in merged if other is not pale and other.coloured and _on_one_axis(pale, other)]
         reach = 0.012 + pale.pixel
         above = [other for other in strong if other.low > pale.high - reach]
         below = [other for other in strong if other.high < pale.low + reach]
         if above and below:
             chosen = [above[0], below[0]]
-        elif above and pale.pixel > _FAR_PIXEL and _tapers(above[0]):  # too far for the strip below the label
-            chosen = above[:1]
+        elif above and (pale.pixel > _FAR_PIXEL or _foot_out_of_sight(pale)) and _tapers(above[0]):
+            chosen = above[:1]  # the strip below the label is too far away, behind a finger, or off the picture
         else:
             chosen = [other for other in below if pale.span < 0.75 * max(other.span, 0.01)][:1]
         if not chosen:
@@ -221,15 +227,15 @@ def _bottles(pieces: list[Piece]) -> list[Piece]:
     return merged
 
 
+def _foot_out_of_sight(piece: Piece) -> bool:
+    return "bottom" in piece.cut or piece.around.foot_hidden
+
+
 def _tapers(piece: Piece) -> bool:
     """Whether its upper end is narrower than its lower one."""
     left, top, right, _ = piece.box
     upper = piece.columns[piece.rows == top]
     return len(np.unique(upper)) < 0.75 * (right - left)
-
-
-def _coloured(piece: Piece) -> bool:
-    return bool(np.count_nonzero(piece.hsv[:, 1] > CHROMATIC) >= 0.3 * piece.n)
 
 
 def _on_one_axis(first: Piece, second: Piece) -> bool:
@@ -240,8 +246,7 @@ def _on_one_axis(first: Piece, second: Piece) -> bool:
     offset = abs((l1 + r1) - (l2 + r2)) / 2
     if offset > 0.3 * max(r1 - l1, r2 - l2) + 1 or t1 > b2 + 1 or t2 > b1 + 1:
         return False
-    apart = first.points[:, :2].mean(axis=0) - second.points[:, :2].mean(axis=0)
-    return float(np.linalg.norm(apart)) < 0.04 + second.pixel
+    return float(np.linalg.norm(first.middle - second.middle)) < 0.04 + second.pixel
 
 
 def _distance_to_fixed(floor_map: FloorMap) -> NDArray[np.float64]:

@@ -2,31 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 
-from config.schema import Settings
+from config import paths
+from config.schema import Place, Settings
 from engine.errors import PlanError, UsageError
-from engine.planner.house import build_vocabulary
-from engine.planner.phrases import PhrasePlanner
+from engine.llm.chat import Chat
+from engine.plan import Action, ActionCall, Argument, Quantity
+from engine.planner.grounding.doubt import Doubt, ungrounded
+from engine.planner.phrases.phrases import PhrasePlanner
 from engine.planner.planner import Planner
+from engine.planner.request import Language
+from engine.planner.stages.about import Subject
+from engine.planner.stages.blanks import filled
+from engine.planner.stages.knowledge import Knowledge
+from engine.planner.stages.models import Models
+from engine.planner.stages.omissions import left_out
+from engine.planner.stages.prompts import HouseWords, Prompts
+from engine.planner.stages.slips import mended
+from engine.planner.stages.two_stage import TwoStage
+from engine.planner.worlds.house import build_vocabulary
+from engine.planner.worlds.world import World
 from engine.robot.robot import Capability
 from engine.skills.external.host import external_skill
 from engine.skills.library import LIBRARY
 from engine.skills.library.signals import COLOURS
 from engine.skills.places import Places
 from engine.skills.registry import Skill, SkillRegistry
+from engine.skills.vocabulary import Vocabulary
 
 CAPABILITIES: dict[str, frozenset[Capability]] = {"sim": frozenset({"base", "arm", "camera", "voice"})}
 """What each kind of robot has; known without starting it."""
 
 
-def build_registry(settings: Settings, places: Places | None = None) -> SkillRegistry:
-    """The skills that the configured robot can do: the library, and the programs of the configuration. Raises
-    :class:`UsageError` when one of these takes a name of the library."""
+def build_registry(settings: Settings, places: Places | None = None, *, world: World | None = None) -> SkillRegistry:
+    """The skills that the configured robot can do: the library, and the programs of the configuration. ``world``
+    replaces the words of the scene. Raises :class:`UsageError` when a program takes a name of the library."""
+    words = build_vocabulary(settings, places) if world is None else world.vocabulary(places)
     return SkillRegistry(
         (*LIBRARY, *_external(settings)),
         capabilities=CAPABILITIES[settings.robot.kind],
-        vocabulary={**build_vocabulary(settings, places).resolvers(), "colour": _colour},
+        vocabulary={**words.resolvers(), "colour": _colour},
     )
 
 
@@ -41,16 +58,81 @@ def _external(settings: Settings) -> Iterator[Skill]:
         yield external_skill(name, declaration)
 
 
-def build_planner(settings: Settings, registry: SkillRegistry | None = None) -> Planner:
-    """The planner of these settings."""
-    skills = registry or build_registry(settings)
-    phrases = PhrasePlanner(
-        settings.places,
-        language=settings.planner.language,
-        vocabulary=build_vocabulary(settings),
-        skills=frozenset(skill.name for skill in skills),
+def build_planner(
+    settings: Settings,
+    registry: SkillRegistry | None = None,
+    *,
+    models: Models | None = None,
+    world: World | None = None,
+) -> Planner:
+    """The planner of these settings, for another world than that of the scene if one is given; with phrases only where
+    there are no ``models``. The phrases of a language are read when it is spoken."""
+    skills = registry or build_registry(settings, world=world)
+    places = settings.places if world is None else world.places
+    vocabulary = build_vocabulary(settings) if world is None else world.vocabulary()
+    offered = frozenset(skill.name for skill in skills)
+
+    @cache
+    def phrases(language: Language) -> PhrasePlanner:
+        return PhrasePlanner(places, language, vocabulary=vocabulary, skills=offered)
+
+    @cache
+    def made(language: Language, brief: bool, sees: bool) -> Prompts:
+        return Prompts(language, skills, _words(places, vocabulary), brief=brief, sees=sees)
+
+    def prompts(language: Language, chat: Chat) -> Prompts:
+        return made(language, chat.held, chat.sees)
+
+    def doubts(
+        actions: Sequence[Action], said: Sequence[str], seen: Sequence[str], known: Sequence[str], language: Language
+    ) -> Doubt | None:
+        return ungrounded(actions, skills, said, vocabulary, seen=seen, known=known, language=language)
+
+    def missing(actions: Sequence[Action], text: str, language: Language) -> str:
+        clauses = ((part, match.calls) for part, match in phrases(language).clauses(text) if match is not None)
+        return left_out(actions, text, tuple(clauses), vocabulary)
+
+    two_stage = None
+    if models is not None:
+        two_stage = TwoStage(
+            models.execution,
+            models.decision,
+            prompts,
+            skills,
+            Subject(skills, vocabulary).covers,
+            lambda calls, text: filled(mended(calls, text, vocabulary), text, skills, vocabulary),
+            missing,
+            doubts,
+            lambda actions, language: phrases(language).told([as_call(skills[a.name], a) for a in actions]),
+            max_actions=settings.planner.max_actions,
+        )
+    return Planner(
+        phrases,
+        skills,
+        vocabulary,
+        language=None if settings.planner.language == "auto" else settings.planner.language,
+        models=two_stage,
+        knowledge=Knowledge(paths().config / "knowledge.md"),
+        max_actions=settings.planner.max_actions,
     )
-    return Planner(phrases, skills, max_actions=settings.planner.max_actions)
+
+
+def as_call(skill: Skill, action: Action) -> ActionCall:
+    """An action as it is written, without the arguments at the end that are the skill's own."""
+    arguments: list[Argument] = []
+    kept = 0
+    for parameter in skill.parameters:
+        value = action.args[parameter.name]
+        arguments.append(Quantity(value, parameter.unit) if isinstance(value, float) else str(value))
+        if value != parameter.default:
+            kept = len(arguments)
+    return ActionCall(action.name, tuple(arguments[:kept]), alongside=action.alongside)
+
+
+def _words(places: Mapping[str, Place], vocabulary: Vocabulary) -> HouseWords:
+    """What a model is told of the house: names, not where loose things are."""
+    names = tuple(place.name for place in places.values())
+    return HouseWords(names, vocabulary.furniture(), vocabulary.inventory())
 
 
 def _colour(word: str) -> str:

@@ -1,99 +1,274 @@
 """From words to a validated plan, or to the reason why there is none.
 
-The planner asks the phrase templates first; later stages (large models) follow where they have no match. Whatever
-proposes actions, only the skill registry turns them into a plan: one wrong action and nothing of it runs.
+In this order: what must not be done is refused; plain commands fit a phrase template; an answer completes the command
+that lacked something; what depends on a condition begins with a look; the rest goes to large models. Whatever proposes
+actions, only the skill registry turns them into a plan: one wrong action and nothing of it runs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal, Protocol
+import asyncio
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import islice
+from typing import Final
 
-from engine.errors import ExitCode, PlanError
-from engine.events import ClarificationAsked, PlanRejected, RefusalMade
-from engine.plan import Plan
-from engine.planner.phrases import Matched, PhrasePlanner, UnknownPlace
+from engine.commands import MAX_TEXT, too_long
+from engine.errors import ExitCode
+from engine.events import PlanSource
+from engine.hearing.readings import Completeness
+from engine.llm.chat import Chat, ChatError, Message
+from engine.perception.naming import CHINESE, KINDS
+from engine.plan import Action, Plan
+from engine.planner.answering import Answering
+from engine.planner.asking import AskingBack, needs_held
+from engine.planner.completeness import completeness
+from engine.planner.grounding.vagueness import vague
+from engine.planner.looking_first import GoesOn, LookingFirst
+from engine.planner.pending import agreed
+from engine.planner.phrases.again import planned_last
+from engine.planner.phrases.more import more
+from engine.planner.phrases.phrases import Before, Matched, NoMatch, PhrasePlanner, UnknownPlace
+from engine.planner.phrases.piecewise import is_piecewise
+from engine.planner.readings.corrections import is_taken_back
+from engine.planner.readings.first_look import CONDITION, first_look
+from engine.planner.readings.put_back import put_back
+from engine.planner.readings.readings import Readings
+from engine.planner.readings.wishes import Wishes
+from engine.planner.refusal import Refusal, impossible, refusal
+from engine.planner.request import Conditional, Exchange, Language, NoPlan, PlanRequest, Plans
+from engine.planner.sentences import SAID
+from engine.planner.stages.exchanges import last_question, last_said, rounds
+from engine.planner.stages.knowledge import Knowledge
+from engine.planner.stages.two_stage import TwoStage
+from engine.planner.text.language import language_of
+from engine.planner.unknown_places import room_instead, unknown, which_place
+from engine.planner.validation import Validation
 from engine.skills.registry import SkillRegistry
+from engine.skills.vocabulary import Vocabulary
 
+__all__ = ["Exchange", "Language", "NoPlan", "PlanRequest", "Planner", "Plans"]
 
-@dataclass(frozen=True, slots=True)
-class NoPlan:
-    """Nothing will move. ``answer`` is what the robot says; ``exit_code`` tells a failure from a question (5) and a
-    refusal (6)."""
-
-    text: str
-    code: str
-    answer: str
-    exit_code: ExitCode = ExitCode.FAILED
-    suggestions: tuple[str, ...] = ()
-
-    def as_event(self) -> PlanRejected | RefusalMade | ClarificationAsked:
-        if self.exit_code is ExitCode.REFUSED:
-            return RefusalMade(self.answer, self.text)
-        if self.exit_code is ExitCode.CLARIFY:
-            return ClarificationAsked(self.answer, self.text)
-        return PlanRejected(self.text, self.answer, self.code, self.suggestions)
-
-
-@dataclass(frozen=True, slots=True)
-class PlanRequest:
-    """What a planner is asked."""
-
-    text: str
-    so_far: str = ""
-    """What happened in this task until now, one fact a line (``engine.history.TaskCycle.as_text``)."""
-    enter: Callable[[Literal["DECIDING", "PLANNING"]], None] = lambda stage: None
-    """To be called when a stage of planning begins."""
-
-
-class Plans(Protocol):
-    """Whatever makes plans for a session."""
-
-    @property
-    def understood(self) -> str:
-        """A sentence with examples of what can be said."""
-        ...
-
-    async def plan(self, request: PlanRequest) -> Plan | NoPlan:
-        """Plan it, or say why not. Every action of a plan has been through the skill registry. Raises ``SaysoError``
-        where a model or a service fails. May be cancelled; a plan that comes after that is dropped."""
-        ...
+MAX_FACTS: Final = 4
+"""Facts of the user's knowledge that a model is told for one request."""
+MAX_READINGS: Final = 40
+"""Of a sentence, other than word by word."""
+FEW_WORDS: Final = 6
+"""A vague sentence of so few words is asked about at once; a longer one may say somewhere what is meant."""
+_ASKS_FIRST: Final = re.compile(
+    r"\b(?:is|are) there\b.*\b(?:then|and)\b|\?\W*(?:if )?(?:yes|yeah|no|so|not)\b", re.IGNORECASE
+)
+"""A question, and what is to be done according to its answer."""
 
 
 class Planner:
-    """Plans in the order phrases, then (a later issue) large models."""
+    """Plans with phrases of each language, and with large models where there are any."""
 
-    def __init__(self, phrases: PhrasePlanner, registry: SkillRegistry, *, max_actions: int) -> None:
+    def __init__(
+        self,
+        phrases: Callable[[Language], PhrasePlanner],
+        registry: SkillRegistry,
+        vocabulary: Vocabulary,
+        *,
+        language: Language | None,
+        models: TwoStage | None,
+        knowledge: Knowledge,
+        max_actions: int,
+    ) -> None:
+        """``language`` is the one of all requests; None: that of each."""
         self._phrases = phrases
-        self._registry = registry
-        self._max_actions = max_actions
+        self._vocabulary = vocabulary
+        self._language = language
+        self._models = models
+        self._knowledge = knowledge
+        self._readings = Readings(vocabulary)
+        self._wishes = Wishes(vocabulary)
+        self._validation = Validation(registry, vocabulary, max_actions)
+        self._answering = Answering(phrases, self._validation, language)
+        self._looking_first = LookingFirst(phrases, self._readings.heard, self._validation, vocabulary)
+        self._asking_back = AskingBack(phrases, vocabulary, knowledge)
+        self._nouns = frozenset(
+            name.casefold() for name in (*vocabulary.names(), *vocabulary.places(), *KINDS, *CHINESE)
+        )
 
     @property
     def understood(self) -> str:
         """A sentence with examples of what can be said."""
-        return self._phrases.understood
+        return self._phrases(self._language or "en").understood
+
+    def warm_up(self) -> None:
+        """Read the rules, and the phrases of the language that is likeliest to be spoken: the first command need not
+        wait for them."""
+        refusal("go")
+        impossible("go")
+        self._phrases(self._language or "en").warm_up()
+
+    def completeness(self, text: str) -> Completeness:
+        """Whether somebody who said ``text`` has said all. In any thread."""
+        return completeness(text, self._phrases(self._language or language_of(text)))
+
+    def beginnings(self, chat: Chat) -> tuple[tuple[Message, ...], ...]:
+        """What questions to ``chat`` will begin with, in the language that is likeliest to be spoken."""
+        return self._models.beginnings(self._language or "en", chat) if self._models is not None else ()
 
     async def plan(self, request: PlanRequest) -> Plan | NoPlan:
-        """Plan what was asked for; raises nothing."""
-        request.enter("PLANNING")
-        text = request.text
-        match = self._phrases.plan(text)
+        """Plan what was asked for, or what comes after feedback; raises nothing."""
+        if (why := too_long(request.text)) is not None:
+            return NoPlan(request.text[:MAX_TEXT], "too_long", why)
+        text = put_back(request.text, request.holding, request.exchanges, self._vocabulary)
+        text = self._wishes.order(text, request.seen) or last_said(request.exchanges)
+        language = self._language or request.language or language_of(text)
+        if not request.text:
+            return await self._after_feedback(request, text, language)
+        before = Before(planned_last(request.exchanges), request.holding, self._only_seen(request.seen))
+        said = last_said(request.exchanges)
+        match = await asyncio.to_thread(self._understood, text, language, before, said)
+        if isinstance(match, Refusal):
+            return NoPlan(text, f"refused_{match.kind}", match.reason, ExitCode.REFUSED)
+        if offered := agreed(last_question(request.exchanges), text):
+            return await self.plan(replace(request, text=offered, exchanges=()))
+        if is_taken_back(text):
+            return Plan(text, (), SAID[language]["all_right"], "phrases")
+        if (answered := self._answering.plan(request, text, match)) is not None:
+            return answered
+        phrases = self._phrases(language)
+        if isinstance(match, Matched) and needs_held(match) and not (before.things.held or before.seen):
+            return NoPlan(text, "incomplete", phrases.question("which_thing"), ExitCode.CLARIFY)
+        understood = isinstance(match, Matched)
+        if understood and (question := self._asking_back.question(request, text, language, understood=True)):
+            return question
+        if isinstance(match, Matched) and _ASKS_FIRST.search(text) is None:
+            return self._validation.one_of(self._validation.plan(text, match), request, language)
+        if talk := phrases.talk(text):
+            return Plan(text, (), talk, "phrases")
+        if (condition := self._looking_first.conditional(text)) is not None:
+            look = self._looking_first.plan(text, condition, language)
+            return await self._by_model(request, language, look) if isinstance(look, NoMatch) else look
         if isinstance(match, Matched):
-            return self._validated(text, match)
+            match = NoMatch(text, phrases.understood)
+        if question := self._asking_back.question(request, text, language):
+            return question
         if isinstance(match, UnknownPlace):
-            answer = f"I don't know a place called {match.name}. I know {', '.join(match.known)}."
-            return NoPlan(text, "unknown_place", answer, suggestions=match.known)
-        if match.question:
+            return await self._unknown_place(request, text, match, language)
+        if match.question and (self._models is None or not request.exchanges):  # else it may follow from those
             return NoPlan(text, "incomplete", match.question, ExitCode.CLARIFY)
-        part = f": “{match.leftover}”" if match.leftover else ""
-        return NoPlan(text, "not_understood", f"I did not understand{part}. {match.understood}")
+        if (why := impossible(text)) is not None:
+            return NoPlan(text, "impossible", why)
+        if not (request.exchanges or request.holding) and len(text.split()) <= FEW_WORDS and vague(text):
+            return NoPlan(text, "unclear", SAID[language]["which_thing"], ExitCode.CLARIFY)
+        return await self._by_model(request, language, match)
 
-    def _validated(self, text: str, match: Matched) -> Plan | NoPlan:
+    def _understood(
+        self, text: str, language: Language, before: Before, said: str
+    ) -> Refusal | Matched | UnknownPlace | NoMatch:
+        """What rules and phrases make of a request. In a thread: the first one has rules to read, others have many
+        readings, and the robot needs its heartbeat all the time."""
+        if (refused := refusal(text)) is not None:
+            return refused
+        phrases = self._phrases(language)
+        match = phrases.plan(text, before)
+        if not isinstance(match, Matched) and (calls := more(text, before.calls, said)) is not None:
+            told = phrases.told(calls)
+            open_unit = NoMatch(text, phrases.understood, phrases.question("which_unit"))
+            return Matched("plan", calls, told.steps, told.response) if calls else open_unit
+        readings = tuple(islice(self._readings.of(text, language, understood=isinstance(match, Matched)), MAX_READINGS))
+        for run_on in (False, True):
+            for reading in readings:
+                meant = phrases.plan(reading, before, run_on=run_on)
+                if isinstance(meant, Matched):
+                    return refusal(reading) or meant  # other words may show what is asked for
+        return match
+
+    async def _unknown_place(
+        self, request: PlanRequest, text: str, place: UnknownPlace, language: Language
+    ) -> Plan | NoPlan:
+        """A journey to a place that the map does not have."""
+        if language == "en" and (question := which_place(text, place, self._vocabulary)) is not None:
+            return question
+        if self._models is not None and any(name.casefold() in place.name.casefold() for name in place.known):
+            return await self._by_model(request, language, NoMatch(place.name, self._phrases(language).understood))
+        return room_instead(text, place, self._vocabulary, language) or unknown(text, place, language)
+
+    def _only_seen(self, seen: Sequence[str]) -> str:
+        """The one thing that was seen; empty where there are several, or none."""
+        names = [name for name in self._vocabulary.inventory() if any(name in told for told in seen)]
+        return names[0] if len(names) == 1 and len(seen) == 1 else ""
+
+    # Large models
+
+    async def _by_model(self, request: PlanRequest, language: Language, match: NoMatch) -> Plan | NoPlan:
+        part = f": “{match.leftover}”" if match.leftover else ""
+        answer = SAID[language]["not_understood"].format(part=part, understood=match.understood)
+        if self._models is None:
+            asked = bool(last_question(request.exchanges))  # then it is no answer, and no small talk either
+            if not asked and (aside := self._phrases(language).aside(request.text)):
+                return Plan(request.text, (), aside, "phrases")
+            return NoPlan(request.text, "not_understood", answer)
+        depends = CONDITION.search(request.text) is not None
+        if depends and self._models.is_small and (look := first_look(request.text, self._vocabulary)):
+            return self._looking_first.look(request.text, look, language)
+        pieces = self._phrases(language).clauses(request.text) if self._models.is_small and not depends else ()
         try:
-            if len(match.calls) > self._max_actions:
-                raise PlanError(f"That is {len(match.calls)} actions; a plan has {self._max_actions} at most.")
-            actions = tuple(self._registry.resolve(call) for call in match.calls)
-        except PlanError as error:
+            if is_piecewise(request.text, pieces, self._nouns):
+                return await self._piece_by_piece(request, pieces, language)
+            known = self._facts_for(request, request.text)
+            found = await self._models.plan(request, language, known=known, looks_first=depends)
+            return self._validation.one_of(found, request, language)
+        except ChatError as error:
+            told = SAID[language]["no_model"].format(answer=answer, error=str(error))
+            return NoPlan(request.text, error.code, told, ExitCode(error.exit_code))
+
+    async def _piece_by_piece(
+        self, request: PlanRequest, pieces: Sequence[tuple[str, Matched | None]], language: Language
+    ) -> Plan | NoPlan:
+        """One clause after the other, each as if what came before had been done. Raises ``ChatError``."""
+        assert self._models is not None
+        exchanges, actions = request.exchanges, tuple[Action, ...]()
+        source: PlanSource = "phrases"
+        for piece, match in pieces:
+            part = replace(request, text=piece, exchanges=exchanges)
+            if match is None:
+                found = await self._models.plan(part, language, known=self._facts_for(request, piece))
+            else:
+                again = self._phrases(language).plan(piece, Before(planned_last(exchanges), request.holding))
+                found = self._validation.plan(piece, again if isinstance(again, Matched) else match)
+            found = self._validation.one_of(found, part, language)
+            if isinstance(found, NoPlan):
+                return replace(found, text=request.text)
+            actions += found.actions
+            source = found.source if match is None else source
+            done = (Exchange("feedback", f"{action} ok.") for action in found.actions)
+            exchanges += (Exchange("user", piece), Exchange("robot", found.as_written()), *done)
+        if not actions and isinstance(found, Plan):  # all of it was only talk
+            return replace(found, goal=request.text)
+        told = self._models.told(actions, language)
+        return Plan(goal=request.text, actions=actions, response=told.response, source=source, steps=told.steps)
+
+    async def _after_feedback(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan:
+        first = request.sees is not None and rounds(request.exchanges) == 1
+        condition = self._looking_first.conditional(text) if first else None
+        try:
+            if condition is not None:
+                return await self._decided(request, condition, language)
+            if self._models is None:
+                return NoPlan(text, "not_understood", "")
+            return await self._models.plan(request, language, known=self._facts_for(request, text))
+        except ChatError as error:
             return NoPlan(text, error.code, str(error), ExitCode(error.exit_code))
-        return Plan(goal=text, actions=actions, response=match.response, source="phrases", steps=match.steps)
+
+    async def _decided(self, request: PlanRequest, condition: Conditional, language: Language) -> Plan | NoPlan:
+        """Go on with what was seen says. Raises ``ChatError``."""
+        found = self._looking_first.decided(request, condition, language)
+        if isinstance(found, GoesOn):
+            return await self.plan(replace(request, text=found.text, exchanges=()))
+        if isinstance(found, NoPlan) and self._models is not None and not self._models.is_small:
+            return await self._models.plan(request, language)
+        return found
+
+    def _facts_for(self, request: PlanRequest, text: str) -> tuple[str, ...]:
+        """What the user has written down that may help."""
+        facts = self._knowledge.facts_for(text, MAX_FACTS)
+        if (trouble := self._knowledge.trouble) is not None:
+            request.warn(str(trouble))
+        return facts

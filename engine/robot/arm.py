@@ -16,9 +16,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.robot.camera import Mount
-from engine.robot.robot import Joints
+from engine.robot.geometry import Point
 
-Point = tuple[float, float, float]
+ARM_JOINTS = ("yaw", "shoulder", "elbow", "wrist", "roll")
+"""The five joints of the arm from base to gripper; with the gripper they are the six servos."""
+
+Joints = tuple[float, float, float, float, float]
+"""rad, in the order of ``ARM_JOINTS``; all zero is straight up, positive shoulder/elbow/wrist lean forward."""
+
+ARM_INITIAL: Joints = (0.0, -1.1, 1.85, 1.05, 0.0)
+"""The folded pose that the arm starts in and returns to: inside the hull, the camera looking ahead."""
+ARM_UP: Joints = (0.0, 0.0, 0.0, 0.0, 0.0)
+"""Straight up."""
+ARM_DOWN: Joints = (0.0, 0.88, 1.5, 0.76, 0.0)
+"""Reaching down in front of the hull, the gripper pointing at the floor."""
 
 EDGE = 0.02
 """rad kept from the ends of the joints' ranges."""

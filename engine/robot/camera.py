@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.robot.robot import Pose
+from engine.robot.geometry import Pose
 
 Points = NDArray[np.float64]
 """Points, one a row: shape (n, 3), m."""
@@ -54,9 +55,16 @@ class Lens:
         return np.column_stack((x, y, np.ones(len(pixels))))
 
     def grid(self) -> Points:
-        """The directions through all pixel centres, row by row: shape (height · width, 3)."""
-        columns, rows = np.meshgrid(np.arange(self.width) + 0.5, np.arange(self.height) + 0.5)
-        return self.rays(np.column_stack((columns.ravel(), rows.ravel())))
+        """The directions through all pixel centres, row by row: shape (height · width, 3). Nobody may change them."""
+        return _grid(self)
+
+
+@lru_cache(maxsize=4)
+def _grid(lens: Lens) -> Points:
+    columns, rows = np.meshgrid(np.arange(lens.width) + 0.5, np.arange(lens.height) + 0.5)
+    rays = lens.rays(np.column_stack((columns.ravel(), rows.ravel())))
+    rays.flags.writeable = False
+    return rays
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,12 +100,11 @@ class Picture:
     def points(self, mask: NDArray[np.bool_] | None = None) -> Points:
         """What the pixels show, base frame: all of them row by row, or those of ``mask`` (height, width). Pixels
         without depth are at infinity, or not a number."""
-        depth = self.depth.ravel().astype(np.float64)
-        rays = self.lens.grid()
+        rays, depth = self.lens.grid(), self.depth.ravel()
         if mask is not None:
-            chosen = mask.ravel()
+            chosen = np.flatnonzero(mask)
             rays, depth = rays[chosen], depth[chosen]
-        return self.mount.out(rays * depth[:, None])
+        return self.mount.out(rays * depth.astype(np.float64)[:, None])
 
     def on_map(self, points: Points) -> Points:
         """From the base frame to the map frame."""

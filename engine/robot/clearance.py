@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.robot.robot import Footprint, Twist
+from engine.robot.geometry import Twist
+from engine.robot.robot import Footprint
 
 Points = NDArray[np.float64]
 """Shape (n, 2), base frame, m."""

@@ -16,7 +16,8 @@ import numpy as np
 
 from config.schema import Limits
 from engine.robot.clearance import Free, Points, free_time
-from engine.robot.robot import ZERO, Footprint, Pose, Twist
+from engine.robot.geometry import ZERO, Pose, Twist
+from engine.robot.robot import Footprint
 
 REACTION = 0.05
 """s between deciding to brake and braking: one control period, the lag of the motors, and a margin."""
@@ -54,6 +55,8 @@ class Envelope:
         self._wanted = ZERO
         self._until = -math.inf
         self._sent = ZERO
+        self.reach = _reach(limits, hull)
+        """What is further than this from the robot's middle changes nothing, at any speed that is allowed, m."""
 
     def command(self, twist: Twist, t: float) -> bool:
         """Take a new command at robot time ``t``; one that is not finite is refused and means standing still."""
@@ -65,6 +68,11 @@ class Envelope:
     def halt(self) -> None:
         """Forget the command and stand still at once, without a ramp."""
         self._wanted, self._sent, self._until = ZERO, ZERO, -math.inf
+
+    @property
+    def idle(self) -> bool:
+        """Nothing is commanded and nothing moves: whatever is around, :meth:`shape` tells the motors to stand."""
+        return self._wanted.is_zero and self._sent.is_zero
 
     def shape(self, t: float, dt: float, obstacles: Points | None) -> Shaped:
         """What the motors are told for the next ``dt`` seconds.
@@ -118,6 +126,12 @@ class Envelope:
             return ZERO
         aside = Twist(twist.vx - into * ahead.normal[0], twist.vy - into * ahead.normal[1])
         return self._slow(aside, obstacles, self._limits.obstacle_margin)[0]
+
+
+def _reach(limits: Limits, hull: Footprint) -> float:
+    speed, turn = math.sqrt(2) * limits.linear_speed, limits.angular_speed
+    brake = max(speed / limits.linear_acceleration, turn / limits.angular_acceleration) / _BRAKING
+    return (speed + turn * hull.radius) * (REACTION + brake / 2) + hull.radius + limits.obstacle_margin + 0.05
 
 
 def clamp(twist: Twist, limits: Limits) -> Twist:

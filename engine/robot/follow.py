@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from engine.robot.robot import ZERO, Pose, Twist, wrap
+from engine.robot.geometry import ZERO, Pose, Twist, wrap
 
 LOOKAHEAD = 0.18
 """m ahead on the path that the robot aims at."""

@@ -6,7 +6,7 @@ rectangle of ``WHEELBASE`` × ``TRACK``.
 
 from __future__ import annotations
 
-from engine.robot.robot import Twist
+from engine.robot.geometry import Twist
 
 WHEEL_RADIUS = 0.042  # m
 WHEELBASE = 0.184  # m, front to rear axle

@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.robot.clearance import gaps
-from engine.robot.robot import FloorMap, Footprint, Pose
+from engine.robot.floor_map import FloorMap
+from engine.robot.geometry import Pose
+from engine.robot.robot import Footprint
 
 Point = tuple[float, float]
 """Map frame, m."""

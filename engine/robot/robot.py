@@ -1,12 +1,13 @@
-"""The protocol that every robot speaks, and the facts it deals in.
-
-Frames: *map* is fixed to the floor, x east, y north, yaw counter-clockwise from x. *base* is fixed to the robot, x
-forward, y left. Units are SI and radians throughout.
+"""The protocol that every robot speaks, and what it tells of itself; frames are those of ``geometry.py``.
 
 Two rules hold for every robot. **Stop wins**: :meth:`Robot.stop` may be called from any thread, never blocks, and
-takes effect in the robot's next control tick. **Epochs**: every command carries the epoch it
-belongs to, and the robot ignores commands of any epoch but the one last given to ``stop`` (1 before that), so a late
-command of an interrupted plan cannot move anything.
+takes effect in the robot's next control tick. **Epochs**: every command carries the epoch it belongs to, and the robot
+ignores commands of any epoch but the one last given to ``stop`` (1 before that), so a late command of an interrupted
+plan cannot move anything.
+
+Beside them a robot can **pause**: whoever suspects that it is to stop has it stand at once, and lets it go on when that
+was an error. A pause belongs to its epoch, ends with it, and becomes a halt when nobody decides: it errs on the side of
+standing still.
 """
 
 from __future__ import annotations
@@ -14,63 +15,22 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import Final, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from engine.robot.arm import ArmModel
-    from engine.robot.camera import Picture
+from engine.robot.arm import ArmModel, Joints
+from engine.robot.camera import Picture
+from engine.robot.floor_map import FloorMap
+from engine.robot.geometry import Pose, Twist
 
 Capability = Literal["base", "arm", "camera", "voice"]
 
-ARM_JOINTS = ("yaw", "shoulder", "elbow", "wrist", "roll")
-"""The five joints of the arm from base to gripper; with the gripper they are the six servos."""
-
-Joints = tuple[float, float, float, float, float]
-"""rad, in the order of ``ARM_JOINTS``; all zero is straight up, positive shoulder/elbow/wrist lean forward."""
-
-ARM_INITIAL: Joints = (0.0, -1.1, 1.85, 1.05, 0.0)
-"""The folded pose that the arm starts in and returns to: inside the hull, the camera looking ahead."""
-ARM_UP: Joints = (0.0, 0.0, 0.0, 0.0, 0.0)
-"""Straight up."""
-ARM_DOWN: Joints = (0.0, 0.88, 1.5, 0.76, 0.0)
-"""Reaching down in front of the hull, the gripper pointing at the floor."""
-
-
-def wrap(angle: float) -> float:
-    """``angle`` in (-π, π], rad."""
-    return math.pi - (math.pi - angle) % (2 * math.pi)
-
-
-@dataclass(frozen=True, slots=True)
-class Pose:
-    """Where the robot stands, map frame."""
-
-    x: float  # m
-    y: float  # m
-    yaw: float  # rad, in (-π, π]
-
-    def distance_to(self, other: Pose) -> float:
-        """Straight-line distance, m."""
-        return math.hypot(other.x - self.x, other.y - self.y)
-
-
-@dataclass(frozen=True, slots=True)
-class Twist:
-    """Velocity of the base, base frame."""
-
-    vx: float = 0.0  # m/s, forward
-    vy: float = 0.0  # m/s, to the left
-    wz: float = 0.0  # rad/s, counter-clockwise
-
-    @property
-    def is_zero(self) -> bool:
-        return self.vx == 0.0 and self.vy == 0.0 and self.wz == 0.0
-
-
-ZERO = Twist()
+PAUSE_LIMIT_S: Final = 1.5
+"""A pause that nobody has ended after this makes the robot halt, s."""
+UNDECIDED: Final = "somebody may have said stop, and nobody could tell"
+"""Why it has halted then."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +50,14 @@ class RobotState:
     halted: str | None  # why the robot stopped itself ("heartbeat lost"), None in normal operation
     halted_in: int | None = None  # the epoch in which it did; only a newer one lets it move again
     grip: float = 0.0  # what the gripper is told, as ``gripper``: less than that while it presses on something
+    paused: bool = False  # it stands until it is resumed
+    paused_s: float = 0.0  # s of ``t`` in which it was paused
+
+    @property
+    def work_t(self) -> float:
+        """The clock that stands while the robot is paused, s: whoever gives it so much time for something means this
+        one."""
+        return self.t - self.paused_s
 
     @property
     def moving(self) -> bool:
@@ -119,73 +87,6 @@ class Footprint:
     def radius(self) -> float:
         """Of the circle around the rectangle, m."""
         return math.hypot(self.length, self.width) / 2
-
-
-@dataclass(frozen=True, slots=True)
-class FloorMap:
-    """What is fixed on the floor: walls and furniture, as the map drawn when the house was mapped."""
-
-    resolution: float  # m per cell
-    origin: tuple[float, float]  # map coordinates of the outer corner of cell [0, 0], m
-    occupied: NDArray[np.bool_]  # shape (rows, columns); row is y, column is x
-    rooms: tuple[Room, ...] = ()
-    furniture: tuple[Furniture, ...] = ()
-    doors: tuple[Doorway, ...] = ()
-    tags: tuple[Landmark, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Room:
-    """A named rectangle of floor, map frame, m."""
-
-    name: str
-    x_min: float
-    y_min: float
-    x_max: float
-    y_max: float
-
-    def holds(self, x: float, y: float) -> bool:
-        """Whether the point lies in the room, border included."""
-        return self.x_min <= x <= self.x_max and self.y_min <= y <= self.y_max
-
-
-@dataclass(frozen=True, slots=True)
-class Furniture:
-    """A named piece of furniture as a rectangle on the floor, map frame, m."""
-
-    name: str
-    x_min: float
-    y_min: float
-    x_max: float
-    y_max: float
-    height: float = 0.0  # of its top; 0 where that is not known
-    kind: str = ""  # bin, low_table, …
-
-    def holds(self, x: float, y: float, *, margin: float = 0.0) -> bool:
-        """Whether the point lies on it, at least ``margin`` m from its edges."""
-        return self.x_min + margin <= x <= self.x_max - margin and self.y_min + margin <= y <= self.y_max - margin
-
-
-@dataclass(frozen=True, slots=True)
-class Doorway:
-    """A gap in a wall between two rooms."""
-
-    between: tuple[str, str]
-    x: float  # of its middle, map frame, m
-    y: float
-    width: float  # m
-
-
-@dataclass(frozen=True, slots=True)
-class Landmark:
-    """An AprilTag of the family 36h11 that is fixed to the house, by which a robot can tell where it is."""
-
-    id: int
-    x: float  # of its middle, map frame, m
-    y: float
-    z: float
-    yaw: float  # direction in which its face looks, map frame, rad; it hangs upright
-    size: float  # edge of the black square, m
 
 
 class Robot(Protocol):
@@ -228,6 +129,19 @@ class Robot(Protocol):
 
         The base goes to zero velocity, the arm holds where it is, the gripper keeps its grip.
         """
+        ...
+
+    def pause(self, epoch: int) -> int:
+        """Come to rest as gently as it drives, and stand until :meth:`resume`, the arm where it is. Thread-safe, never
+        blocks. What is commanded meanwhile waits, velocities are forgotten, and no tick comes.
+
+        It only holds while ``epoch`` is in force. A robot that is still paused after ``PAUSE_LIMIT_S`` halts. Gives
+        the token for :meth:`resume`; of several pauses the newest counts.
+        """
+        ...
+
+    def resume(self, token: int) -> None:
+        """Go on; nothing happens when that pause is not the one in force any more. Thread-safe, never blocks."""
         ...
 
     def heartbeat(self) -> None:
@@ -276,7 +190,8 @@ class Robot(Protocol):
         ...
 
     async def tick(self) -> RobotState:
-        """Wait for the next control period (20 ms of robot time) and return the state then.
+        """Wait for the next control period (20 ms of robot time) in which the robot is not paused, and return the state
+        then.
 
         In a simulation at full speed, time passes only while somebody waits here.
         Raises ``RobotError`` when the robot is gone.

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from engine.perception.memory import Thing
-from engine.robot.arm import ArmModel, Point
-from engine.robot.robot import Joints, Pose
+from engine.robot.arm import ArmModel, Joints
+from engine.robot.geometry import Point, Pose
 from engine.skills.approach import Reach
 from engine.skills.hand import FINGER, FINGERTIP, PALM, from_map, nearest
 

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.perception.memory import Thing
-from engine.robot.arm import Point
 from engine.robot.clearance import gaps
+from engine.robot.floor_map import FloorMap
+from engine.robot.geometry import Point, Pose, wrap
 from engine.robot.occupancy import Unreachable
-from engine.robot.robot import FloorMap, Pose, wrap
 from engine.skills.context import SkillContext
 from engine.skills.hand import fold, from_map
 from engine.skills.outcome import Result, fail, ok

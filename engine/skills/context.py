@@ -3,14 +3,15 @@ places, a voice, and a way to say how far it is. A skill reaches nothing else.""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 from engine.perception.memory import WorldMemory
-from engine.perception.sighting import Sight
+from engine.perception.sighting import EVERYTHING, Part, Sight
 from engine.robot.camera import Picture
-from engine.robot.robot import Pose, Robot, RobotState, Twist
+from engine.robot.geometry import Pose, Twist
+from engine.robot.robot import Robot, RobotState
 from engine.skills.places import Places
 
 
@@ -29,9 +30,10 @@ class Say(Protocol):
 
 
 class See(Protocol):
-    """Take a picture and understand it; what it shows is in the memory when this returns. Raises ``CameraError``."""
+    """Take a picture and understand it; what it shows is in the memory when this returns. Asked for some ``parts``
+    alone it is a glance, of which nothing is remembered. Raises ``CameraError``."""
 
-    async def __call__(self) -> Sight: ...
+    async def __call__(self, parts: Collection[Part] = EVERYTHING) -> Sight: ...
 
 
 class AskAbout(Protocol):

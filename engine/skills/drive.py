@@ -11,7 +11,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from engine.robot.robot import ZERO, Pose, RobotState, Twist, wrap
+from engine.robot.geometry import ZERO, Pose, Twist, wrap
+from engine.robot.robot import RobotState
 from engine.skills.context import SkillContext
 from engine.skills.outcome import ErrorCode
 

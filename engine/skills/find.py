@@ -13,7 +13,8 @@ from typing import Final
 from engine.perception.looking import LOOK_POSES, LookName
 from engine.perception.memory import Thing
 from engine.perception.naming import Wanted
-from engine.robot.robot import FloorMap, Furniture, Pose, Room
+from engine.robot.floor_map import FloorMap, Furniture, Room
+from engine.robot.geometry import Pose
 from engine.skills.approach import stand_before
 from engine.skills.context import SkillContext
 from engine.skills.hand import move_to

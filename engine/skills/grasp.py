@@ -14,20 +14,21 @@ from typing import Final
 
 from engine.perception.memory import Thing
 from engine.robot.arm import ArmModel
-from engine.robot.robot import Pose, RobotState
+from engine.robot.geometry import Pose
+from engine.robot.robot import RobotState
 from engine.skills.aim import Grasp, plan, reach_of, top_of, view
 from engine.skills.approach import stand_before
 from engine.skills.context import SkillContext
 from engine.skills.hand import (
-    NOTHING,
     close_fingers,
     fold,
     from_map,
-    gap,
     look,
     move_along,
     move_to,
     open_fingers,
+    presses,
+    still_held,
 )
 from engine.skills.outcome import Result, fail, ok
 
@@ -86,7 +87,7 @@ async def _fold(context: SkillContext, result: Result) -> Result:
     """Fold the arm; what is held must survive that."""
     await fold(context)
     held = context.world.held
-    if result.ok and held is not None and gap(context) <= NOTHING:
+    if result.ok and held is not None and not still_held(context):
         return lost(context, held)
     return result
 
@@ -242,7 +243,7 @@ async def _seize(context: SkillContext, thing: Thing, grasp: Grasp) -> Result:
         if not await move_along(context, grasp.lifted, speed=0.12, until=_empty(context)):
             return stuck
     finally:
-        if world.held is not None and gap(context) <= NOTHING:
+        if world.held is not None and not still_held(context):
             world.put(thing.position, context.robot.state().t)
     if world.held is None:
         return await _missed(context, thing, grasp, f"The {thing.name} slipped out of my fingers")
@@ -250,10 +251,10 @@ async def _seize(context: SkillContext, thing: Thing, grasp: Grasp) -> Result:
 
 
 def _empty(context: SkillContext) -> Callable[[RobotState], bool]:
-    """For :func:`move_along`: the fingers have closed entirely."""
+    """For :func:`move_along`: nothing keeps the fingers apart."""
 
     def told(state: RobotState) -> bool:
-        return gap(context, state) <= NOTHING
+        return not presses(context, state)
 
     return told
 

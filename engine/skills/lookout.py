@@ -16,13 +16,13 @@ from typing import Final
 
 from engine.errors import CameraError
 from engine.perception.sighting import Sight
-from engine.robot.robot import wrap
+from engine.robot.geometry import wrap
 from engine.skills.context import SkillContext
 
 Motion = tuple[float, float]
 """A way and a turn, m and rad."""
 
-OFTEN: Final[Motion] = (0.4, math.radians(30))
+OFTEN: Final[Motion] = (0.4, math.radians(20))
 """The robot drives or turns so far before it looks again…"""
 ARRIVED: Final[Motion] = (0.1, math.radians(8))
 """…and before it goes straight on, or believes that it is there."""

@@ -7,10 +7,11 @@ from collections.abc import Mapping
 
 from config.schema import Place
 from engine.errors import PlanError
-from engine.robot.robot import Pose
+from engine.han import SIMPLER
+from engine.robot.geometry import Pose
 
 ZERO_SYMBOL = "zero"
-_SEPARATOR = re.compile(r"(\s*,\s*(?:and\s+)?|\s+and\s+)", re.IGNORECASE)
+_SEPARATOR = re.compile(r"(\s*[,，、]\s*(?:and\s+)?|\s+and\s+|\s*和\s*)", re.IGNORECASE)
 
 
 class UnknownPlace(PlanError):
@@ -26,7 +27,7 @@ class Places:
         self._places = dict(places)
         self._zero: Pose | None = None
         self._words = {
-            word.casefold(): symbol
+            word.casefold().translate(SIMPLER): symbol
             for symbol, place in places.items()
             for word in (symbol, place.name, *place.aliases)
         }  # fmt: skip
@@ -80,7 +81,7 @@ class Places:
 
     @staticmethod
     def _key(word: str) -> str:
-        return word.casefold().strip().removeprefix("the ").strip()
+        return word.casefold().translate(SIMPLER).strip().removeprefix("the ").strip()
 
     def names(self) -> tuple[str, ...]:
         """All names, in the order of the map."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import difflib
 import inspect
+import re
 from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
@@ -48,6 +49,9 @@ Angle = Annotated[float, Measure("deg", 0, 3600)]
 Speed = Annotated[float, Measure("m/s", 0.02, 1.0)]
 TurnSpeed = Annotated[float, Measure("rad/s", 0.05, 5.0)]
 Duration = Annotated[float, Measure("s", 0, 600)]
+
+NOT_SAID = "not said"
+"""Stands for an argument that nobody has told."""
 
 Run = Callable[..., Coroutine[Any, Any, Result]]
 Resolve = Callable[[str], str]
@@ -183,9 +187,10 @@ class SkillRegistry:
     def __getitem__(self, name: str) -> Skill:
         return self._skills[name]
 
-    def resolve(self, call: ActionCall) -> Action:
+    def resolve(self, call: ActionCall, said: str = "") -> Action:
         """Check an action as written. Raises :class:`PlanError` (unknown skill, wrong arguments, out of range,
-        unknown word) with a message that says what is allowed."""
+        unknown word) with a message that says what is allowed. ``said`` is the request: of several things that a word
+        fits, any will do where "a fruit" was asked for."""
         skill = self._skills.get(call.name)
         if skill is None:
             raise UnknownSkill(self._unknown(call.name))
@@ -193,12 +198,22 @@ class SkillRegistry:
         args: dict[str, Value] = {}
         for parameter in skill.parameters:
             if parameter.name in given:
-                args[parameter.name] = self._check(skill, parameter, given[parameter.name])
+                args[parameter.name] = self._check(skill, parameter, given[parameter.name], said)
             elif parameter.default is not None:
                 args[parameter.name] = parameter.default
             else:
                 raise PlanError(f"{skill.signature}: {parameter.name} is missing.")
         return Action(skill.name, args, call.alongside)
+
+    def check_words(self, call: ActionCall) -> None:
+        """Check the arguments that an action has so far, whatever is missing. Raises :class:`PlanError`."""
+        skill = self._skills.get(call.name)
+        if skill is None:
+            raise UnknownSkill(self._unknown(call.name))
+        given = self._assign(skill, call)
+        for parameter in skill.parameters:
+            if parameter.name in given and given[parameter.name] != NOT_SAID:
+                self._check(skill, parameter, given[parameter.name], "")
 
     def _assign(self, skill: Skill, call: ActionCall) -> dict[str, Argument]:
         names = [parameter.name for parameter in skill.parameters]
@@ -213,7 +228,7 @@ class SkillRegistry:
             given[name] = argument
         return given
 
-    def _check(self, skill: Skill, parameter: Parameter, argument: Argument) -> Value:
+    def _check(self, skill: Skill, parameter: Parameter, argument: Argument, said: str) -> Value:
         label = f"{skill.name}: {parameter.name}"
         if parameter.type == "number":
             if not isinstance(argument, Quantity):
@@ -231,10 +246,26 @@ class SkillRegistry:
         if word == parameter.default:
             return word
         resolve = self._vocabulary.get(parameter.word or "")
-        return resolve(word) if resolve else word
+        if resolve is None:
+            return word
+        try:
+            return resolve(word)
+        except PlanError as error:
+            if error.exit_code is not ExitCode.CLARIFY or not any_of(word, said):
+                raise
+            return resolve(f"a {word}")
 
     def _unknown(self, name: str) -> str:
         if name in self._impossible:
             return f"This robot has nothing to do {name} with."
         near = difflib.get_close_matches(name, self._skills, n=1)
         return f"There is no skill {name!r}{f'; did you mean {near[0]}?' if near else '.'}"
+
+
+def any_of(word: str, said: str) -> bool:
+    """Whether any one of what a word fits was asked for: "a fruit", "one of the cups", 一个苹果."""
+    name = re.escape(word.replace("_", " "))
+    return (
+        re.search(rf"\b(?:an?|some|any|one of \w+) {name}(?:e?s)?\b|[一任][个只本张块瓶些何]?{name}", said, re.I)
+        is not None
+    )

@@ -1,8 +1,9 @@
 """Looking through a room: where to stand and where to look next, until all of it has been seen.
 
 The room's floor and the tops of its low tables are a grid of patches. Every picture marks the patches that it really
-shows: within range, not at the edge, not hidden behind something (the depth tells). The next view is the one that
-promises the most unseen patches for the time it takes to get there. What several views could not show is given up.
+shows, with all of what may stand there: within range, not at the edge, not hidden behind something (the depth tells).
+The next view is the one that promises the most unseen patches for the time it takes to get there. What several views
+could not show is given up.
 """
 
 from __future__ import annotations
@@ -16,9 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.perception.looking import LOOK_POSES
+from engine.robot.arm import Joints
 from engine.robot.camera import Picture
+from engine.robot.floor_map import FloorMap, Room
+from engine.robot.geometry import Pose, wrap
 from engine.robot.occupancy import distances
-from engine.robot.robot import FloorMap, Footprint, Joints, Pose, Room, wrap
+from engine.robot.robot import Footprint
 from engine.skills.context import SkillContext
 from engine.skills.drive import turn
 from engine.skills.hand import move_to
@@ -26,12 +30,14 @@ from engine.skills.outcome import Result, fail, ok
 from engine.skills.strewn import BESIDE, outline, strewn
 from engine.skills.travel import SEEN_RANGE, go_to, points_of
 
-LOOK: Final[Joints] = LOOK_POSES["AHEAD"].joints
-"""The arm while it looks around: the floor before the robot fills the picture."""
+LOOK: Final[Joints] = (0.0, -0.9, 1.2, 1.8, 0.0)
+"""The arm while it looks around: a little higher than ``AHEAD``, to have things on low tables in the picture whole."""
 PATCH: Final = 0.1
 """Edge of a patch, m."""
-NEAR, FAR = LOOK_POSES["AHEAD"].near, LOOK_POSES["AHEAD"].far
+NEAR, FAR = 0.35, 1.6
 """From the base's centre, m: in between, patches are seen well enough to notice a small thing."""
+TALL: Final = 0.15
+"""m that a small thing rises at most. Of one that the upper edge cuts off nobody can tell that it is no leg or post."""
 HALF_VIEW: Final = math.radians(25)
 """Of the wedge that a view is expected to show; pictures show a little more."""
 HEADINGS: Final = 8
@@ -46,6 +52,7 @@ BLOCKED: Final = 4
 WORTHWHILE: Final = 6
 """Unseen patches that a view must promise: a corner that needs a view of its own hides nothing larger than a cup."""
 _STUCK: Final = fail("no_progress", "The arm stopped on the way to its looking pose.")
+_EYE, _SKYLINE = 0.41, 3.3  # m: how high the camera is then, and where the picture's upper edge meets the floor
 _TURN_SPEED = 1.5  # rad/s
 _GRID = 0.25  # m between places to stand
 _MARGIN = 0.06  # m that the robot keeps from things, beyond its circle
@@ -69,6 +76,7 @@ class Survey:
     def __init__(self, room: Room, floor: FloorMap, hull: Footprint, now: Pose) -> None:
         """``now`` is where the robot stands: it looks from places that it can get to."""
         self._patches = _patches(room, floor)
+        self._reach = _reach(self._patches[:, 2])
         self._open = np.ones(len(self._patches), dtype=np.bool_)  # not seen yet and not given up
         self._missed = np.zeros(len(self._patches), dtype=np.int64)
         self._stands = _stands(room, floor, hull, now)
@@ -89,12 +97,12 @@ class Survey:
         if self.done or not len(self._stands):
             return None
         best, view = 0.0, None
-        unseen = self._patches[self._open]
+        unseen, reach = self._patches[self._open], self._reach[self._open]
         headings = np.arange(HEADINGS) * (2 * math.pi / HEADINGS)
         for x, y in self._stands.tolist():
             dx, dy = unseen[:, 0] - x, unseen[:, 1] - y
             way = np.hypot(dx, dy)
-            near = (way > NEAR) & (way < FAR)
+            near = (way > NEAR) & (way < reach)
             if near.sum() <= best * _VIEW_COST:  # no view from here can be better
                 continue
             bearing = np.arctan2(dy[near], dx[near])
@@ -122,7 +130,7 @@ class Survey:
         points = picture.from_map(self._patches)
         way = np.hypot(points[:, 0], points[:, 1])
         bearing = np.abs(np.arctan2(points[:, 1], points[:, 0]))
-        wanted = self._open & (way > NEAR) & (way < FAR)
+        wanted = self._open & (way > NEAR) & (way < self._reach)
         shown = _shown(picture, points) & wanted
         self._open &= ~shown
         self._seen += int(shown.sum())
@@ -192,16 +200,21 @@ def nothing_more(searched: Searched, room: str) -> Result:
 
 
 def _shown(picture: Picture, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which points of the base frame the picture shows: inside of it, and nothing in front of them."""
+    """Which points of the base frame the picture shows: inside of it with what stands there, and nothing in front."""
     depth = picture.mount.into(points)[:, 2]
-    pixels = picture.pixels(points)
+    pixels, above = picture.pixels(points), picture.pixels(points + np.array((0.0, 0.0, TALL)))
     height, width = picture.depth.shape
     with np.errstate(invalid="ignore"):
-        inside = (pixels[:, 0] > 2) & (pixels[:, 0] < width - 2) & (pixels[:, 1] > 2) & (pixels[:, 1] < height - 2)
+        inside = (pixels[:, 0] > 2) & (pixels[:, 0] < width - 2) & (above[:, 1] > 2) & (pixels[:, 1] < height - 2)
     shown = np.zeros(len(points), dtype=np.bool_)
     columns, rows = pixels[inside].astype(int).T
     shown[inside] = np.abs(picture.depth[rows, columns] - depth[inside]) < 0.08 + 0.05 * depth[inside]
     return shown
+
+
+def _reach(heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far away a patch may be, by its height, to be seen with what stands on it, m."""
+    return np.minimum(FAR, _SKYLINE * (1 - (heights + TALL) / _EYE))
 
 
 def _patches(room: Room, floor: FloorMap) -> NDArray[np.float64]:

@@ -11,16 +11,18 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from engine.errors import CameraError
-from engine.perception.sighting import Sight
-from engine.robot.arm import ArmModel, Point
-from engine.robot.robot import ZERO, FloorMap, Joints, Pose, RobotState, Twist, wrap
+from engine.perception.sighting import Part, Sight
+from engine.robot.arm import ArmModel, Joints
+from engine.robot.floor_map import FloorMap
+from engine.robot.geometry import ZERO, Point, Pose, Twist, wrap
+from engine.robot.robot import RobotState
 from engine.skills.context import SkillContext
 from engine.skills.drive import why_held
 from engine.skills.outcome import Result, fail
@@ -29,6 +31,9 @@ PICTURE_S: Final = 0.1
 """Robot time from one picture to the next, s; longer where seeing takes longer."""
 FRESH_S: Final = 0.25
 """s after which a sight is too old to drive by."""
+WHOLE_S: Final = 0.5
+"""Robot time after which a picture is understood as a whole again, for the memory and for landmarks, s; pictures in
+between are only searched for what is followed."""
 LOST_S: Final = 5.0
 """s without a sight of the target after which it is given up."""
 
@@ -63,6 +68,7 @@ class Target:
 
     name: str  # with its article: "the red box"
     find: Callable[[Sight, Point | None], Point | None]
+    parts: Collection[Part]  # of the sight that ``find`` asks for
 
 
 def nearest(points: Iterable[Point], near: Point | None, sight: Sight) -> Point | None:
@@ -195,13 +201,15 @@ class _Pursuit:
         self._wheels = Wheels(context)
         self._track: Track | None = None
         self._begin = context.robot.state()
+        self._stood_s = self._begin.paused_s  # when the target was last seen
+        self._whole_at = -math.inf
 
     async def run(self) -> Result:
         while True:
-            sight = await self._context.see()
+            sight = await self._see()
             await self._take_in(sight)
             state = self._context.robot.state()
-            if state.t - self._seen_at > LOST_S:
+            if state.t - self._seen_at - (state.paused_s - self._stood_s) > LOST_S:
                 return self._give_up(await self._wheels.stand())
             self._report(state)
             while state.t < sight.t + PICTURE_S - 1e-6 or state.t == sight.t:
@@ -209,6 +217,14 @@ class _Pursuit:
                 if state.halted:
                     code, reason = why_held(state)
                     return fail(code, f"I stopped following {self._target.name}: {reason}.")
+
+    async def _see(self) -> Sight:
+        """The newest picture, understood as far as it is needed."""
+        if self._context.robot.state().t < self._whole_at + WHOLE_S - 1e-6:
+            return await self._context.see(self._target.parts)
+        sight = await self._context.see()
+        self._whole_at = sight.t
+        return sight
 
     @property
     def _seen_at(self) -> float:
@@ -219,6 +235,8 @@ class _Pursuit:
         track = self._track
         near = track.at(sight.t) if track is not None and sight.t - track.t < 4 * FRESH_S else None
         point = await asyncio.to_thread(self._target.find, sight, near)
+        if point is not None:
+            self._stood_s = self._context.robot.state().paused_s
         if point is not None and track is not None:
             track.update(sight.t, point)
         elif point is not None:

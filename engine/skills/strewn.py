@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from engine.perception.memory import Thing
 from engine.robot.clearance import free_time, gaps
-from engine.robot.robot import Footprint, Pose, Twist
+from engine.robot.geometry import Pose, Twist
+from engine.robot.robot import Footprint
 from engine.skills.context import SkillContext
 
 LOW: Final = 0.05

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from engine.errors import CameraError
 from engine.perception.line import tape_points
 from engine.perception.sighting import Colour, Sight, Sighting
-from engine.robot.arm import Point
 from engine.robot.camera import Picture
-from engine.robot.robot import ZERO, Pose, RobotState, Twist, wrap
+from engine.robot.geometry import ZERO, Point, Pose, Twist, wrap
+from engine.robot.robot import RobotState
 from engine.skills.context import SkillContext
 from engine.skills.drive import Stall, why_held
 from engine.skills.outcome import ErrorCode
@@ -251,7 +251,7 @@ class LineDriver:
             if self.trail is None:
                 self.trail = begin(tape, context.pose)
             if self.trail is None:
-                if state.t - start.t > LOST_S:
+                if state.work_t - start.work_t > LOST_S:
                     return Stopped("unseen")
                 state = await self._search(wheels, sight, start)
                 continue

@@ -14,9 +14,11 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.robot.floor_map import Doorway
 from engine.robot.follow import Follower
+from engine.robot.geometry import Pose, Twist
 from engine.robot.occupancy import Route, Unreachable, route
-from engine.robot.robot import Doorway, Pose, RobotState, Scan, Twist
+from engine.robot.robot import RobotState, Scan
 from engine.skills.context import SkillContext
 from engine.skills.drive import Stall, settle, why_held
 from engine.skills.hand import look

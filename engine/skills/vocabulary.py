@@ -7,14 +7,16 @@ word that skills use, or to an error that names what is known.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, get_args
 
 from engine.errors import ExitCode, PlanError
-from engine.perception.naming import UnknownObject, wanted
+from engine.han import SIMPLER
+from engine.perception.naming import CHINESE, UnknownObject, wanted
 from engine.perception.sighting import Colour
-from engine.robot.robot import Furniture, Room
+from engine.robot.floor_map import Furniture, Room
 from engine.skills.places import ZERO_SYMBOL, Places, UnknownPlace
 
 BIN: Final = "bin"
@@ -23,7 +25,15 @@ BARE: Final = frozenset({"plant", "dock", "wardrobe"})
 """Kinds of furniture that nothing is put on."""
 
 _ARTICLES: Final = frozenset({"the", "a", "an", "my", "your", "our", "this", "that"})
-_CALLED: Final = {"ground": FLOOR, "gray": "grey"}
+_CALLED: Final = {
+    "ground": FLOOR, "地上": FLOOR, "地板": FLOOR, "地面": FLOOR, "地板上": FLOOR, "地面上": FLOOR, "gray": "grey",
+    "垃圾桶": BIN, "垃圾箱": BIN, "垃圾筒": BIN, "废纸篓": BIN,
+    **{f"{said}{suffix}": colour for said, colour in CHINESE.items() if colour in get_args(Colour)
+       for suffix in ("", "色", "色的", "的")},
+}  # fmt: skip
+_CHINESE_ARTICLE: Final = re.compile("^(?:[这那][个张只把台]?|一[个张只把台]|[我你]们?的)(?=.)")
+
+_NUMBER: Final = re.compile(r"[\d ]+$|^\d+号")
 
 
 class Ambiguous(PlanError):
@@ -47,6 +57,8 @@ class House:
     rooms: tuple[Room, ...] = ()
     things: Mapping[str, str] = field(default_factory=dict)
     """Names that things have here, and what they look like: ``teddy`` is a ``brown box``."""
+    called: Mapping[str, str] = field(default_factory=dict)
+    """Other names of furniture and rooms, and the ones above."""
 
 
 class Vocabulary:
@@ -58,6 +70,8 @@ class Vocabulary:
         self._things = {_plain(name): looks for name, looks in house.things.items()}
         self._rooms = {_plain(room.name): room for room in house.rooms}
         self._furniture = {_plain(piece.name): piece for piece in house.furniture if piece.kind not in BARE}
+        self._called = {_plain(word): _plain(name) for word, name in house.called.items()}
+        self._stands_in = {_plain(piece.name): _room_around(piece, house.rooms) for piece in house.furniture}
 
     def resolvers(self) -> Mapping[str, Callable[[str], str]]:
         """For each kind of word, what resolves it."""
@@ -82,6 +96,18 @@ class Vocabulary:
                 raise
             raise UnknownObject(unknown.message, hint=f"{unknown.hint} And: {', '.join(names)}.") from None
 
+    def fitting(self, words: str) -> tuple[str, ...]:
+        """Every thing of this house that the words may mean, by its name, or the words as :meth:`object` has them where
+        the house has none; nothing for unknown words."""
+        try:
+            plain = self.object(words)
+        except PlanError:
+            return ()
+        meant = wanted(plain)
+        looks = {name: wanted(looks) for name, looks in self._things.items()}
+        fit = (name for name, look in looks.items() if meant.covers(look))
+        return tuple(fit) or (plain,)
+
     def colour(self, word: str) -> str:
         """A colour of things. Raises :class:`UnknownColour` with those that are told apart."""
         colour = _plain(word)
@@ -104,16 +130,16 @@ class Vocabulary:
         plain = _plain(word)
         if plain in (BIN, FLOOR):
             return plain
-        if plain in self._furniture:
-            return self._furniture[plain].name
+        if (name := self._called.get(plain, plain)) in self._furniture:
+            return self._furniture[name].name
         if (place := self._place(plain)) is not None:
             piece = self._furniture.get(_plain(place))
             if piece is not None and piece.kind == BIN and sum(p.kind == BIN for p in self._furniture.values()) == 1:
                 return BIN
             return piece.name if piece is not None else self._room(_plain(place)) or place
-        if plain in self._rooms:
-            return self._rooms[plain].name
-        alike = [piece.name for name, piece in self._furniture.items() if f" {_unnumbered(name)}".endswith(f" {plain}")]
+        if name in self._rooms:
+            return self._rooms[name].name
+        alike = [piece.name for name, piece in self._furniture.items() if self._may_mean(plain, name)]
         if len(alike) == 1:
             return alike[0]
         if alike:
@@ -124,20 +150,48 @@ class Vocabulary:
     def surfaces(self) -> tuple[str, ...]:
         """Every word for a surface, also those that mean several."""
         heads = (_unnumbered(name).rpartition(" ")[2] for name in self._furniture)
-        called = (word for word in self._place_words() if self._is_furniture(word))
-        return tuple(dict.fromkeys((FLOOR, "ground", BIN, *self._furniture, *called, *heads)))
+        called = (word for word in (*self._place_words(), *self._called) if self._is_furniture(word))
+        numbered = (_unnumbered(word) for word in self._called if self._is_furniture(word))
+        common = (word for word, meant in _CALLED.items() if meant in (FLOOR, BIN))
+        return tuple(dict.fromkeys((FLOOR, BIN, *common, *self._furniture, *called, *heads, *numbered)))
 
     def rooms(self) -> tuple[str, ...]:
         """Every word for a room."""
-        return tuple(dict.fromkeys((*self._rooms, *(word for word in self._place_words() if self._room(word)))))
+        words = (*self._place_words(), *self._called)
+        return tuple(dict.fromkeys((*self._rooms, *(word for word in words if self._room(word)))))
+
+    def places(self) -> tuple[str, ...]:
+        """Every word for a place of the map."""
+        return tuple(dict.fromkeys(self._place_words()))
 
     def things(self) -> tuple[str, ...]:
         """The names that things have here, beyond what perception calls them."""
         return tuple(name for name in self._things if not _is_seen(name))
 
+    def inventory(self) -> tuple[str, ...]:
+        """What the loose things of this house are called."""
+        return tuple(self._things)
+
+    def furniture(self) -> tuple[str, ...]:
+        """What things can be put on or in."""
+        return tuple(piece.name for piece in self._furniture.values())
+
+    def room_of(self, word: str) -> str:
+        """The room that a piece of furniture stands in; empty where that is not known, or the word means several."""
+        plain = _plain(word)
+        name = plain if plain in self._stands_in else self._called.get(plain) or _plain(self._place(plain) or "")
+        return self._stands_in.get(name, "")
+
     def names(self) -> tuple[str, ...]:
         """All names of furniture, rooms and things."""
-        return (*self._furniture, *self._rooms, *self._things)
+        return (*self._furniture, *self._rooms, *self._things, *self._called)
+
+    def words_for(self, name: str) -> tuple[str, ...]:
+        """Every word for a piece of furniture, a room, or a place of the map, its name first."""
+        plain = _plain(name)
+        places = [self._places.words(symbol) for symbol in self._places.known() if symbol != ZERO_SYMBOL]
+        called = (word for words in places if plain in map(_plain, words) for word in words)
+        return tuple(dict.fromkeys((name, *called, *(word for word, meant in self._called.items() if meant == plain))))
 
     def thing_words(self) -> tuple[str, ...]:
         """The kinds and the colours that the things of this house have in their names."""
@@ -155,15 +209,28 @@ class Vocabulary:
             return None
         return None if symbol == ZERO_SYMBOL else self._places.words(symbol)[0]
 
+    def _may_mean(self, plain: str, name: str) -> bool:
+        """Whether the word is the last one of the name of a piece, or another name without its number."""
+        alike = (_unnumbered(word) for word, meant in self._called.items() if meant == name)
+        return f" {_unnumbered(name)}".endswith(f" {plain}") or plain in alike
+
     def _is_furniture(self, plain: str) -> bool:
+        if self._called.get(plain) in self._furniture:
+            return True
         place = self._place(plain)
         return place is not None and _plain(place) in self._furniture
 
     def _room(self, plain: str) -> str | None:
         """The room of this name, or that the place of this name is called after."""
+        plain = self._called.get(plain, plain)
         if plain not in self._rooms:
             plain = _plain(self._place(plain) or "")
         return self._rooms[plain].name if plain in self._rooms else None
+
+
+def _room_around(piece: Furniture, rooms: tuple[Room, ...]) -> str:
+    x, y = (piece.x_min + piece.x_max) / 2, (piece.y_min + piece.y_max) / 2
+    return next((room.name for room in rooms if room.holds(x, y)), "")
 
 
 def _is_seen(name: str) -> bool:
@@ -176,13 +243,13 @@ def _is_seen(name: str) -> bool:
 
 
 def _unnumbered(name: str) -> str:
-    """``tray`` of ``tray 2``."""
-    return name.rstrip("0123456789 ") or name
+    """``tray`` of ``tray 2``, 托盘 of 2号托盘."""
+    return _NUMBER.sub("", name) or name
 
 
 def _plain(words: str) -> str:
     """In lower case, without the article, in the spelling that is used here."""
-    parts = words.casefold().split()
+    parts = _CHINESE_ARTICLE.sub("", words.casefold().translate(SIMPLER).strip()).split()
     while len(parts) > 1 and parts[0] in _ARTICLES:
         del parts[0]
     return " ".join(_CALLED.get(part, part) for part in parts)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Protocol
+from collections.abc import Callable, Coroutine
+from typing import Any, Protocol
 
 
 class Voice(Protocol):
@@ -14,8 +14,9 @@ class Voice(Protocol):
         """False where answers are only shown."""
         ...
 
-    async def say(self, text: str, heard: Callable[[str], None]) -> None:
-        """Say ``text``; returns when all of it was played. Cancelling stops the sound at once.
+    def say(self, text: str, heard: Callable[[str], None]) -> Coroutine[Any, Any, None]:
+        """Say ``text``; returns when all of it was played. Cancelling stops the sound at once, and so does whoever
+        silences the voice from elsewhere between this call and the end.
 
         ``heard`` is called, in the loop's thread, after every word that was played, with everything played so far: the
         beginning of ``text`` up to that word. What it was called with last is what people heard, however this ends.

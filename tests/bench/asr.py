@@ -19,7 +19,7 @@ from engine.asr.recogniser import Recogniser, Transcript
 from engine.audio.endpoint import Ended, Endpointer, Utterance
 from engine.audio.source import RATE, Samples
 from engine.audio.vad import VoiceActivity, make_vad
-from engine.loading import make_recogniser, vocabulary
+from engine.parts.loading import make_recogniser, vocabulary
 from tests.bench.report import Figure, Report, figures, print_report, report
 from tests.bench.speech import Clip, clips, frames, noise, silence
 from tests.bench.wer import errors, normalised

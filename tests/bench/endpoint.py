@@ -4,11 +4,14 @@ Every clean recording is followed by silence, and given kitchen noise in several
 end of the voice to the decision. A *cut-off* is an end before the voice has ended, a *miss* an utterance that did not
 start, or ended only at its greatest length. Joined recordings with a pause of 0.25–0.45 s between them show whether a
 hesitation is cut off.
+
+Then the same with the recogniser, as the engine listens: see ``tests.bench.turns``.
 """
 
 from __future__ import annotations
 
 import argparse
+import asyncio
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -19,6 +22,8 @@ from config import load
 from engine.audio.endpoint import Ended, Endpointer, Started
 from engine.audio.source import FRAME_S, RATE, Samples
 from engine.audio.vad import VoiceActivity, make_vad
+from engine.parts.loading import at_home
+from tests.bench import turns
 from tests.bench.report import Report, figures, print_report, report
 from tests.bench.speech import clips, frames, mixed, noise, silence, speech_bounds
 
@@ -58,9 +63,18 @@ def utterances() -> Iterator[tuple[str, Samples, float, float]]:
         yield "joined", np.concatenate((silence(LEAD_S), voice, silence(TAIL_S))), LEAD_S + a[0], LEAD_S + end
 
 
-def run(json: bool, backend: str = "auto") -> Report:
-    """Measure with the default settings and the given ``vad.backend``."""
-    settings = load()
+def run(
+    json: bool,
+    backend: str = "auto",
+    overrides: tuple[str, ...] = (),
+    *,
+    words: bool = True,
+    kinds: tuple[str, ...] = turns.KINDS,
+    loudness: tuple[float | None, ...] = turns.LOUDNESS,
+) -> Report:
+    """Measure with the settings in force, ``overrides``, and the given ``vad.backend``; without ``words``, without the
+    recogniser. ``kinds`` and ``loudness`` (None: clean): of the turns with it."""
+    settings = load(overrides=overrides)
     vad = make_vad(settings.vad.model_copy(update={"backend": backend}))
     cells: dict[str, Cell] = {}
     costs: list[float] = []
@@ -88,6 +102,9 @@ def run(json: bool, backend: str = "auto") -> Report:
         ratios[f"cut off early, {name}"] = cell.early / cell.n
         ratios[f"missed, {name}"] = cell.missed / cell.n
         ratios[f"started by noise, {name}"] = cell.false_starts / cell.n
+    if words:
+        more_found, more_ratios = turns.as_figures(asyncio.run(turns.measure(at_home(settings), loudness, kinds)))
+        found, ratios = found | more_found, ratios | more_ratios
     result = report(f"endpoint ({vad.name})", len(sounds) * len(LOUDNESS), found, ratios)
     print_report(result, json)
     return result
@@ -112,8 +129,18 @@ def main(argv: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="sayso bench endpoint", description=__doc__)
     parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")
     parser.add_argument("--vad", choices=("auto", "silero", "webrtc"), default="auto", help="detector to measure")
+    parser.add_argument("--without-words", action="store_true", help="only voice activity: quick")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a setting, e.g. asr.threads=2")
+    parser.add_argument("--kind", choices=turns.KINDS, action="append", help="of turns with words; all otherwise")
+    parser.add_argument(
+        "--loudness", action="append", metavar="DB", help="of turns with words, or clean; all otherwise"
+    )
     args = parser.parse_args(argv)
-    run(args.json, args.vad)
+    loudness = turns.LOUDNESS
+    if args.loudness:
+        loudness = tuple(None if level == "clean" else float(level) for level in args.loudness)
+    kinds = tuple(args.kind or turns.KINDS)
+    run(args.json, args.vad, tuple(args.set), words=not args.without_words, kinds=kinds, loudness=loudness)
 
 
 if __name__ == "__main__":

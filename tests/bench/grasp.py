@@ -22,8 +22,9 @@ from typing import Final
 from engine.perception.looking import LOOK_POSES
 from engine.perception.memory import WorldMemory
 from engine.perception.naming import wanted
+from engine.robot.floor_map import Furniture
+from engine.robot.geometry import Pose
 from engine.robot.occupancy import Route, route
-from engine.robot.robot import Furniture, Pose
 from engine.skills.grasp import pick
 from engine.skills.hand import look, move_to, still_held
 from engine.skills.travel import go_to

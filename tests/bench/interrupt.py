@@ -25,7 +25,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from engine.robot.robot import Twist
+from engine.robot.geometry import Twist
 from engine.robot.sim.memory import REST_TIME, SCHEDULING, STOP_TIME, STOPPED_EPOCH, ZERO_TIME, Memory
 from engine.robot.sim.robot import SimRobot
 from engine.scheduling import Scheduling, from_word, raise_priority

@@ -16,7 +16,7 @@ import numpy as np
 
 from config import load
 from engine.audio.wav import read_wav
-from engine.loading import make_isolated_recogniser
+from engine.parts.loading import make_isolated_recogniser
 
 _WORK = """
 import numpy as np

@@ -1,25 +1,28 @@
-"""Driving between the places of the flat with the odometry of a usual base, by landmarks and without.
+"""Driving between the places of several scenes with the odometry of a usual base, looking out and blind.
 
 For some minutes of robot time the robot goes from place to place as it believes; in every control tick its belief is
 compared with where it is. Figures: how far off position and heading are, on the way and on arrival, with and without
-looking out for landmarks. Ratios: drives that failed, pictures a minute, and how many times real time it ran.
+looking out for landmarks and walls, and on the way for each journey alone. Ratios: drives that failed, pictures a
+minute, and how many times real time it ran.
 """
 
 from __future__ import annotations
 
 import argparse
 import asyncio
+import itertools
 import math
 import random
 from dataclasses import dataclass, field
 from time import perf_counter
 
 from engine.perception.memory import WorldMemory
-from engine.robot.robot import wrap
+from engine.robot.geometry import Pose, wrap
+from engine.robot.sim.scene_file import load_scene, scene_path
 from engine.skills.travel import go_to
 from tests.bench.report import Figure, figures, print_report, report
 from tests.sim.inhand import HandRobot, context_of
-from tests.sim.rig import flat, places
+from tests.sim.rig import places
 
 
 @dataclass(slots=True)
@@ -42,7 +45,7 @@ class Errors:
 
 @dataclass(slots=True)
 class Journey:
-    """What became of some minutes of driving."""
+    """What became of some minutes of driving, or of several such journeys."""
 
     on_the_way: Errors = field(default_factory=Errors)
     on_arrival: Errors = field(default_factory=Errors)
@@ -51,12 +54,23 @@ class Journey:
     pictures: int = 0
     seconds: float = 0.0  # of robot time
 
+    def add(self, other: Journey) -> None:
+        """That one as well."""
+        for mine, its in ((self.on_the_way, other.on_the_way), (self.on_arrival, other.on_arrival)):
+            mine.position += its.position
+            mine.heading += its.heading
+        self.drives += other.drives
+        self.failed += other.failed
+        self.pictures += other.pictures
+        self.seconds += other.seconds
+
 
 def main(argv: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="sayso bench localise", description=__doc__)
     parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")
-    parser.add_argument("--minutes", type=float, default=5.0, help="of robot time, for each seed")
-    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--minutes", type=float, default=5.0, help="of robot time, for each scene and seed")
+    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--scenes", nargs="+", default=["flat", "workshop", "clutter-7"], metavar="SCENE")
     parser.add_argument("--noise", type=float, default=0.02, help="relative error of odometry")
     args = parser.parse_args(argv)
     found: dict[str, Figure] = {}
@@ -64,8 +78,11 @@ def main(argv: list[str] | None = None) -> None:
     count = 0
     for name, looking in (("looking", True), ("blind", False)):
         journey, began = Journey(), perf_counter()
-        for seed in range(args.seeds):
-            asyncio.run(drive(journey, args.minutes * 60, seed, args.noise, looking=looking))
+        for scene, seed in itertools.product(args.scenes, range(args.seeds)):
+            one = asyncio.run(drive(scene, args.minutes * 60, seed, args.noise, looking=looking))
+            journey.add(one)
+            if looking:
+                found |= one.on_the_way.figures(f"{scene}, seed {seed}")
         found |= journey.on_the_way.figures(f"{name}, on the way") | journey.on_arrival.figures(f"{name}, on arrival")
         ratios |= {
             f"{name}: drives that failed": journey.failed / journey.drives,
@@ -76,10 +93,14 @@ def main(argv: list[str] | None = None) -> None:
     print_report(report("localise", count, found, ratios), args.json)
 
 
-async def drive(journey: Journey, seconds: float, seed: int, noise: float, *, looking: bool) -> None:
-    """Go to places drawn from ``seed`` until so much robot time has passed, or until the robot has got lost."""
-    scene = flat() if looking else flat().model_copy(update={"landmarks": ()})
-    robot, rng, goals = HandRobot(scene, odometry_noise=noise, seed=seed), random.Random(seed), places()
+async def drive(name: str, seconds: float, seed: int, noise: float, *, looking: bool) -> Journey:
+    """Go to places of a scene drawn from ``seed`` until so much robot time has passed, or until the robot has got
+    lost."""
+    scene = load_scene(scene_path(name))
+    robot, rng, journey = HandRobot(scene, odometry_noise=noise, seed=seed), random.Random(seed), Journey()
+    own = {symbol: Pose(p.position.x, p.position.y, p.orientation.yaw) for symbol, p in scene.known_places().items()}
+    goals = own or places()
+    robot.capabilities -= set() if looking else {"camera"}
     context = context_of(robot, WorldMemory())
     robot.each_tick = lambda: journey.on_the_way.add(robot)
     lost = 0
@@ -93,6 +114,7 @@ async def drive(journey: Journey, seconds: float, seed: int, noise: float, *, lo
             journey.on_arrival.add(robot)
     journey.pictures += robot.pictures
     journey.seconds += robot.world.t
+    return journey
 
 
 if __name__ == "__main__":

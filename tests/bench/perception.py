@@ -21,7 +21,8 @@ from engine.perception.looking import LOOK_POSES, look_at
 from engine.perception.perceive import perceive
 from engine.perception.sighting import Sight
 from engine.robot.camera import Picture
-from engine.robot.robot import FloorMap, Pose
+from engine.robot.floor_map import FloorMap
+from engine.robot.geometry import Pose
 from tests.bench.report import Figure, figures, print_report, report
 from tests.sim.arranged import COLOURS, SIZES, Arranged, Put, loose
 

@@ -19,8 +19,8 @@ from time import perf_counter
 from config import load
 from engine.errors import PlanError
 from engine.plan import ActionCall, Quantity
-from engine.planner.house import build_vocabulary
-from engine.planner.phrases import Matched, PhrasePlanner, is_stop
+from engine.planner.phrases.phrases import Matched, PhrasePlanner, is_stop
+from engine.planner.worlds.house import build_vocabulary
 from tests.bench.report import Figure, figures, print_report, report
 
 ROOT = Path(__file__).parents[2]
@@ -29,7 +29,7 @@ LOAD = """
 from time import perf_counter
 import config.schema, engine.plan
 begin = perf_counter()
-from engine.planner.phrases import PhrasePlanner
+from engine.planner.phrases.phrases import PhrasePlanner
 PhrasePlanner({})
 print(perf_counter() - begin)
 """

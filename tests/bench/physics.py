@@ -14,7 +14,7 @@ from time import perf_counter
 
 import numpy as np
 
-from engine.robot.robot import Twist
+from engine.robot.geometry import Twist
 from engine.robot.sim.build import TIMESTEP
 from engine.robot.sim.memory import LOOP_SAMPLES, OVERRUNS, SCHEDULING, STEPS
 from engine.scheduling import from_word

@@ -34,7 +34,7 @@ from engine.audio.wav import read_wav
 from engine.commands import Wake
 from engine.engine import Engine
 from engine.events import Event
-from engine.loading import Sound
+from engine.parts.loading import Sound
 from engine.robot.sim.memory import Memory
 from engine.scheduling import raise_priority
 from tests.bench.load import busy_recogniser

@@ -47,7 +47,7 @@ def main(argv: list[str] | None = None) -> None:
         machine = seed(numbers.getrandbits(64))(Timed)
         missing = max(20, (args.steps - counts["steps"]) // LENGTH)
         try:
-            run_state_machine_as_test(  # type: ignore[no-untyped-call]
+            run_state_machine_as_test(
                 machine,
                 settings=settings(
                     max_examples=missing,

@@ -1,16 +1,23 @@
 """How many of the tasks of the suite the robot does, each in a world of its own, judged from physics.
 
-Every kind runs with the seeds 0 … N − 1; every run is a whole engine in a simulation as fast as the machine. What goes
-on is told on stderr. The times of real time have the start of the engine and the judging in them.
+Every kind runs with the seeds 0 … N − 1; every run is a whole engine, with processes of its own, in a simulation as
+fast as the machine. As many run side by side as there are cores, because engine and physics take turns; what each does
+is the same however many there are. What goes on is told on stderr.
+
+*Times real time* of a kind is what one engine reached, beside the others, its start and the judging included. That of
+all is the robot time of all runs over the wall time of the whole suite, with everything in it.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
 import statistics
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import Any
 
 from rich.console import Console
@@ -18,7 +25,7 @@ from rich.table import Table
 
 from tests.bench.report import machine
 from tests.eval.runner import Verdict, run
-from tests.eval.tasks import tasks, trial
+from tests.eval.tasks import Trial, tasks, trial
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -28,18 +35,26 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--first", type=int, default=0, help="the first seed")
     parser.add_argument("--only", metavar="WORDS", action="append", help="only kinds whose name has this in it")
     parser.add_argument("--speed", choices=["max", "real"], default="max", help="how fast simulated time passes")
+    parser.add_argument(
+        "--jobs", type=int, metavar="N", help="runs side by side; default: one a core at full speed, one in real time"
+    )
     args = parser.parse_args(argv)
+    jobs = args.jobs or (machine()["cores"] if args.speed == "max" else 1)
+    if jobs < 1:
+        parser.error("--jobs must be at least 1")
     known = tasks()
     chosen = [kind for kind in known if not args.only or any(words in kind for words in args.only)]
     if not chosen:
         parser.error(f"no kind of task is called that; there are: {', '.join(known)}")
+    seeds = range(args.first, args.first + args.seeds)
+    trials = [trial(kind, known[kind], seed) for kind in chosen for seed in seeds]
+    began = time.monotonic()
     verdicts = []
-    for kind in chosen:
-        for seed in range(args.first, args.first + args.seeds):
-            verdict = run(trial(kind, known[kind], seed), speed=args.speed)
-            verdicts.append(verdict)
-            _tell(verdict)
-    result = summary(verdicts)
+    for verdict in verdicts_of(trials, args.speed, jobs):
+        verdicts.append(verdict)
+        _tell(verdict)
+    verdicts.sort(key=lambda verdict: (chosen.index(verdict.kind), verdict.seed))
+    result = summary(verdicts, jobs, time.monotonic() - began)
     if args.json:
         sys.stdout.write(json.dumps(result, ensure_ascii=False) + "\n")
     else:
@@ -47,13 +62,35 @@ def main(argv: list[str] | None = None) -> int:
     return 0
 
 
-def summary(verdicts: Sequence[Verdict]) -> dict[str, Any]:
-    """All figures as one JSON object."""
+def verdicts_of(trials: Sequence[Trial], speed: str, jobs: int) -> Iterator[Verdict]:
+    """Perform all trials, so many side by side; the verdicts as they come."""
+    if jobs == 1:
+        yield from (run(trial, speed=speed) for trial in trials)
+        return
+    with ProcessPoolExecutor(min(jobs, len(trials)), multiprocessing.get_context("spawn")) as workers:
+        runs = [workers.submit(run, trial, speed=speed) for trial in trials]
+        try:
+            yield from (done.result() for done in as_completed(runs))
+        finally:
+            workers.shutdown(wait=False, cancel_futures=True)
+
+
+def summary(verdicts: Sequence[Verdict], jobs: int, wall_s: float) -> dict[str, Any]:
+    """All figures as one JSON object; ``wall_s`` is what the whole suite took."""
     kinds: dict[str, Any] = {}
     for kind in dict.fromkeys(verdict.kind for verdict in verdicts):
         mine = [verdict for verdict in verdicts if verdict.kind == kind]
         kinds[kind] = {**_figures(mine), "failures": {v.seed: v.reason for v in mine if not v.ok}}
-    return {"bench": "tasks", "n": len(verdicts), "machine": machine(), "all": _figures(verdicts), "kinds": kinds}
+    everything = {**_figures(verdicts), "times_real_time": round(sum(v.robot_s for v in verdicts) / wall_s, 1)}
+    return {
+        "bench": "tasks",
+        "n": len(verdicts),
+        "machine": machine(),
+        "jobs": jobs,
+        "suite_s": round(wall_s, 1),
+        "all": everything,
+        "kinds": kinds,
+    }
 
 
 def _figures(verdicts: Sequence[Verdict]) -> dict[str, Any]:
@@ -77,7 +114,9 @@ def _tell(verdict: Verdict) -> None:
 
 def _print(result: dict[str, Any]) -> None:
     console = Console()
-    table = Table(title=f"tasks (n = {result['n']})", caption=f"{result['machine']['cpu']}; times are medians")
+    how = f"{result['jobs']} side by side, {result['suite_s']} s in all"
+    caption = f"{result['machine']['cpu']}; times are medians; {how}"
+    table = Table(title=f"tasks (n = {result['n']})", caption=caption)
     for column in ("kind", "done", "robot time", "wall time", "× real time"):
         table.add_column(column, justify="left" if column == "kind" else "right")
     for name, row in [*result["kinds"].items(), ("all", result["all"])]:

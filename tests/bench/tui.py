@@ -1,28 +1,36 @@
 """What the console costs the link and the processor, on a pseudo-terminal, with a scripted engine behind it.
 
-``python -m tests.bench.tui [--json] [--seconds 10]`` prints time to the first paint and to a usable screen, and bytes
-per second and processor share, idle and while the robot drives (20 Hz state, path, progress, log).
+``python -m tests.bench.tui [--json] [--seconds 10] [--only-keys]`` prints time to the first paint and to a usable
+screen, and bytes per second and processor share, idle and while the robot drives (20 Hz state, path, lidar, progress,
+log), without the camera and with it. Starts are those of people, who start it again and again: with the byte code that
+the first start left. It also prints how long it takes from a key to the command that stops the robot, on a fast line,
+on one of 20 kB/s, and on one that has stalled, and how much was on its way at most.
 """
 
 from __future__ import annotations
 
 import argparse
+import atexit
 import fcntl
 import os
 import pty
 import select
+import shutil
 import signal
 import struct
 import sys
+import tempfile
 import termios
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from functools import cache
 
 import psutil
 
 from tests.bench.report import Figure, figures, print_report, report
+from tests.tui.line import SlowLine
 
 USABLE = b"quit"
 """The last word of the status line: when it is on the screen, keys are taken."""
@@ -34,7 +42,29 @@ from tui.app import run_console
 
 def start(dress):
     from tests.tui.scripted import engine_for  # behind the first picture, as the real engine
+    if "--camera" in sys.argv:
+        dress("sayso-dark", 8, camera="on")
     return engine_for(sys.argv[1:])
+
+sys.exit(run_console(start))
+"""
+
+
+STOPPED = """
+import os, sys, threading, time
+from engine.commands import Interrupt
+from tests.tui.scripted import LiveEngine
+from tui.app import run_console
+
+class Engine(LiveEngine):
+    def send(self, command):
+        if isinstance(command, Interrupt):  # and the robot drives on, for the next key
+            os.write(int(sys.argv[1]), b"%.6f\\n" % time.monotonic())
+
+def start(dress):
+    engine = Engine()
+    threading.Timer(0.0, engine.begin).start()
+    return engine
 
 sys.exit(run_console(start))
 """
@@ -65,13 +95,23 @@ class Terminal:
         return None
 
 
+@cache
+def environment() -> dict[str, str]:
+    """As people have it, in which Python keeps byte code; it is kept until the benchmark ends. Where the variable that
+    forbids that is set, a fifth of a start would be compilation."""
+    folder = tempfile.mkdtemp(prefix="sayso-bench-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    return {**kept, "PYTHONPYCACHEPREFIX": folder}
+
+
 @contextmanager
 def console(columns: int, rows: int, *arguments: str, program: str = CONSOLE) -> Iterator[Terminal]:
     """The console, with the scripted engine unless told, on a terminal of this size; quits at the end."""
+    environ = {**environment(), "TERM": "xterm-256color", "COLORTERM": "truecolor"}
     began = time.monotonic()
     pid, master = pty.fork()
     if pid == 0:
-        environ = {**os.environ, "TERM": "xterm-256color", "COLORTERM": "truecolor"}
         os.execve(sys.executable, [sys.executable, "-c", program, *arguments], environ)
     fcntl.ioctl(master, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
     terminal = Terminal(pid, master, began)
@@ -110,22 +150,70 @@ def traffic(columns: int, rows: int, seconds: float, *arguments: str, settle: fl
         return kilobytes, shares
 
 
+def key_to_stop(keys: int, *, rate: float, stalled: bool = False) -> tuple[list[float], int]:
+    """Milliseconds from an escape key to the command, by a clock that both processes share; and the bytes that were on
+    the line at most."""
+    reader, writer = os.pipe()
+    os.set_inheritable(writer, True)
+    with console(120, 40, str(writer), program=STOPPED) as terminal:
+        os.close(writer)
+        line = SlowLine(terminal.master, 120, 40, rate=rate)
+        try:
+            line.until(lambda: "ACTING" in line.text)
+            line.most, line.stalled = 0, stalled
+            took = []
+            for _ in range(keys):
+                time.sleep(0.2)
+                pressed = time.monotonic()
+                os.write(terminal.master, b"\x1b")
+                if not select.select([reader], [], [], 10)[0]:
+                    raise SystemExit("A key did not stop the robot within 10 s.")
+                took.append(1000 * (float(os.read(reader, 64).split()[0]) - pressed))
+            return took, line.most
+        finally:
+            line.close()
+            os.close(reader)
+
+
+def starting(starts: int) -> dict[str, Figure]:
+    start_times(120, 40)  # leaves the byte code
+    times = [start_times(120, 40) for _ in range(starts)]
+    return {
+        "first_paint": figures([first for first, _ in times], "s"),
+        "usable": figures([usable for _, usable in times], "s"),
+    }
+
+
+def sending(seconds: float) -> dict[str, Figure]:
+    found: dict[str, Figure] = {}
+    for name, flags, settle in (
+        ("idle", ("--idle",), 3.0),
+        ("acting", ("--act",), 10.0),
+        ("camera at rest", ("--idle", "--camera"), 8.0),
+        ("camera while acting", ("--act", "--camera"), 10.0),
+    ):
+        for columns, rows in ((120, 40), (80, 24)):
+            kilobytes, shares = traffic(columns, rows, seconds, *flags, settle=settle)
+            found[f"{name} {columns}x{rows} traffic"] = figures(kilobytes, "kB/s")
+            found[f"{name} {columns}x{rows} processor"] = figures(shares, "% of a core")
+    return found
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="Traffic, processor share and start of the console.")
     parser.add_argument("--seconds", type=float, default=10.0, help="length of each measurement")
     parser.add_argument("--starts", type=int, default=5, help="number of starts")
+    parser.add_argument("--keys", type=int, default=50, help="number of escape keys on each line")
+    parser.add_argument("--only-keys", action="store_true", help="measure nothing but them")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
-    starts = [start_times(120, 40) for _ in range(arguments.starts)]
-    found: dict[str, Figure] = {
-        "first_paint": figures([first for first, _ in starts], "s"),
-        "usable": figures([usable for _, usable in starts], "s"),
-    }
-    for name, flags, settle in (("idle", ("--idle",), 3.0), ("acting", ("--act",), 10.0)):
-        for columns, rows in ((120, 40), (80, 24)):
-            kilobytes, shares = traffic(columns, rows, arguments.seconds, *flags, settle=settle)
-            found[f"{name} {columns}x{rows} traffic"] = figures(kilobytes, "kB/s")
-            found[f"{name} {columns}x{rows} processor"] = figures(shares, "% of a core")
+    found: dict[str, Figure] = {}
+    if not arguments.only_keys:
+        found |= starting(arguments.starts) | sending(arguments.seconds)
+    for name, rate, stalled in (("fast", 10e6, False), ("20 kB/s", 20e3, False), ("stalled", 20e3, True)):
+        took, most = key_to_stop(arguments.keys, rate=rate, stalled=stalled)
+        found[f"key to interrupt, {name} line"] = figures(took, "ms")
+        found[f"most on a {name} line"] = figures([most / 1000], "kB")
     print_report(report("tui", arguments.starts, found), arguments.json)
 
 

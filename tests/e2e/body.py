@@ -14,7 +14,7 @@ from pathlib import Path
 
 import psutil
 
-from engine.robot.robot import Pose, Twist
+from engine.robot.geometry import Pose, Twist
 from engine.robot.sim.memory import REST_TIME, TICKS, ZERO_TIME, Memory
 
 CAN_READ = sys.platform == "linux" and Path("/proc/self/fd").is_dir()

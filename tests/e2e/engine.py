@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -50,11 +50,11 @@ class Engine:
 
 
 @contextmanager
-def engine(state: Path, before: str = "") -> Iterator[Engine]:
-    """A running engine, of which nothing is left afterwards."""
-    argv = command("engine", "--json", "--source", "none", before=before)
+def engine(state: Path, before: str = "", *options: str, environ: Mapping[str, str] | None = None) -> Iterator[Engine]:
+    """A running engine, of which nothing is left afterwards; ``options`` go before the verb."""
+    argv = command(*options, "engine", "--json", "--source", "none", before=before)
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with subprocess.Popen(argv, env=environment(state), **pipes) as process:  # type: ignore[call-overload]
+    with subprocess.Popen(argv, env=environment(state, environ), **pipes) as process:  # type: ignore[call-overload]
         children: list[psutil.Process] = []
         try:
             yield Engine(process)

@@ -22,9 +22,11 @@ def command(*arguments: str, before: str = "") -> list[str]:
 
 
 def environment(state: Path, more: Mapping[str, str] | None = None) -> dict[str, str]:
-    """The environment of a user without any configuration whose logs go to ``state``."""
+    """The environment of a user whose logs go to ``state``, and who has configured nothing but that no large model is
+    loaded."""
     kept = {key: value for key, value in os.environ.items() if not key.startswith("SAYSO_")}
-    return kept | {"SAYSO_STATE_DIR": str(state), "SAYSO_CONFIG_DIR": str(state / "config")} | dict(more or {})
+    folders = {"SAYSO_STATE_DIR": str(state), "SAYSO_CONFIG_DIR": str(state / "config")}
+    return kept | folders | {"SAYSO_PLANNER__PROFILE": "phrases"} | dict(more or {})
 
 
 def sayso(

@@ -32,6 +32,7 @@ class Terminal:
         self._screen = pyte.Screen(columns, rows)
         self._stream = pyte.ByteStream(self._screen)
         self._state = state
+        self.on_output: Callable[[bytes], object] = lambda data: None
 
     def type(self, keys: str) -> None:
         os.write(self.fd, keys.encode())
@@ -42,9 +43,9 @@ class Terminal:
         return "\n".join(self._screen.display)
 
     def events(self) -> list[dict[str, Any]]:
-        """Everything in the session log so far."""
-        lines = [line for log in (self._state / "logs").glob("*.jsonl") for line in log.read_bytes().splitlines()]
-        return [json.loads(line) for line in lines]
+        """Everything in the session log so far, except what is just being written."""
+        lines = [line for log in (self._state / "logs").glob("*.jsonl") for line in log.read_bytes().splitlines(True)]
+        return [json.loads(line) for line in lines if line.endswith(b"\n")]
 
     def until(self, seen: Callable[[], object]) -> None:
         """Feed the screen until ``seen`` holds; fails with the screen after ``LIMIT_S``."""
@@ -55,7 +56,9 @@ class Terminal:
             ready, _, _ = select.select([self.fd], [], [], 0.05)
             if ready:
                 try:
-                    self._stream.feed(os.read(self.fd, 65536))
+                    data = os.read(self.fd, 65536)
+                    self._stream.feed(data)
+                    self.on_output(data)
                 except OSError:  # the program has ended and the terminal with it
                     if not seen():
                         raise AssertionError(f"ended before it was seen:\n{self.text}") from None

@@ -22,6 +22,7 @@ from tests.e2e.body import CAN_READ, Body, until
 from tests.e2e.engine import Engine, engine
 from tests.e2e.sayso import command, environment
 from tests.e2e.terminal import Terminal, console
+from tests.e2e.test_console import last
 
 pytestmark = pytest.mark.skipif(not CAN_READ, reason="reads another process's memory through /proc")
 
@@ -39,10 +40,10 @@ engine.engine.Engine.start = hanging
 """
 """An engine whose thread hangs when an action has made some progress, in the worst of places: inside the bus."""
 BREAKS = """
-import engine.session
+import engine.session.session
 def broken(self):
     raise ZeroDivisionError("broken on purpose")
-engine.session.Session._snapshot = broken
+engine.session.session.Session._snapshot = broken
 """
 """A session with a fault: it breaks over a snapshot."""
 
@@ -56,7 +57,7 @@ def driving_engine(running: Engine) -> Body:
 
 
 def driving_console(terminal: Terminal) -> Body:
-    terminal.until(lambda: "✓ robot" in terminal.text and "✓ planner" in terminal.text and "◌" not in terminal.text)
+    terminal.until(lambda: "✓ robot" in terminal.text and "◌" not in terminal.text)
     body = Body(terminal.pid)
     terminal.type("/")
     terminal.type(FAR + "\r\r")  # the second one leaves the line
@@ -119,7 +120,7 @@ def test_an_engine_that_is_told_to_end_stops_the_robot_and_keeps_its_books(
         body.until_resting(blow)
         events = running.rest()
         assert [end["outcome"] for end in kinds(events, "action.finished")] == ["interrupted"]
-        assert events[-1]["kind"] == "session.ended" or kinds(events, "ack")
+        assert events[-1]["kind"] == "session.ended"
         assert running.process.wait(10) == (ExitCode.INTERRUPTED if number == signal.SIGINT else ExitCode.DONE)
         assert gone(body.process)
 
@@ -174,7 +175,9 @@ def test_nobody_waits_for_ever_for_a_result(tmp_path: Path, before: str, words: 
 # The recogniser process
 
 
-LIBRARIES = ("ctranslate2", "tokenizers", "onnxruntime")
+LIBRARIES = ("ctranslate2", "tokenizers")
+"""Those whose Python parts would hold up whoever stops the robot. (onnxruntime is in the engine too: wake words take
+some ms of it a second, in a thread that holds nobody up.)"""
 
 
 def test_an_engine_keeps_the_recogniser_out_of_its_own_process(tmp_path: Path) -> None:
@@ -284,3 +287,5 @@ def test_a_console_that_goes_away_leaves_a_robot_that_stands_and_then_nothing(tm
         body.until_resting(when)
         assert terminal.wait() == code
         assert gone(*family)
+        if code != -signal.SIGKILL:
+            assert last(terminal, "action.finished")["outcome"] == "interrupted"

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from config.schema import Place
-from engine.robot.robot import Pose, wrap
+from engine.robot.geometry import Pose, wrap
 from engine.robot.sim.build import build
 from engine.robot.sim.scene import Scene
 
@@ -68,7 +68,7 @@ class Evidence:
 
     @cached_property
     def model(self) -> Any:
-        return build(self.scene)
+        return build(self.scene, pictures=False)
 
     @cached_property
     def data(self) -> Any:

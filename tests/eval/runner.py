@@ -25,8 +25,8 @@ from engine import events
 from engine.commands import Interrupt, Quit, Say
 from engine.engine import Engine
 from engine.events import Event
-from engine.loading import Sound
-from engine.robot.robot import Pose
+from engine.parts.loading import Sound
+from engine.robot.geometry import Pose
 from engine.robot.sim.memory import Memory
 from engine.robot.sim.world import World
 from tests.eval.checker import Done, Evidence, Sample, faults
@@ -125,7 +125,7 @@ def _perform(trial: Trial, settings: Settings) -> Evidence:
         engine.send(Say(trial.say))
         reason = _watch(trial, engine, listener, witness)
         record = memory.state.get()
-        world = World(trial.scene, settings.robot, record)
+        world = World(trial.scene, settings.robot, record, pictures=False)
         for _ in range(round(SETTLE_S / world.model.opt.timestep)):
             world.step()
         samples = [*witness.samples, _sample_of(world)]

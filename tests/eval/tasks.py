@@ -15,7 +15,8 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field
 
 from engine.robot.sim.clutter import clutter
-from engine.robot.sim.scene import Scene, load_scene, scene_path
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_file import load_scene, scene_path
 
 FILE = Path(__file__).parent / "tasks.yaml"
 SHAKE = 0.015

@@ -20,25 +20,28 @@ from engine import events
 from engine.audio.endpoint import Utterance
 from engine.bus import Bus, Emit
 from engine.clock import LoopClock
-from engine.commands import Command, Quit
-from engine.dispatch import Dispatcher
+from engine.commands import Command, Halted, Quit, Wake
 from engine.epoch import Epoch
 from engine.errors import ModelError, SaysoError
 from engine.events import Body, Event, State, TurnResult
-from engine.hearing import NothingHeard
-from engine.holds import Holds
-from engine.parts import Part
+from engine.hearing.hearing import NothingHeard
+from engine.parts.part import Part
 from engine.perception.eyes import Eyes
 from engine.perception.memory import WorldMemory
 from engine.plan import Plan
 from engine.planner.build import build_planner, build_registry
 from engine.planner.planner import NoPlan, PlanRequest, Plans
-from engine.robot.robot import Pose
-from engine.session import Session
+from engine.robot.geometry import Pose
+from engine.session.dispatch import Dispatcher
+from engine.session.hesitation import Hesitation
+from engine.session.holds import Holds
+from engine.session.recall import Recall
+from engine.session.session import Session
+from engine.session.turn import Needs
 from engine.skills.places import Places
 from engine.skills.registry import SkillRegistry
 from engine.tts.voice import SilentVoice, Voice
-from engine.turn import Needs
+from engine.wording import build_wording
 from tests.session.kinematic import KinematicRobot
 from tests.virtual_time import run
 
@@ -70,6 +73,9 @@ class ScriptedHearing:
     def __init__(self) -> None:
         self.decode_s = 0.3
         self.overhearing = False
+        self.suspected: list[str] = []
+        """What it was asked to listen for."""
+        self._settled: Callable[[], None] = lambda: None
         self._said = ""
         self._ear: asyncio.Future[str | None] | None = None
 
@@ -108,6 +114,22 @@ class ScriptedHearing:
 
     def overhear(self, on: bool) -> None:
         self.overhearing = on
+        if not on:
+            self.settle()
+
+    @property
+    def overhears(self) -> bool:
+        return self.overhearing
+
+    def suspect(self, phrase: str, settled: Callable[[], None], *, sure: bool) -> None:
+        del sure
+        self.suspected.append(phrase)
+        self._settled = settled
+
+    def settle(self) -> None:
+        """It is known whether what was suspected was said."""
+        settled, self._settled = self._settled, lambda: None
+        settled()
 
 
 @dataclass
@@ -131,13 +153,13 @@ class SlowPlanner:
         if self.decide_s:
             request.enter("DECIDING")
             await self._think(self.decide_s)
-        request.enter("PLANNING")
         if self.plan_s:
+            request.enter("PLANNING")
             await self._think(self.plan_s)
         self.answered += 1
         if self.fault is not None:
             raise self.fault
-        return await self.real.plan(PlanRequest(request.text, request.so_far))
+        return await self.real.plan(request)
 
     async def _think(self, seconds: float) -> None:
         loop = asyncio.get_running_loop()
@@ -163,6 +185,9 @@ class Conversation:
     hearing: ScriptedHearing
     planner: SlowPlanner
     holds: Holds
+    hesitation: Hesitation
+    ducked: list[bool] = field(default_factory=list)
+    """Whether speech was told to be quieter, or as usual again."""
     seen: list[Event] = field(default_factory=list)
     on_event: Callable[[Event], None] = lambda event: None
     _news: asyncio.Event = field(default_factory=asyncio.Event)
@@ -174,6 +199,13 @@ class Conversation:
 
     def send(self, command: Command) -> None:
         self.session.request(command)
+
+    async def wake_and_say(self, text: str) -> None:
+        """Wake it with the key, for the first time here, and say this once it listens."""
+        self.send(Wake("key"))
+        await self.until(events.ListenStarted)
+        await self.pass_time(0.1)
+        self.hearing.speak(text)
 
     def bodies(self, kind: type[B]) -> list[B]:
         return [event.body for event in self.seen if isinstance(event.body, kind)]
@@ -223,11 +255,14 @@ def converse(
     *overrides: str,
     voice: Voice | None = None,
     skills: Callable[[SkillRegistry], SkillRegistry] = as_shipped,
+    plans: Plans | None = None,
 ) -> T:
-    """Run ``test`` in a session under virtual time; afterwards nothing of it may be left."""
+    """Run ``test`` in a session under virtual time; afterwards nothing of it may be left. ``plans`` plan instead of the
+    planner of the settings."""
     settings, reader = _prepared(overrides)
     if skills is not as_shipped:
         reader = None
+    reader = plans or reader
     return run(_converse(test, settings, voice or SilentVoice(), skills, reader))
 
 
@@ -281,9 +316,18 @@ async def begin(
         ),
         hearing=await _ready("recogniser", hearing),
         voice=voice,
+        recall=lambda up: Recall(up, WorldMemory()),
+        wording=build_wording(settings),
+        rounds=settings.planner.rounds,
+        steps=settings.planner.steps,
     )
     session = Session(settings.session, bus, epoch, needs)
-    conversation = Conversation(session, robot, epoch, hearing, planner, holds)
+    ducked: list[bool] = []
+    hesitation = Hesitation(
+        robot, epoch, bus, LoopClock(loop), state=lambda: session.state, ears=lambda: hearing, duck=ducked.append
+    )
+    robot.on_halt = lambda reason, number: session.request(Halted(reason, number))
+    conversation = Conversation(session, robot, epoch, hearing, planner, holds, hesitation, ducked)
     bus.subscribe(conversation.see)
     return conversation
 

@@ -8,25 +8,16 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from engine.errors import CameraError, RobotError
-from engine.robot.arm import ArmModel
+from engine.robot.arm import ARM_INITIAL, ArmModel, Joints
 from engine.robot.camera import Picture
-from engine.robot.robot import (
-    ARM_INITIAL,
-    ZERO,
-    Capability,
-    FloorMap,
-    Footprint,
-    Joints,
-    Pose,
-    RobotState,
-    Scan,
-    Twist,
-)
+from engine.robot.floor_map import FloorMap
+from engine.robot.geometry import ZERO, Pose, Twist
+from engine.robot.robot import PAUSE_LIMIT_S, UNDECIDED, Capability, Footprint, RobotState, Scan
 from engine.robot.sim.dimensions import ARM
 
 TICK_S = 0.02
@@ -56,6 +47,10 @@ class KinematicRobot:
         self._twist = ZERO
         self._dies = 0.0
         self._joints: Joints = ARM_INITIAL
+        self._pauses = 0
+        self._paused: asyncio.TimerHandle | None = None
+        self.on_halt: Callable[[str, int], None] = lambda reason, epoch: None
+        """Told of a pause that nobody ended, and of its epoch."""
         self._at = self._loop.time()
 
     async def start(self) -> None:
@@ -68,6 +63,29 @@ class KinematicRobot:
         self._advance()
         self._epoch = epoch
         self._twist = ZERO
+        self._end_pause()
+
+    def pause(self, epoch: int) -> int:
+        self._advance()
+        self._pauses += 1
+        if epoch == self._epoch:
+            self._end_pause()
+            self._twist = ZERO
+            self._paused = self._loop.call_later(PAUSE_LIMIT_S, lambda: self.on_halt(UNDECIDED, epoch))
+        return self._pauses
+
+    def resume(self, token: int) -> None:
+        if token == self._pauses:
+            self._end_pause()
+
+    @property
+    def paused(self) -> bool:
+        return self._paused is not None
+
+    def _end_pause(self) -> None:
+        paused, self._paused = self._paused, None
+        if paused is not None:
+            paused.cancel()
 
     def heartbeat(self) -> None: ...
 
@@ -78,6 +96,7 @@ class KinematicRobot:
         return RobotState(
             t=self._at, epoch=self._epoch, pose=self._pose, twist=self._twist, command=self._twist,
             joints=self._joints, joint_targets=self._joints, gripper=1.0, light=(0, 0, 0), blocked=None, halted=None,
+            paused=self.paused,
         )  # fmt: skip
 
     def scan(self) -> Scan:
@@ -93,6 +112,8 @@ class KinematicRobot:
         if epoch != self._epoch:
             self.refused += 1
             return
+        if self.paused:
+            return
         self._twist, self._dies = twist, self._at + LIFETIME_S
 
     def move_arm(self, joints: Sequence[float], epoch: int, *, speed: float = 1.0) -> None:
@@ -107,8 +128,10 @@ class KinematicRobot:
     def beep(self, seconds: float, epoch: int) -> None: ...
 
     async def tick(self) -> RobotState:
-        await asyncio.sleep(TICK_S)
-        return self.state()
+        while True:
+            await asyncio.sleep(TICK_S)
+            if not (state := self.state()).paused:
+                return state
 
     def _advance(self) -> None:
         """Move on to now."""

@@ -24,11 +24,11 @@ from engine import events
 from engine.commands import Command, EndTask, Halted, Heard, Interrupt, Quit, Say, Snapshot, Wake
 from engine.errors import RobotError
 from engine.events import Event
-from engine.history import Acted, Answered, Interrupted, NeverStarted, Said
 from engine.plan import Plan, parse_calls
 from engine.planner.build import build_planner, build_registry
 from engine.planner.planner import NoPlan, Planner, PlanRequest
-from engine.robot.robot import Twist
+from engine.robot.geometry import Twist
+from engine.session.history import Acted, Answered, Interrupted, NeverStarted, Said
 from engine.skills.context import SkillContext
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.registry import Skill, SkillRegistry
@@ -220,6 +220,29 @@ class SessionMachine(RuleBasedStateMachine):
     @rule(text=st.sampled_from(["Stop!", "no, stop", "what a nice day"]), after=AFTER)
     def is_overheard(self, text: str, after: float) -> None:
         self._ask(Heard(text), after)
+
+    @rule(
+        drive=st.booleans(),
+        sure=st.booleans(),
+        stop=st.sampled_from([True, False, None]),
+        pause=AFTER,
+        after=AFTER,
+    )
+    def may_have_said_stop(self, drive: bool, sure: bool, stop: bool | None, pause: float, after: float) -> None:
+        """A spotter thinks so; the recogniser agrees, does not, or never says."""
+        if drive:
+            self._ask(Say("go forward 2 metres"), 1.0)
+        acting, paused = self._talk.session.state == "ACTING", self._talk.robot.paused
+        self._talk.hesitation.suspect("stop", sure=sure)
+        if sure and acting and not paused and self._talk.hearing.overhears:
+            counts["pauses"] += 1
+            assert self._talk.robot.state().twist.is_zero, "it still moves when it is paused"
+        self._let_pass(pause)
+        if stop:
+            self._ask(Heard("Stop."), 0)
+        if stop is not None:
+            self._talk.hearing.settle()
+        self._let_pass(after)
 
     # Parts
 

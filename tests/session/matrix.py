@@ -7,7 +7,8 @@ exactly, and ``test_matrix`` tries every cell. None of it is derived from the en
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 from engine.commands import Command, EndTask, Halted, Heard, Interrupt, Quit, Say, Wake
@@ -89,6 +90,8 @@ class Interruption:
     """What it counts as where it interrupts."""
     busy: Literal["interrupt", "queue", "reject"] = "interrupt"
     """The setting ``session.busy``."""
+    told: Mapping[str, str] = field(default_factory=dict)
+    """What is said in another language than the consequences are written in."""
 
 
 INTERRUPTIONS: Final[dict[str, Interruption]] = {
@@ -98,7 +101,7 @@ INTERRUPTIONS: Final[dict[str, Interruption]] = {
     "end-task-phrase": Interruption("“end the current task”", Say("End the current task.", id="it"), "end_task"),
     "end-task-chinese": Interruption("“结束当前任务”", Say("结束当前任务", id="it"), "end_task"),
     "stop": Interruption("“stop”", Say("Stop!", id="it"), "stop"),
-    "stop-chinese": Interruption("“停”", Say("停", id="it"), "stop"),
+    "stop-chinese": Interruption("“停”", Say("停", id="it"), "stop", told={"Stopped.": "停下了。"}),
     "stop-overheard": Interruption("“stop” overheard", Heard("stop"), "stop"),
     "command": Interruption("new command", Say("turn left 90 degrees", id="it"), "replaced"),
     "command-queue": Interruption("with `queue`", Say("turn left 90 degrees", id="it"), "replaced", "queue"),

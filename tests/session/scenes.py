@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from engine import events
 from engine.commands import Say, Wake
 from engine.events import State
-from engine.robot.robot import ARM_UP
+from engine.robot.arm import ARM_UP
 from tests.session.conversation import Conversation
 
 STAGE_S = 8.0

@@ -11,7 +11,8 @@ from engine.commands import Interrupt, Say
 from engine.errors import RobotError
 from engine.plan import Plan, parse_calls
 from engine.planner.planner import NoPlan, PlanRequest
-from engine.robot.robot import Capability, Twist
+from engine.robot.geometry import Twist
+from engine.robot.robot import Capability
 from engine.skills.context import SkillContext
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.registry import Skill, SkillRegistry

@@ -10,7 +10,8 @@ from engine import events
 from engine.commands import Command, EndTask, Interrupt, Quit, Say, Snapshot, Wake
 from engine.errors import ExitCode
 from engine.events import State
-from engine.robot.robot import ARM_INITIAL
+from engine.robot.arm import ARM_INITIAL
+from engine.session.session import TurnOver
 from tests.session.conversation import Conversation, SlowVoice, converse
 
 
@@ -120,6 +121,46 @@ def test_a_new_command_waits_its_turn_where_the_setting_says_queue() -> None:
     converse(test, "session.busy=queue")
 
 
+@pytest.mark.parametrize("command", [Interrupt(), EndTask(), Wake("key"), Say("stop")])
+def test_what_waits_never_starts_when_somebody_interrupts_in_the_moment_in_which_a_turn_ends(command: Command) -> None:
+    async def test(talk: Conversation) -> None:
+        await drive_with_others_waiting(talk, command)
+        await talk.until(events.StateChanged, lambda body: body.state != "ACTING")
+        await talk.pass_time(30)
+        assert [body.name for body in talk.bodies(events.ActionStarted)] == ["move_forward"]
+        assert len(talk.bodies(events.PlanMade)) == 1
+        assert talk.robot.state().twist.is_zero
+
+    converse(test, "session.busy=queue")
+
+
+def test_what_is_asked_in_the_moment_in_which_a_turn_ends_comes_after_what_waits_already() -> None:
+    async def test(talk: Conversation) -> None:
+        await drive_with_others_waiting(talk, Say("raise your arm"))
+        await talk.result(4)
+        started = [body.name for body in talk.bodies(events.ActionStarted)]
+        assert started == ["move_forward", "beep", "move_left", "arm_up"]
+
+    converse(test, "session.busy=queue")
+
+
+async def drive_with_others_waiting(talk: Conversation, command: Command) -> None:
+    """A drive, with two requests behind it, and then ``command``, once the drive has ended but nobody knows yet."""
+    talk.send(Say("go forward 0.2 metres"))
+    await talk.until_state("ACTING")
+    for text in ("beep", "turn left 90 degrees"):
+        talk.send(Say(text))
+    inbox = talk.session._inbox
+    put = inbox.put
+
+    def between(news: TurnOver) -> None:
+        inbox.put = put  # type: ignore[method-assign]
+        talk.send(command)  # another thread, in this very moment
+        put(news)
+
+    inbox.put = between  # type: ignore[method-assign]
+
+
 def test_what_waits_is_dropped_by_an_interruption() -> None:
     async def test(talk: Conversation) -> None:
         await driving(talk)
@@ -199,15 +240,17 @@ def test_the_next_request_tells_the_planner_what_ran_what_was_cut_where_and_what
         await talk.pass_time(1.0)
         talk.send(Say("turn right 90 degrees"))
         await talk.result(2)
-        assert talk.planner.asked[0].so_far == ""
-        assert talk.planner.asked[1].so_far.splitlines() == [
-            "user: turn left 90 degrees, go forward 10 metres, beep",
-            "robot said: Turning left 90 degrees, then driving 10 metres forward, then beeping.",
-            "robot feedback: move_left(90, 1) ok. Turned 90° left.",
-            "interruption: the user gave another command",
-            "robot feedback: move_forward(10, 0.3) interrupted. move_forward(10, 0.3) was interrupted at x 0.00 m, "
-            "y 0.30 m.",
-            "robot feedback: never started: beep(0.2)",
+        assert talk.planner.asked[0].exchanges == ()
+        assert [(exchange.who, exchange.text) for exchange in talk.planner.asked[1].exchanges] == [
+            ("user", "turn left 90 degrees, go forward 10 metres, beep"),
+            ("robot", '{"action": ["move_left(90, 1)", "move_forward(10, 0.3)", "beep(0.2)"]}'),
+            ("feedback", "move_left(90, 1) ok. Turned 90° left."),
+            ("feedback", "Interruption: the user gave another command."),
+            (
+                "feedback",
+                "move_forward(10, 0.3) interrupted. move_forward(10, 0.3) was interrupted at x 0.00 m, y 0.30 m.",
+            ),
+            ("feedback", "Never started: beep(0.2)."),
         ]
 
     converse(test)
@@ -224,7 +267,8 @@ def test_an_interrupted_answer_is_recorded_up_to_the_last_word_that_was_played()
         assert (ended.outcome, ended.heard) == ("interrupted", "I don't know a")
         talk.send(Say("beep"))
         await talk.result(2)
-        assert "robot said, before it was cut off: I don't know a" in talk.planner.asked[1].so_far
+        told = [exchange.text for exchange in talk.planner.asked[1].exchanges]
+        assert "The robot said, before it was cut off: I don't know a" in told
 
     converse(test, voice=SlowVoice())
 
@@ -294,10 +338,7 @@ def test_what_comes_while_a_dialogue_is_being_finished_finds_a_new_cycle_and_ope
     async def test(talk: Conversation) -> None:
         talk.send(Say("raise your arm"))
         await talk.result(1)
-        talk.send(Wake("key"))
-        await talk.until(events.ListenStarted)
-        await talk.pass_time(0.1)
-        talk.hearing.speak("end the current task")
+        await talk.wake_and_say("raise your arm and end the task")
         await talk.until(events.ActionFinished, lambda body: body.name == "finish_dialogue")
         await talk.until_state(state)
         moved = len(talk.robot.arm)
@@ -316,10 +357,7 @@ def test_what_comes_while_a_dialogue_is_being_finished_finds_a_new_cycle_and_ope
 
 def test_a_dialogue_that_finishes_undisturbed_sends_the_arm_home() -> None:
     async def test(talk: Conversation) -> None:
-        talk.send(Wake("key"))
-        await talk.until(events.ListenStarted)
-        await talk.pass_time(0.1)
-        talk.hearing.speak("raise your arm and end the task")
+        await talk.wake_and_say("raise your arm and end the task")
         await talk.until(events.TaskEnded)
         assert talk.robot.state().joints == ARM_INITIAL
         assert talk.session.state == "IDLE"

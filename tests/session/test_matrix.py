@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -19,8 +19,8 @@ from engine import events
 from engine.commands import Command, Halted, Snapshot
 from engine.errors import ExitCode
 from engine.events import State
-from engine.robot.robot import ARM_INITIAL, ARM_UP
-from engine.session import ARM_RETURN_SPEED
+from engine.robot.arm import ARM_INITIAL, ARM_UP
+from engine.session.session import ARM_RETURN_SPEED
 from tests.session.conversation import Conversation, SlowVoice, converse
 from tests.session.matrix import CONSEQUENCES, INTERRUPTIONS, OVERHEARING, WHAT_HAPPENS, Consequence, markdown
 from tests.session.scenes import SCENES, STAGE_S, Scene, prepare, rest
@@ -74,6 +74,7 @@ def test_what_happens_when(state: State, name: str) -> None:
     scene = SCENES[state]
     phrase = next(row[name] for states, row in WHAT_HAPPENS.items() if state in states)
     expected = CONSEQUENCES[phrase]
+    expected = replace(expected, says=tuple(interruption.told.get(text, text) for text in expected.says))
 
     async def test(talk: Conversation) -> None:
         ears = watch_the_ears(talk)

@@ -11,10 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from engine.perception.sighting import Sight, Sighting
+from engine.robot.arm import Joints
 from engine.robot.camera import Picture
-from engine.robot.robot import FloorMap, Joints, Pose
+from engine.robot.floor_map import FloorMap
+from engine.robot.geometry import Pose
 from engine.robot.sim.floor import floor_map
-from engine.robot.sim.scene import Scene, load_scene, scene_path
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_file import load_scene, scene_path
 from engine.robot.sim.scene_parts import LooseObject
 from tests.sim.eye import Eye
 

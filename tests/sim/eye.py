@@ -8,13 +8,15 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from engine.robot.arm import ARM_INITIAL, ARM_JOINTS, Joints
 from engine.robot.camera import Lens, Picture
-from engine.robot.robot import ARM_INITIAL, ARM_JOINTS, Joints, Pose
+from engine.robot.geometry import Pose
 from engine.robot.sim.body import BASE_JOINTS, initial_qpos
 from engine.robot.sim.build import build
 from engine.robot.sim.dimensions import ARM, CAMERA_VIEW
 from engine.robot.sim.rays import RayCamera
-from engine.robot.sim.scene import Scene, load_scene, scene_path
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_file import load_scene, scene_path
 
 
 class Eye:

@@ -17,9 +17,11 @@ import numpy as np
 from config import load
 from engine.perception.eyes import Eyes
 from engine.perception.memory import WorldMemory
-from engine.robot.arm import ArmModel
+from engine.robot.arm import ARM_INITIAL, ArmModel
 from engine.robot.camera import Lens, Picture
-from engine.robot.robot import ARM_INITIAL, Capability, FloorMap, Footprint, Pose, RobotState, Scan, Twist
+from engine.robot.floor_map import FloorMap
+from engine.robot.geometry import Pose, Twist
+from engine.robot.robot import Capability, Footprint, RobotState, Scan
 from engine.robot.sim.body import initial_qpos
 from engine.robot.sim.dimensions import ARM, CAMERA_VIEW, FOOTPRINT, LIDAR_ANGLES
 from engine.robot.sim.floor import floor_map
@@ -33,6 +35,8 @@ from engine.skills.places import Places
 from tests.sim.rig import TICK_STEPS, flat, settings
 
 PLACES = load(environ={}).places
+SQUEEZED_N = 0.2
+"""What both fingers press with on what they hold; less is a touch, and either word for it is true."""
 
 
 class HandRobot:
@@ -70,6 +74,12 @@ class HandRobot:
     def stop(self, epoch: int) -> None:
         self._epoch = epoch
         self.world.stop()
+
+    def pause(self, epoch: int) -> int:
+        raise NotImplementedError("no skill pauses a robot")
+
+    def resume(self, token: int) -> None:
+        raise NotImplementedError("no skill pauses a robot")
 
     def heartbeat(self) -> None: ...
 
@@ -156,6 +166,18 @@ class HandRobot:
         mujoco.mj_forward(self.world.model, self.world.data)
         self.world.arm.move(ARM_INITIAL, 2.0)
         self.world.arm.resume_grip(0.5)
+
+
+def pressed_by(world: World, name: str) -> float:
+    """With how many newtons both fingers press on a loose object."""
+    force = dict.fromkeys(("left finger", "right finger"), 0.0)
+    for index, contact in enumerate(world.data.contact):
+        bodies = [world.model.body(int(world.model.geom_bodyid[geom])).name for geom in contact.geom]
+        found = np.zeros(6)
+        mujoco.mj_contactForce(world.model, world.data, index, found)
+        for finger in force.keys() & set(bodies) if name in bodies else ():
+            force[finger] += float(found[0])
+    return min(force.values())
 
 
 def context_of(robot: Any, memory: WorldMemory, epoch: int = 1) -> SkillContext:

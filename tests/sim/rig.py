@@ -15,12 +15,14 @@ import yaml
 from config.schema import Place
 from config.schema import Robot as RobotSettings
 from engine.robot.follow import Follower
+from engine.robot.geometry import ZERO, Pose, Twist
 from engine.robot.occupancy import Route, route
-from engine.robot.robot import ZERO, Pose, RobotState, Twist
+from engine.robot.robot import RobotState
 from engine.robot.sim.dimensions import FOOTPRINT
 from engine.robot.sim.floor import floor_map
 from engine.robot.sim.robot import SimRobot
-from engine.robot.sim.scene import Scene, load_scene, scene_path
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_file import load_scene, scene_path
 from engine.robot.sim.world import World
 
 CONFIG = Path(__file__).parents[2] / "config"

@@ -14,14 +14,15 @@ import pytest
 
 from config.schema import Camera as CameraSettings
 from engine.errors import CameraError
+from engine.robot.arm import ARM_INITIAL, Joints
 from engine.robot.camera import Picture, Points
 from engine.robot.camera_news import CameraNews, GivenUp, Opened
-from engine.robot.robot import ARM_INITIAL, Joints, Pose, Twist
+from engine.robot.geometry import Pose, Twist
 from engine.robot.sim.camera import SimCamera
 from engine.robot.sim.colours import rgba
 from engine.robot.sim.memory import Memory
 from engine.robot.sim.robot import SimRobot
-from engine.robot.sim.scene import scene_path
+from engine.robot.sim.scene_file import scene_path
 from engine.robot.sim.textures import TAG_CELLS, tag_cells
 from tests.sim.eye import Eye
 from tests.sim.rig import running

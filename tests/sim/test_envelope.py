@@ -21,7 +21,8 @@ from engine.robot.envelope import (
     into_map_frame,
     ramp,
 )
-from engine.robot.robot import ZERO, Footprint, Pose, Twist
+from engine.robot.geometry import ZERO, Pose, Twist
+from engine.robot.robot import Footprint
 
 LIMITS = Limits(
     linear_speed=0.7,
@@ -116,6 +117,33 @@ def test_it_only_takes_speed_away(commands: list[Twist], things: Points) -> None
         assert speed <= before + 1.5 * DT + 1e-9, i
         assert abs(twist.wz) <= abs(last.wz) + 8 * DT + 1e-9
         pose, last = moved(pose, twist), twist
+
+
+@given(st.lists(twists, min_size=1, max_size=4), obstacles)
+def test_what_is_out_of_reach_changes_nothing(commands: list[Twist], things: Points) -> None:
+    things = 2 * things  # up to 3 m away
+    everything, near = Envelope(LIMITS, HULL), Envelope(LIMITS, HULL)
+    within = things[np.hypot(things[:, 0], things[:, 1]) < near.reach]
+    t = 0.0
+    for command in commands:
+        for _ in range(30):
+            everything.command(command, t)
+            near.command(command, t)
+            assert everything.shape(t, DT, things) == near.shape(t, DT, within)
+            t += DT
+
+
+@given(twists, obstacles)
+def test_an_idle_envelope_stands_whatever_is_around(command: Twist, things: Points) -> None:
+    envelope, t = Envelope(LIMITS, HULL), 0.0
+    assert envelope.idle
+    envelope.command(command, t)
+    assert envelope.idle == command.is_zero
+    for _ in range(200):  # it dies, and the base comes to rest
+        envelope.shape(t, DT, things)
+        t += DT
+    assert envelope.idle
+    assert envelope.shape(t, DT, things) == envelope.shape(t, DT, None)
 
 
 def test_a_wall_ahead_is_approached_to_the_margin_and_named() -> None:

@@ -13,18 +13,17 @@ import pytest
 
 from engine.perception.memory import Thing, WorldMemory
 from engine.perception.naming import wanted
-from engine.robot.robot import Pose
+from engine.robot.geometry import Pose
 from engine.robot.sim.scene import Scene
 from engine.skills.context import SkillContext
 from engine.skills.grasp import pick
-from engine.skills.hand import on_map
 from engine.skills.library.household import ask_user, carry, clean_room, tidy
 from engine.skills.library.manipulation import pick_object
 from engine.skills.library.searching import locate, navigate_to_object, scan_room, seewhat
 from engine.skills.outcome import Result
 from engine.skills.search import Survey
 from engine.skills.travel import go_to
-from tests.sim.inhand import HandRobot, context_of
+from tests.sim.inhand import SQUEEZED_N, HandRobot, context_of, pressed_by
 
 HOUSE: dict[str, Any] = {
     "name": "two rooms",
@@ -60,19 +59,8 @@ class House:
         return abs(x + 1.2) < 0.15 and abs(y - 1.1) < 0.15 and z < 0.2
 
     def between_the_fingers(self) -> list[str]:
-        """By the truth of physics, whatever the robot thinks."""
-        state, true = self.robot.state(), self.robot.world.true_pose
-        point = on_map(true, self.robot.arm.grip(state.joints).point)
-        names = [name for name in self.robot.scene.objects if self.robot.scene.objects[name].size < 0.1]
-        closed = {
-            name: self.robot.arm.jaw * state.gripper < self.robot.scene.objects[name].size + 0.004 for name in names
-        }
-        near = [name for name in names if math.dist(self.middle(name), point) < 0.035 and state.gripper > 0.2]
-        return [name for name in near if closed[name]]  # open fingers around something do not hold it
-
-    def middle(self, name: str) -> tuple[float, float, float]:
-        x, y, z = self.robot.where(name)
-        return x, y, z + self.robot.scene.objects[name].size / 2
+        """By the truth of physics, whatever the robot thinks; fingers around something do not hold it yet."""
+        return [name for name in self.robot.scene.objects if pressed_by(self.robot.world, name) > SQUEEZED_N]
 
 
 def at_home(test: Callable[[House], Awaitable[None]], *, closed: bool = False, **objects: dict[str, Any]) -> None:

@@ -22,7 +22,8 @@ from engine.perception.eyes import Eyes
 from engine.perception.memory import WorldMemory
 from engine.plan import parse_call
 from engine.planner.build import build_registry
-from engine.robot.robot import ARM_UP, Pose
+from engine.robot.arm import ARM_UP
+from engine.robot.geometry import Pose
 from engine.robot.sim.robot import SimRobot
 from engine.skills.context import SkillContext
 from engine.skills.external.host import MAX_UNSPOKEN, external_skill
@@ -384,7 +385,7 @@ import subprocess
 script = "import os, time\\nwhile True: os.write(1, b'.'); time.sleep(0.01)"
 camera = subprocess.Popen([sys.executable, "-I", "-S", "-c", script], stdout=subprocess.PIPE)
 say(progress={"message": str(camera.pid)})
-while os.read(camera.stdout.fileno(), 1):  # drives while there are pictures, and on nothing else
+while os.read(camera.stdout.fileno(), 65536):  # drives while there are pictures, and on nothing else
     say(drive=[0.3, 0, 0], tick=True)
     say(progress={"message": str(camera.pid)})
     hear("state")

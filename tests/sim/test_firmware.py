@@ -6,7 +6,8 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from engine.robot.robot import Twist
+from engine.robot.geometry import Twist
+from engine.robot.robot import PAUSE_LIMIT_S, UNDECIDED
 from engine.robot.sim import memory as m
 from engine.robot.sim.build import TIMESTEP
 from engine.robot.sim.memory import Memory
@@ -38,6 +39,16 @@ class Rig:
             self.now += TIMESTEP
             self.firmware.step(self.now)
         self.firmware.publish()
+
+    def pause(self, epoch: int = 1, number: int = 1) -> None:
+        self.memory.ints[m.PAUSE] = m.pause_token(epoch, number)
+
+    def resume(self, epoch: int = 1, number: int = 1) -> None:
+        self.memory.ints[m.RESUME] = m.pause_token(epoch, number)
+
+    @property
+    def paused(self) -> bool:
+        return bool(self.memory.state.get()["paused"])
 
     @property
     def halted(self) -> str:
@@ -124,3 +135,117 @@ def test_the_moments_of_zero_and_rest_are_those_of_the_braking() -> None:
         assert rig.halted
         assert rig.memory.times[m.ZERO_TIME] == zero
         assert rig.memory.times[m.REST_TIME] > zero
+
+
+# Pauses
+
+
+def test_a_paused_robot_comes_to_rest_gently_and_goes_on_when_it_may() -> None:
+    with driving(0.3) as rig:
+        rig.world.move_arm((0.5, 0.2, 1.0, 0.8, -0.3), 1.0)
+        rig.pause()
+        rig.let_pass(0.1, beating=True, speed=0.3)
+        assert 0.0 < rig.world.twist.vx < 0.3, "no faster than it may slow down"
+        stood = rig.world.arm.targets
+        rig.let_pass(0.4, beating=True, speed=0.3)
+        assert rig.paused
+        assert rig.world.at_rest
+        assert rig.world.command.is_zero
+        assert rig.world.arm.targets == stood
+        rig.resume()
+        rig.let_pass(0.8, beating=True, speed=0.3)
+        assert not rig.paused
+        assert rig.world.twist.vx > 0.25
+        assert rig.world.arm.joints[0] > 0.2, "the arm went on to where it was told to go"
+
+
+def test_what_is_commanded_in_a_pause_waits_but_velocities_are_forgotten() -> None:
+    with driving(0.3) as rig:
+        rig.pause()
+        rig.let_pass(0.3, beating=True, speed=0.3)
+        box = rig.memory.gripper
+        box.scratch["epoch"], box.scratch["opening"] = 1, 1.0
+        box.put()
+        rig.let_pass(0.3, beating=True)
+        assert rig.world.arm.opening < 0.6
+        rig.resume()
+        rig.let_pass(0.6, beating=True)
+        assert rig.world.at_rest, "nobody has said again to drive"
+        assert rig.world.arm.opening > 0.95
+
+
+def test_a_pause_that_nobody_ends_is_a_halt_until_a_new_epoch() -> None:
+    with driving(0.3) as rig:
+        rig.pause()
+        rig.let_pass(PAUSE_LIMIT_S - 0.05, beating=True, speed=0.3)
+        assert not rig.halted
+        rig.let_pass(0.1, beating=True, speed=0.3)
+        assert rig.halted == UNDECIDED
+        rig.resume()
+        rig.let_pass(0.5, beating=True, speed=0.3)
+        assert rig.halted, "too late"
+        assert rig.world.at_rest
+        rig.memory.ints[m.STOP_EPOCH] = 2
+        rig.let_pass(0.5, beating=True, speed=0.3, epoch=2)
+        assert not rig.halted
+        assert rig.world.twist.vx > 0.25
+
+
+def test_a_stop_ends_a_pause_and_the_new_epoch_moves_at_once() -> None:
+    with driving(0.3) as rig:
+        rig.pause()
+        rig.let_pass(0.1, beating=True, speed=0.3)
+        rig.memory.ints[m.STOP_EPOCH] = 2
+        rig.let_pass(0.01, beating=True, speed=0.3, epoch=1)
+        assert not rig.paused
+        assert rig.world.command.is_zero
+        rig.let_pass(0.5, beating=True, speed=0.3, epoch=2)
+        assert rig.world.twist.vx > 0.25
+
+
+def test_a_pause_of_an_epoch_that_is_over_is_none() -> None:
+    with driving(0.3) as rig:
+        rig.memory.ints[m.STOP_EPOCH] = 2
+        rig.let_pass(0.5, beating=True, speed=0.3, epoch=2)
+        rig.pause(epoch=1)
+        rig.let_pass(0.3, beating=True, speed=0.3, epoch=2)
+        assert not rig.paused
+        assert rig.world.twist.vx > 0.25
+
+
+def test_only_the_newest_of_two_pauses_can_be_ended() -> None:
+    with driving(0.3) as rig:
+        rig.pause(number=1)
+        rig.let_pass(0.1, beating=True)
+        rig.pause(number=2)
+        rig.resume(number=1)
+        rig.let_pass(0.1, beating=True)
+        assert rig.paused
+        rig.resume(number=2)
+        rig.let_pass(0.1, beating=True)
+        assert not rig.paused
+
+
+def test_an_engine_that_is_late_during_a_pause_does_not_end_it() -> None:
+    with driving(0.3) as rig:
+        rig.world.move_arm((0.5, 0.2, 1.0, 0.8, -0.3), 1.0)
+        rig.pause()
+        rig.let_pass(BRAKE_PART * ALLOWED + 0.1, beating=False)
+        stood = rig.world.arm.targets
+        rig.let_pass(0.2, beating=True, speed=0.3)
+        assert rig.paused
+        assert rig.world.at_rest
+        assert rig.world.arm.targets == stood
+        rig.resume()
+        rig.let_pass(0.6, beating=True, speed=0.3)
+        assert rig.world.twist.vx > 0.25
+
+
+def test_the_time_of_a_pause_is_told() -> None:
+    with driving(0.3) as rig:
+        for number in (1, 2):
+            rig.pause(number=number)
+            rig.let_pass(0.5, beating=True)
+            rig.resume(number=number)
+            rig.let_pass(0.5, beating=True)
+        assert abs(float(rig.memory.state.get()["paused_s"]) - 1.0) < 0.02

@@ -20,7 +20,7 @@ from engine.epoch import Epoch
 from engine.errors import CameraError
 from engine.perception.memory import WorldMemory
 from engine.perception.perceive import perceive
-from engine.robot.robot import Pose
+from engine.robot.geometry import Pose
 from engine.robot.sim.scene import Scene
 from engine.skills.context import SkillContext
 from engine.skills.external.host import external_skill
@@ -154,12 +154,33 @@ def test_a_walking_person_is_followed() -> None:
         if t > 11:
             raise _EnoughError
 
-    run = Run(hall(Pose(-1.2, 0, 0), people=people), watch)
+    beside = {"red box": RED["red box"] | {"at": [0.2, -0.6]}}
+    run = Run(hall(Pose(-1.2, 0, 0), people=people, objects=beside), watch)
     with pytest.raises(_EnoughError):
         run.do(following.person_follow)
+    assert "red box" in {thing.name for thing in run.world.things}  # which it has not followed
     assert min(gaps[150:]) > 0.7
     assert max(gaps[150:]) < 1.9
     assert run.robot.world.true_pose.distance_to(Pose(-1.2, 0, 0)) > 1.5
+
+
+def test_a_glance_finds_what_it_asks_for_and_what_it_does_not_look_for_is_not_forgotten() -> None:
+    run = Run(hall(objects=BLOCK | {"red box": RED["red box"] | {"at": [0.8, 0.25]}}))
+
+    async def look() -> None:
+        await run.robot.tick()
+        whole = await run.context.see()
+        assert {thing.name for thing in run.world.things} == {"red box", "block 7"}
+        for _ in range(3):
+            tags = await run.context.see({"tags"})
+            assert {tag.id for tag in tags.tags} == {tag.id for tag in whole.tags} == {7}
+            assert not tags.objects
+        assert {thing.name for thing in run.world.things} == {"red box", "block 7"}
+        run.robot.put("red box", 0.8, -0.2, 0.0)
+        await run.context.see({"things"})
+        assert all(thing.position[1] > -0.1 for thing in run.world.things)
+
+    asyncio.run(look())
 
 
 def test_a_qr_code_is_approached_and_kept_at_a_distance() -> None:

@@ -5,13 +5,17 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from engine.perception.looking import LOOK_POSES
 from engine.perception.memory import Thing, WorldMemory
 from engine.perception.naming import wanted
-from engine.robot.robot import ARM_INITIAL, Pose
+from engine.perception.sighting import Colour
+from engine.robot.arm import ARM_INITIAL
+from engine.robot.geometry import Pose
 from engine.skills.aim import grip_height
 from engine.skills.context import SkillContext
 from engine.skills.grasp import pick
@@ -48,6 +52,11 @@ class Bench:
 
     async def pick(self, name: str) -> Result:
         return await pick(self.context, await self.see(name))
+
+    def remember(self, thing: Thing) -> None:
+        """As if it had been seen."""
+        self.memory.take(thing)
+        self.memory.put(thing.position, thing.seen_at)
 
     def has(self, name: str) -> bool:
         """Whether the thing of the scene is in the hand, in truth."""
@@ -101,6 +110,43 @@ def test_a_box_between_two_others_is_taken_without_moving_them() -> None:
         assert math.dist(robot.where("blue box"), (1.4, 2.23, 0.0)) < 0.01
 
     on_a_bench(KITCHEN, test)
+
+
+def test_what_was_taken_for_neighbours_does_not_keep_the_fingers_off() -> None:
+    """Glances from afar left things all round the box that no close look shows."""
+
+    async def test(bench: Bench) -> None:
+        seen = await bench.see("green box")
+        x, y, z = seen.position
+        for number, angle in enumerate(np.arange(0, 2 * math.pi, math.pi / 4), 900):
+            beside = (x + 0.07 * math.cos(angle), y + 0.07 * math.sin(angle), z)
+            bench.remember(replace(seen, number=number, colour="grey", position=beside, size=(0.08, 0.04)))
+        result = await pick(bench.context, seen)
+        assert result.ok, result
+        assert bench.has("green box")
+
+    on_a_bench(KITCHEN, test)
+
+
+@pytest.mark.parametrize(("colour", "size"), [("green", (0.06, 0.08)), ("white", (0.06, 0.06)), ("red", (0.06, 0.14))])
+def test_a_bottle_is_not_taken_for_the_cup_that_a_part_of_it_looked_like(
+    colour: Colour, size: tuple[float, float]
+) -> None:
+    async def test(bench: Bench) -> None:
+        before = bench.robot.where("bottle")
+        bottle = await bench.see("green bottle")
+        bench.memory.forget(bottle)
+        x, y, z = bottle.position
+        label = replace(bottle, kind="cup", colour=colour, size=size, position=(x, y, z), named_from=1.2, whole=False)
+        bench.remember(label)
+        result = await pick(bench.context, label)
+        assert (result.outcome, result.error_code) == ("failed", "object_not_found")
+        assert result.message == f"What I took for the {colour} cup is the green bottle."
+        assert bench.memory.held is None
+        assert math.dist(bench.robot.where("bottle"), before) < 0.003
+        assert [thing.name for thing in bench.memory.things if thing.distance_to(x, y) < 0.05] == ["green bottle"]
+
+    on_a_bench(STOOL, test)
 
 
 def test_a_hand_that_is_full_takes_nothing_else() -> None:

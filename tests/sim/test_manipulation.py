@@ -7,7 +7,7 @@ import math
 import pytest
 
 from engine.perception.looking import LOOK_POSES
-from engine.robot.robot import Pose
+from engine.robot.geometry import Pose
 from engine.robot.sim.build import build
 from engine.skills.hand import gap, look, move_to
 from engine.skills.library.manipulation import (

@@ -9,7 +9,8 @@ from collections.abc import Awaitable, Callable
 import pytest
 
 from engine.perception.naming import wanted
-from engine.robot.robot import Furniture, Pose
+from engine.robot.floor_map import Furniture
+from engine.robot.geometry import Pose
 from engine.skills.hand import from_map, still_held
 from engine.skills.outcome import Result
 from engine.skills.put import put_in, put_on, put_on_floor

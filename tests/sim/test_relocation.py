@@ -11,7 +11,7 @@ from collections.abc import Awaitable, Callable
 import pytest
 
 from engine.errors import RobotError
-from engine.robot.robot import Pose, Twist, wrap
+from engine.robot.geometry import Pose, Twist, wrap
 from engine.robot.sim.robot import SimRobot
 from tests.sim.rig import running
 

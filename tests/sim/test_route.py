@@ -9,9 +9,11 @@ import random
 import numpy as np
 import pytest
 
+from engine.robot.floor_map import FloorMap, Furniture
 from engine.robot.follow import Follower
+from engine.robot.geometry import Pose, Twist
 from engine.robot.occupancy import Route, Unreachable, distances, inflate, route
-from engine.robot.robot import FloorMap, Footprint, Furniture, Pose, Twist
+from engine.robot.robot import Footprint
 from engine.robot.sim.dimensions import FOOTPRINT
 from engine.robot.sim.floor import floor_map
 from tests.sim.rig import drive_to, flat, in_the_flat, places

@@ -11,11 +11,12 @@ import pytest
 import yaml
 
 from engine.errors import SceneError
-from engine.robot.robot import FloorMap
+from engine.robot.floor_map import FloorMap
 from engine.robot.sim.build import build
 from engine.robot.sim.floor import floor_map, wall_pieces
 from engine.robot.sim.furniture import FLAT, solids
-from engine.robot.sim.scene import Scene, load_scene, scene_path
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_file import load_scene, scene_path
 from engine.robot.sim.textures import TAG_CELLS, tag_cells
 from tests.sim.rig import flat
 
@@ -131,6 +132,23 @@ def test_the_flat_settles_with_everything_where_it_was_put() -> None:
         assert math.dist((x, y), loose.at) < 0.005, name
         ground = 0.0 if loose.stands_on is None else scene.furniture[loose.stands_on].size[2]
         assert z == pytest.approx(ground, abs=0.004), name
+
+
+@pytest.mark.parametrize("name", ["flat", "workshop"])
+def test_without_pictures_a_scene_is_the_same_to_everything_but_the_eye(name: str) -> None:
+    scene = load_scene(scene_path(name))
+    painted, plain = build(scene), build(scene, pictures=False)
+    assert painted.ntex > 10
+    assert plain.ntex == 1  # the sky
+    assert [painted.geom(i).name for i in range(painted.ngeom)] == [plain.geom(i).name for i in range(plain.ngeom)]
+    ends = []
+    for model in (painted, plain):
+        data = mujoco.MjData(model)
+        data.qvel[:] = 0.3  # everything flies apart, and meets something
+        for _ in range(300):
+            mujoco.mj_step(model, data)
+        ends.append(data.qpos.copy())
+    assert (ends[0] == ends[1]).all()
 
 
 def test_no_two_things_of_the_flat_stand_in_one_another() -> None:

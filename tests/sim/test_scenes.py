@@ -12,15 +12,17 @@ import pytest
 
 from config import load
 from engine.errors import SceneError
-from engine.loading import at_home
+from engine.parts.loading import at_home
+from engine.robot.floor_map import FloorMap
+from engine.robot.geometry import Pose
 from engine.robot.occupancy import Route, route
-from engine.robot.robot import FloorMap, Pose
 from engine.robot.sim.build import build
 from engine.robot.sim.clutter import WALL_DISTANCE, clutter
 from engine.robot.sim.dimensions import FOOTPRINT
 from engine.robot.sim.floor import floor_map, wall_pieces
 from engine.robot.sim.furniture import FLAT
-from engine.robot.sim.scene import Scene, load_scene, scene_path
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_file import load_scene, scene_path
 from engine.robot.sim.sketch import sketch
 from engine.robot.sim.world import World
 from tests.sim.eye import Eye

@@ -9,8 +9,10 @@ from typing import Any
 import pytest
 
 from engine.perception.memory import WorldMemory
-from engine.robot.robot import Furniture, Pose
-from engine.robot.sim.scene import Scene, load_scene, scene_path
+from engine.robot.floor_map import Furniture
+from engine.robot.geometry import Pose
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_file import load_scene, scene_path
 from engine.skills.library.sorting import apriltag_remove_higher, apriltag_sort, color_remove_higher, tray_of
 from engine.skills.outcome import Result
 from engine.skills.registry import Skill

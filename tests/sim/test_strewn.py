@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from engine.perception.memory import Thing, WorldMemory
-from engine.robot.robot import Pose, Twist
+from engine.robot.geometry import Pose, Twist
 from engine.robot.sim.dimensions import FOOTPRINT
 from engine.robot.sim.scene import Scene
 from engine.skills.context import SkillContext

@@ -10,9 +10,11 @@ import pytest
 from engine.perception.depth import distance_at, thing_in_box
 from engine.perception.describe import describe
 from engine.perception.looking import LOOK_POSES, look_at
+from engine.perception.memory import WorldMemory
 from engine.perception.perceive import perceive
 from engine.perception.sighting import Sight, Sighting
-from engine.robot.robot import Pose
+from engine.robot.geometry import Pose
+from engine.skills.search import LOOK
 from tests.sim.arranged import COLOURS, Arranged, Put, loose, one_of_each
 
 HALL = Pose(0.5, 0.0, 0.0)
@@ -133,6 +135,27 @@ def test_a_box_on_a_box_stands_on_it(stage: Arranged) -> None:
     pair = [Put("green box", HALL.x + 0.6, 0.0), Put("yellow box", HALL.x + 0.6, 0.0, 0.04)]
     surfaces = {thing.name: thing.surface for thing in seen(stage, pair).objects}
     assert surfaces == {"green box": pytest.approx(0, abs=0.01), "yellow box": pytest.approx(0.04, abs=0.01)}
+
+
+def test_what_a_finger_hides_in_part_is_not_told_to_be_something_else(stage: Arranged) -> None:
+    behind = [(0.3, -0.04), (0.3, 0.0), (0.3, 0.04), (0.36, 0.1), (0.393, -0.135), (0.42, 0.12)]
+    for colour in ("blue", "red"):
+        for away, side in behind:
+            picture = stage.look([Put(f"{colour} bottle", HALL.x + away, side)], HALL, LOOK)
+            sure = {thing.name for thing in perceive(picture, stage.map).objects if thing.complete}
+            assert sure <= {f"{colour} bottle"}, (away, side)
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (1, 0, 2), (1, 2)])
+def test_a_look_past_a_finger_neither_undoes_a_better_one_nor_stands_against_it(
+    stage: Arranged, order: tuple[int, ...]
+) -> None:
+    thing = Put("blue bottle", HALL.x + 0.3, 0.0)
+    free, behind_fingers, afar = HALL.x - 0.15, HALL.x, HALL.x - 0.4
+    memory = WorldMemory()
+    for x in ((free, behind_fingers, afar)[look] for look in order):
+        memory.update(perceive(stage.look([thing], Pose(x, 0.0, 0.0), LOOK), stage.map))
+    assert [remembered.name for remembered in memory.things] == ["blue bottle"]
 
 
 def test_what_the_edge_cuts_off_is_not_complete(stage: Arranged) -> None:

@@ -14,21 +14,20 @@ import numpy as np
 import pytest
 
 from config import load
-from engine.dispatch import Dispatcher, Ran, Run
 from engine.epoch import Epoch
-from engine.events import ActionFinished, Log
-from engine.holds import Holds
+from engine.events import ActionFinished, Log, ModelAsked
 from engine.llm.openai import OpenAIChat
-from engine.loading import make_vision
+from engine.parts.loading import make_vision
 from engine.perception.asking import LONGEST, Onlooker
 from engine.perception.eyes import Eyes
 from engine.perception.memory import WorldMemory
 from engine.plan import Plan, parse_call
 from engine.planner.build import build_registry
-from engine.robot.robot import Pose
-from engine.skills.context import AskAbout
+from engine.robot.geometry import Pose
+from engine.session.dispatch import Dispatcher, Ran, Run
+from engine.session.holds import Holds
 from engine.skills.places import Places
-from tests.model_service import HANGS_UP, SECRET, SILENCE, Service, answer, reply, serving
+from tests.model_service import HANGS_UP, SECRET, SILENCE, Answer, Service, answer, reply, serving
 from tests.sim.inhand import PLACES, HandRobot
 
 SETTINGS = load(environ={})
@@ -46,7 +45,7 @@ class Looker:
         self.robot.stand_at(Pose(0.0, 0.0, np.pi))
         self.robot.put("red box", -0.55, 0.0, 0.02)
 
-    async def look(self, ask_about: AskAbout | None) -> ActionFinished:
+    async def look(self, ask_about: Onlooker | None) -> ActionFinished:
         """Do ``seewhat()``, as a session would."""
 
         async def say(text: str) -> None: ...
@@ -66,20 +65,34 @@ class Looker:
         return finished
 
     @property
+    def calls(self) -> list[ModelAsked]:
+        return [body for body in self.told if isinstance(body, ModelAsked)]
+
+    @property
     def warnings(self) -> list[str]:
         return [body.message for body in self.told if isinstance(body, Log)]
 
 
-def with_service(test: Callable[[Service, Looker], Awaitable[None]], *answers: bytes) -> None:
+def with_service(test: Callable[[Service, Looker], Awaitable[None]], *answers: Answer) -> None:
     async def run() -> None:
+        looker = Looker()  # it takes time to build, which is none of the service's
         async with serving(*answers) as service:
-            await test(service, Looker())
+            try:
+                await test(service, looker)
+            finally:
+                while opened:
+                    await opened.pop().close()
 
     asyncio.run(run())
 
 
+opened: list[Onlooker] = []
+"""Those that have to be closed when their test has ended."""
+
+
 def onlooker(service: Service, **changes: Any) -> Onlooker:
-    return Onlooker(OpenAIChat("cloud", service.platform(**changes)))
+    opened.append(Onlooker(OpenAIChat("cloud", service.platform(**changes))))
+    return opened[-1]
 
 
 def test_the_model_gets_the_picture_and_its_answer_follows_what_perception_says() -> None:
@@ -105,6 +118,10 @@ def test_the_model_gets_the_picture_and_its_answer_follows_what_perception_says(
         assert np.abs(small.astype(int) - taken).mean() < 3
         assert np.abs(small[..., ::-1].astype(int) - taken).mean() > 3  # colours that are swapped would show
 
+        [call] = looker.calls
+        assert (call.layer, call.platform, call.reply) == ("vision", "cloud", "A red box\non a floor.")
+        assert call.messages[0].text == f"{text['text']}\n[picture 480×360]"
+
     with_service(test, answer("A red box\non a floor."))
 
 
@@ -123,13 +140,13 @@ def test_an_answer_is_one_printable_line_that_is_not_too_long() -> None:
     "answers",
     [
         (reply(401, {"error": {"message": f"{SECRET} is wrong"}}),),
-        (reply(500, {}), reply(500, {})),
-        (HANGS_UP, HANGS_UP),
+        (reply(500, {}),),
+        (HANGS_UP,),
         (reply(200, b"nonsense"),),
         (SILENCE,),
     ],
 )
-def test_a_model_that_fails_costs_the_description_nothing_and_is_told_once(answers: tuple[bytes, ...]) -> None:
+def test_a_model_that_fails_costs_the_description_nothing_and_is_told_once(answers: tuple[Answer, ...]) -> None:
     async def test(service: Service, looker: Looker) -> None:
         alone = await looker.look(None)
         looker.told.clear()
@@ -138,6 +155,8 @@ def test_a_model_that_fails_costs_the_description_nothing_and_is_told_once(answe
         [warning] = looker.warnings
         assert "cloud" in warning
         assert "platforms.cloud" in warning or "later" in warning
+        [call] = looker.calls
+        assert call.error == warning
         assert SECRET.encode() not in msgspec.json.encode(looker.told)
 
     with_service(test, *answers)
@@ -154,6 +173,7 @@ def test_an_interruption_closes_the_connection_and_is_the_one_end_of_the_action(
             await looking
         await service.left.wait()
         assert looker.finished.outcome == "interrupted"
+        assert [call.cancelled for call in looker.calls] == [True]
         assert looker.warnings == []
 
     with_service(test, SILENCE)
@@ -164,7 +184,7 @@ def test_the_platform_that_the_settings_name_is_the_one_that_is_asked() -> None:
         settings = load(
             environ={"CLOUD_KEY": SECRET},
             overrides=[
-                "planner.vision=cloud",
+                "profiles.local.vision=cloud",
                 "platforms.cloud.kind=openai",
                 "platforms.cloud.model=one-that-sees",
                 "platforms.cloud.api_key=${CLOUD_KEY}",
@@ -172,7 +192,8 @@ def test_the_platform_that_the_settings_name_is_the_one_that_is_asked() -> None:
             ],
         )
         vision = make_vision(settings)
-        assert vision is not None
+        assert isinstance(vision, Onlooker)
+        opened.append(vision)
         assert (await looker.look(vision)).message.endswith(" The picture shows: A red box.")
         [request] = service.asked
         assert request.line.startswith("POST /v1/chat/completions ")

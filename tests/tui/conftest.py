@@ -31,7 +31,7 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
 
 
 class _Screenshot(SVGImageSnapshotExtension):
-    """One SVG per test case in ``screenshots/``, named by the case: ``acting_120x40.svg``."""
+    """One SVG per test case in ``screenshots/``, named by the case: ``acting_120x40.svg``, ``states/idle.svg``."""
 
     @classmethod
     def dirname(cls, *, test_location: PyTestLocation) -> str:
@@ -39,7 +39,7 @@ class _Screenshot(SVGImageSnapshotExtension):
 
     @classmethod
     def get_snapshot_name(cls, *, test_location: PyTestLocation, index: SnapshotIndex = 0) -> str:
-        return str(index)
+        return Path(str(index)).name  # as it is called when files are looked for that no test uses any more
 
     def get_location(self, *, test_location: PyTestLocation, index: SnapshotIndex) -> str:
         return str(Path(self.dirname(test_location=test_location)) / f"{index}.svg")

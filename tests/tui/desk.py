@@ -14,6 +14,7 @@ from tests.tui.pictures import svg_of
 from tests.tui.scripted import ScriptedEngine, flat, robot_at
 from tui.app import SaysoApp
 from tui.widgets.log import LogView
+from tui.words.language import Language, Telling, speak
 
 PAUSES = 10_000
 """After so many turns without the awaited thing, a test fails."""
@@ -37,9 +38,16 @@ class Desk:
 
     async def settled(self) -> None:
         """Let the console show everything that has happened."""
-        log = self.app.screen_stack[0].query_one(LogView)
-        await self.until(lambda: self.app.shown.model.t >= self.engine.t and log.items == self.app.shown.model.log)
+        await self.pilot.pause()  # whatever was told to the console has asked for a frame then…
+        await self.until(self._all_is_shown)  # …which has been drawn
         await self.pilot.pause()
+
+    def _all_is_shown(self) -> bool:
+        """What is drawn is what is known: all of it at one moment, as a frame may bring news that ask for another one,
+        and the log comes behind at a pace of its own."""
+        log, drawing = self.app.screen_stack[0].query_one(LogView), self.app.drawing
+        known = drawing.view.model is drawing.model and drawing.model.t >= self.engine.t
+        return known and not drawing.due and log.items == drawing.model.log
 
     async def press(self, *keys: str) -> None:
         await self.pilot.press(*keys)
@@ -75,13 +83,19 @@ async def console(
     start: Callable[[], EngineHandle] | None = None,
     keymap: Mapping[str, str] | None = None,
     theme: str = "sayso-dark",
+    language: Language = "en",
+    wording: Telling | None = None,
 ) -> AsyncIterator[Desk]:
     """A console on a terminal of this size. Its clock stands still: durations come from events alone."""
     engine = engine or ScriptedEngine(robot=robot_at(-1.35, 0.05, 0.4), floor=flat())
-    app = SaysoApp(start or (lambda: engine), fps=30, clock=lambda: 0.0, keymap=keymap, theme=theme)
-    async with app.run_test(size=size) as pilot:
-        desk = Desk(app, engine, pilot)
-        if start is None:
-            await desk.until(lambda: app.shown.started and app.shown.parts == engine.parts)
-        await desk.settled()
-        yield desk
+    app = SaysoApp(start or (lambda: engine), fps=30, clock=lambda: 0.0, keymap=keymap, theme=theme, language=language)
+    try:
+        async with app.run_test(size=size) as pilot:
+            desk = Desk(app, engine, pilot)
+            app.speak(language, wording)
+            if start is None:
+                await desk.until(lambda: app.shown.started and app.shown.parts == engine.parts)
+            await desk.settled()
+            yield desk
+    finally:
+        speak("en")  # other tests of this process look at words without a console

@@ -7,12 +7,14 @@ It is no model of the real engine: it holds the handle's protocol, replays event
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -20,10 +22,16 @@ from config.schema import Place, Position
 from engine import events as ev
 from engine.bus import Subscriber
 from engine.commands import Command, Interrupt
-from engine.errors import DeviceError
+from engine.errors import DeviceError, SaysoError
 from engine.handle import PartStatus
+from engine.offer import Offer
 from engine.perception.memory import World
-from engine.robot.robot import ARM_INITIAL, ZERO, FloorMap, Furniture, Pose, RobotState, Room, Scan, Twist
+from engine.perception.sighting import Colour, Kind, Sight, Sighting
+from engine.robot.arm import ARM_INITIAL
+from engine.robot.camera import Lens, Mount, Picture
+from engine.robot.floor_map import FloorMap, Furniture, Room
+from engine.robot.geometry import ZERO, Pose, Twist
+from engine.robot.robot import RobotState, Scan
 
 PARTS_READY = tuple(PartStatus(name, "ready") for name in ("robot", "microphone", "recogniser", "planner", "voice"))
 PARTS_LOADING = (
@@ -86,6 +94,39 @@ def robot_at(x: float, y: float, yaw: float, *, t: float = 0.0, speed: float = 0
     return RobotState(t, 1, Pose(x, y, yaw), twist, twist, ARM_INITIAL, ARM_INITIAL, 1.0, (0, 0, 0), None, None)
 
 
+def scanned(floor: FloorMap, robot: RobotState) -> Scan:
+    """What a lidar sees in this flat: each ray ends where the map is occupied."""
+    angles = np.radians(np.arange(0.0, 360.0, 1.0))
+    reach = np.arange(0.1, 8.0, 0.02)
+    directions = angles + robot.pose.yaw
+    x = robot.pose.x + reach[None, :] * np.cos(directions)[:, None]
+    y = robot.pose.y + reach[None, :] * np.sin(directions)[:, None]
+    rows, columns = floor.occupied.shape
+    row = np.clip(((y - floor.origin[1]) / floor.resolution).astype(int), 0, rows - 1)
+    column = np.clip(((x - floor.origin[0]) / floor.resolution).astype(int), 0, columns - 1)
+    hit = floor.occupied[row, column]
+    ranges = np.where(hit.any(axis=1), reach[hit.argmax(axis=1)], np.inf)
+    return Scan(robot.t, angles, ranges)
+
+
+def sight_of(picture: str = "view") -> Sight:
+    """What the camera of the simulated robot once saw, and what was recognised in it."""
+    from PIL import Image
+
+    here = Path(__file__).parent / "sights"
+    rgb = np.asarray(Image.open(here / f"{picture}.png").convert("RGB"))
+    height, width = rgb.shape[:2]
+    lens, mount = Lens.of_view(width, height, math.radians(48)), Mount(np.eye(3), np.zeros(3))
+    shown = Picture(0.0, rgb, np.full((height, width), np.inf, dtype=np.float32), lens, mount, Pose(0, 0, 0))
+    boxes = json.loads((here / f"{picture}.json").read_text())
+    things = [_sighting(box["kind"], box["colour"], tuple(box["box"])) for box in boxes]
+    return Sight(shown, tuple(things), ())
+
+
+def _sighting(kind: Kind, colour: Colour, box: tuple[int, int, int, int]) -> Sighting:
+    return Sighting(kind, colour, box, (0.0, 0.0, 0.0), 0.01, (0.05, 0.05), 0.5, 0.0)
+
+
 @dataclass(frozen=True, slots=True)
 class Step:
     """Something that happens ``after`` seconds after the step before."""
@@ -104,6 +145,7 @@ class ScriptedEngine:
         robot: RobotState | None = None,
         floor: FloorMap | None = None,
         seen: World | None = None,
+        lidar: bool = False,
     ) -> None:
         self.sent: list[Command] = []
         self.parts = tuple(parts)
@@ -111,6 +153,10 @@ class ScriptedEngine:
         self.floor = floor
         self.silence = 0.0
         self.seen = seen or World()
+        self.lidar = lidar
+        self.offers = Offer()
+        self.looks: list[Callable[[Sight | SaysoError], object]] = []
+        self.on_look: Callable[[Callable[[Sight | SaysoError], object]], None] = lambda deliver: None
         self.on_command: Callable[[Command], None] = lambda command: None
         self._subscribers: list[Subscriber] = []
         self._seq = 0
@@ -137,7 +183,11 @@ class ScriptedEngine:
         return self.robot
 
     def scan(self) -> Scan | None:
-        return None
+        return scanned(self.floor, self.robot) if self.lidar and self.floor and self.robot else None
+
+    def look(self, deliver: Callable[[Sight | SaysoError], object]) -> None:
+        self.looks.append(deliver)
+        self.on_look(deliver)
 
     def floor_map(self) -> FloorMap | None:
         return self.floor
@@ -145,14 +195,17 @@ class ScriptedEngine:
     def places(self) -> Mapping[str, Place]:
         return PLACES
 
+    def offer(self) -> Offer:
+        return self.offers
+
     def world(self) -> World:
         return self.seen
 
-    def publish(self, body: ev.Body, *, after: float = 0.0, turn: str | None = "T1") -> ev.Event:
+    def publish(self, body: ev.Body, *, after: float = 0.0, turn: str | None = "T1", epoch: int = 1) -> ev.Event:
         """One event, ``after`` seconds of event time after the one before; delivered at once."""
         self._seq += 1
         self.t += after
-        event = ev.Event(self._seq, self.t, "2026-01-01T00:00:00.000Z", "S1", turn, 1, body)
+        event = ev.Event(self._seq, self.t, "2026-01-01T00:00:00.000Z", "S1", turn, epoch, body)
         for subscriber in tuple(self._subscribers):
             subscriber(event)
         return event
@@ -276,6 +329,56 @@ def tidying() -> list[Step]:
     ]
 
 
+def driving() -> list[Step]:
+    """The robot is on its way; where it came from is known."""
+    came = ((-3.0, -1.6), (-2.8, -1.3), (-2.5, -1.0), (-2.2, -0.6), (-1.9, -0.3), (-1.5, 0.0), (-1.35, 0.05))
+    return [*acting(), *(Step(0.0, _moved(x, y)) for x, y in came)]
+
+
+def _moved(x: float, y: float) -> ev.RobotStateView:
+    return ev.RobotStateView(200.0, ev.PoseView(x, y, 0.4), ev.TwistView(0.5, 0, 0), ARM_INITIAL, 1.0, True, None)
+
+
+def queueing() -> list[Step]:
+    """Of a long plan one action is done, one has failed, one was cut off, one runs, and two wait."""
+    calls = (
+        ("pick_object", {"object": "red box"}),
+        ("navigation", {"place": "H"}),
+        ("pick_object", {"object": "blue cup"}),
+        ("carry", {"object": "green bottle", "place": "A"}),
+        ("navigation", {"place": "F"}),
+        ("arm_down", {}),
+    )
+    found = "I could not find a red box in the living room, the hall and the kitchen."
+    held = "The wheel slipped; where I stand is uncertain."
+    request = "collect the red box, the cup and the bottle, then go to the charger"
+    return [
+        *OPENING,
+        Step(2.0, ev.TranscriptFinal(request, "text", "", 1.0, 0.0, 0.0, 0.0, 0.0)),
+        Step(0.0, ev.StateChanged("IDLE", "PLANNING", "a request was understood")),
+        Step(
+            0.2,
+            ev.PlanMade(
+                request,
+                ("Look for the red box.", "Go to the sofa.", "Pick up the cup.", "Carry the bottle.", "Go and charge."),
+                tuple(ev.ActionView(name, args) for name, args in calls),
+                "",
+                "local",
+            ),
+        ),
+        *(Step(0.0, ev.ActionQueued(f"q{n}", n, len(calls), *calls[n - 1])) for n in range(1, len(calls) + 1)),
+        Step(0.0, ev.StateChanged("PLANNING", "ACTING", "plan")),
+        Step(0.0, ev.ActionStarted("q1", 1, 6, *calls[0])),
+        Step(18.2, ev.ActionFinished("q1", *calls[0], "failed", "object_not_found", found, 18.2)),
+        Step(0.0, ev.ActionStarted("q2", 2, 6, *calls[1])),
+        Step(7.5, ev.ActionFinished("q2", *calls[1], "uncertain", None, held, 7.5)),
+        Step(0.0, ev.ActionStarted("q3", 3, 6, *calls[2])),
+        Step(9.1, ev.ActionFinished("q3", *calls[2], "ok", None, "", 9.1)),
+        Step(0.0, ev.ActionStarted("q4", 4, 6, *calls[3])),
+        Step(12.4, ev.ActionProgress("q4", "carry", 0.62, "holding the green bottle, 1.8 m to the kitchen", PATH)),
+    ]
+
+
 def failed() -> list[Step]:
     """An action failed, and then the robot was lost."""
     action = ("navigation", {"place": "A"})
@@ -323,9 +426,10 @@ class LiveEngine(ScriptedEngine):
     """Drives up and down the path in real time until it is interrupted, and begins again when spoken to."""
 
     def __init__(self, *, idle: bool = False) -> None:
-        super().__init__(robot=robot_at(*PATH[0], 0.9), floor=flat())
+        super().__init__(robot=robot_at(*PATH[0], 0.9), floor=flat(), lidar=True)
         self._stop = threading.Event()
         self._idle = idle
+        self._scanned: Scan | None = None
         self._began = time.monotonic()
         self.on_command = self._commanded
 
@@ -335,9 +439,25 @@ class LiveEngine(ScriptedEngine):
             self._stop.clear()
             threading.Thread(target=self._act, daemon=True).start()
 
-    def publish(self, body: ev.Body, *, after: float = 0.0, turn: str | None = "T1") -> ev.Event:
+    def publish(self, body: ev.Body, *, after: float = 0.0, turn: str | None = "T1", epoch: int = 1) -> ev.Event:
         self.t = time.monotonic() - self._began
-        return super().publish(body, turn=turn)
+        return super().publish(body, turn=turn, epoch=epoch)
+
+    def scan(self) -> Scan | None:
+        """Twice a second: to cast rays takes this process longer than to draw them."""
+        robot = self.robot
+        if robot is not None and (self._scanned is None or abs(robot.t - self._scanned.t) >= 0.5):
+            self._scanned = super().scan()
+        return self._scanned
+
+    def look(self, deliver: Callable[[Sight | SaysoError], object]) -> None:
+        """What the camera might see from there: a part of a picture that shifts as the robot turns and comes nearer."""
+        sight, robot = sight_of(), self.robot or robot_at(0, 0, 0)
+        left = round(40 + 40 * math.sin(robot.pose.yaw + robot.pose.x))
+        top = round(15 + 15 * math.cos(robot.pose.y))
+        rgb = np.ascontiguousarray(sight.picture.rgb[top : top + 90, left : left + 80]).repeat(2, axis=1)
+        picture = replace(sight.picture, rgb=rgb)
+        threading.Timer(0.03, deliver, (replace(sight, picture=picture, objects=sight.objects[:1]),)).start()
 
     def _commanded(self, command: Command) -> None:
         if isinstance(command, Interrupt):

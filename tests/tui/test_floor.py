@@ -7,7 +7,7 @@ import math
 import pytest
 
 from tests.tui.scripted import PATH, PLACES, flat
-from tui.floor import ahead, arrow, draw, fit, way
+from tui.plan.floor import ahead, arrow, draw, fit, way
 
 FLAT = flat()
 

@@ -15,9 +15,9 @@ from engine.handle import EngineHandle
 from tests.tui import scripted
 from tests.tui.desk import console
 from tests.tui.scripted import ScriptedEngine
-from tui.driver import listening_driver
 from tui.screens.console import ConsoleScreen
 from tui.screens.help import HelpScreen
+from tui.terminal.driver import listening_driver
 from tui.widgets.ask import Ask
 from tui.widgets.log import LogView
 
@@ -71,6 +71,12 @@ def test_a_key_is_shown_to_its_listener_before_it_is_queued() -> None:
     driver = listening_driver(Recording, order.append)()  # type: ignore[call-arg]
     driver.process_message(events.Key("escape", None))
     assert order == ["escape", "queued"]
+
+
+async def test_the_key_for_typing_may_be_pressed_once_more() -> None:
+    async with console() as desk:
+        await desk.press("slash", *"one", "enter", "slash", *"a/b", "enter")
+        assert desk.engine.sent == [Say("one"), Say("a/b")]
 
 
 async def test_slash_types_and_enter_says() -> None:

@@ -7,8 +7,8 @@ import pytest
 from engine import events as ev
 from tests.tui import scripted
 from tests.tui.scripted import ScriptedEngine, Step
-from tui.facts import MAX_TEXT, Line, printable
-from tui.model import MAX_LINES, ConsoleModel
+from tui.shown.facts import MAX_TEXT, Line, printable
+from tui.shown.model import MAX_LINES, ConsoleModel
 
 
 def after(*steps: Step | ev.Body) -> ConsoleModel:
@@ -36,7 +36,7 @@ def test_every_kind_of_event_can_be_shown_or_ignored() -> None:
 def test_words_being_heard_become_a_line_when_they_are_final() -> None:
     heard = after(ev.ListenStarted("microphone"), ev.TranscriptPartial("go to", 2))
     assert heard.listening
-    assert heard.partial == "go to"
+    assert (heard.partial, heard.stable) == ("go to", 2)
     final = after(ev.TranscriptPartial("go to", 2), said("Go to the kitchen"))
     assert final.partial == ""
     assert final.conversation == (Line("you", "Go to the kitchen"),)
@@ -45,6 +45,22 @@ def test_words_being_heard_become_a_line_when_they_are_final() -> None:
 def test_what_was_not_understood_is_shown_with_its_reason() -> None:
     model = after(ev.TranscriptRejected("low_confidence", "mean log-probability −1.4", "goat the kitten"))
     assert model.conversation == (Line("unheard", "goat the kitten", "not understood clearly"),)
+
+
+def test_a_wake_that_nobody_gave_by_hand_stands_in_the_log() -> None:
+    model = after(ev.WakeHeard("serial", "hello", 137.0), ev.WakeHeard("serial"), ev.WakeHeard("key"))
+    assert [(line.source, line.message) for line in model.log] == [
+        ("wake", "woken by the module, “hello”, from 137°"),
+        ("wake", "woken by the module"),
+    ]
+
+
+def test_a_pause_for_what_may_have_been_a_stop_stands_in_the_log_and_so_does_that_it_was_false() -> None:
+    model = after(ev.MotionPaused("word", "stop"), ev.MotionResumed("not_a_stop", 0.31, 3))
+    assert [line.message for line in model.log] == [
+        "somebody may have said “stop”: motion pauses",
+        "a false pause of 0.3 s, number 3 in this session: motion goes on",
+    ]
 
 
 def test_an_answer_that_was_cut_off_says_so() -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import random
+import re
 from dataclasses import replace
+from typing import Literal
 
 import pytest
 from rich.cells import cell_len
@@ -15,10 +17,12 @@ from engine.perception.memory import Thing, World
 from tests.tui import scripted
 from tests.tui.desk import console
 from tests.tui.scripted import PARTS_LOADING, PARTS_READY, ScriptedEngine, flat, robot_at
-from tui.terminal import MIN_COLUMNS, MIN_ROWS, layout_for, why_not_usable
+from tui.plan.chart import Moving
+from tui.shown.facts import Level
+from tui.terminal.terminal import MIN_COLUMNS, MIN_ROWS, layout_for, why_not_usable
 from tui.widgets.floor_view import FloorView
 from tui.widgets.lines import Lines
-from tui.widgets.mic import meter_cells, trace_step
+from tui.widgets.mic import trace_step
 from tui.widgets.queue import ActionQueue
 
 
@@ -110,10 +114,33 @@ async def test_without_a_microphone_one_line_offers_typing_and_the_demo() -> Non
         assert "/ and type" in lines[0]
 
 
+@pytest.mark.parametrize(
+    ("reason", "word"), [("no_speech", "nobody spoke"), ("cancelled", "broken off"), ("silence", "end of speech")]
+)
+async def test_on_one_line_a_mark_has_its_sign_once(
+    reason: Literal["no_speech", "cancelled", "silence"], word: str
+) -> None:
+    async with console(size=(80, 24)) as desk:
+        desk.engine.play(scripted.listening())
+        desk.engine.publish(ev.ListenEnded(reason, 2.0, 1.0))
+        await desk.settled()
+        mic = desk.text.splitlines()[-2]
+        assert f" {word}" in mic
+        assert len(re.findall("[✗◆■✓]", mic)) == 1
+
+
 async def test_loading_parts_are_named_until_they_are_ready() -> None:
     async with console(ScriptedEngine(parts=PARTS_LOADING), size=(80, 24)) as desk:
         assert "loading: recogniser" in desk.text
         desk.engine.parts = PARTS_READY
+        await desk.until(lambda: "all parts ready" in desk.text)
+
+
+async def test_a_part_that_takes_long_says_how_far_it_is() -> None:
+    fetching = PartStatus("model", "loading", "fetching 43%, 481 of 1117 MB")
+    async with console(ScriptedEngine(parts=(*PARTS_READY, fetching)), size=(80, 24)) as desk:
+        assert "model: fetching 43%" in desk.text
+        desk.engine.parts = (*PARTS_READY, PartStatus("model", "ready"))
         await desk.until(lambda: "all parts ready" in desk.text)
 
 
@@ -158,19 +185,28 @@ async def test_only_cells_that_changed_are_marked_on_the_map(monkeypatch: pytest
         marked: list[object] = []
         view = desk.app.query_one(FloorView)
         monkeypatch.setattr(view, "refresh", lambda *regions, **_: marked.extend(regions or ["everything"]))
-        here = robot_at(-1.35, 0.05, 0.4).pose
-        view.show_robot(here, ())
+        view.show_moving(Moving(robot_at(-1.35, 0.05, 0.4)))
         assert marked == []
-        view.show_robot(replace(here, x=1.0), ())
+        view.show_moving(Moving(robot_at(1.0, 0.05, 0.4)))
         assert len(marked) == 2
         assert "everything" not in marked
+
+
+async def test_whoever_waits_for_the_console_to_settle_sees_all_that_has_happened() -> None:
+    async with console() as desk:
+        desk.app.drawing.pace(4)  # as slow as under load: the next frame, and the log behind it, are some time off
+        desk.engine.publish(ev.Log("info", "robot", "the first line"))
+        await desk.until(lambda: "the first line" in desk.text)
+        desk.engine.publish(ev.Log("info", "robot", "the line behind it"))
+        await desk.settled()
+        assert "the line behind it" in desk.text
 
 
 async def test_an_idle_console_has_nothing_to_draw(monkeypatch: pytest.MonkeyPatch) -> None:
     async with console() as desk:
         desk.engine.play(scripted.done())
         await desk.settled()
-        await desk.until(lambda: not any(pacer.ticking for pacer in (desk.app._frames, desk.app._logs)))
+        await desk.until(lambda: not desk.app.drawing.ticking)
         drawn: list[object] = []
         monkeypatch.setattr(desk.app, "_display", lambda *arguments: drawn.append(arguments))
         for pane in desk.app.query(Lines):
@@ -194,9 +230,10 @@ async def test_the_settings_dress_the_console_after_its_first_picture() -> None:
         assert desk.app.theme == "sayso-light"
 
 
-def test_the_meter_is_linear_in_decibels_and_never_leaves_its_cells() -> None:
-    assert [meter_cells(db) for db in (-200, -60, -30, 0, 40)] == [0, 0, 8, 16, 16]
-    assert [trace_step(share) for share in (-1.0, 0.0, 0.5, 1.0, 2.0)] == ["▁", "▁", "▅", "█", "█"]
+def test_the_trace_is_as_high_as_it_was_loud_and_solid_where_it_was_speech() -> None:
+    loudness = (-200.0, -60.0, -35.0, -10.0, 40.0)
+    assert [trace_step(Level(db, 0.9, True)) for db in loudness] == ["▁", "▁", "▅", "█", "█"]
+    assert [trace_step(Level(db, 0.1, True)) for db in loudness] == ["⣀", "⣀", "⣶", "⣿", "⣿"]
 
 
 def test_the_arrangement_follows_the_size() -> None:

@@ -17,9 +17,10 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 
 import pytest
-from textual.drivers.linux_driver import LinuxDriver
 
-from tui.driver import listening_driver
+from tests.tui.told import PATIENCE_S, Told
+from tests.tui.unshown import unshown
+from tui.terminal.driver import listening_driver
 
 PROGRAM = """
 import os, sys, threading
@@ -49,29 +50,15 @@ def start(dress):
 
 sys.exit(run_console(start))
 """
-PATIENCE_S = 30
 
 
 @dataclass
-class Session:
+class Session(Told):
     """The console in a process of its own; ``told`` gives the commands its engine got, a line each."""
 
     pid: int
     terminal: int
     told: int
-
-    def next_command(self) -> str:
-        """The next thing told that is no frame."""
-        while (line := self.next_line()) == "frame":
-            pass
-        return line
-
-    def next_line(self) -> str:
-        assert select.select([self.told], [], [], PATIENCE_S)[0], "The engine was told nothing."
-        line = b""
-        while not line.endswith(b"\n"):
-            line += os.read(self.told, 1)
-        return line.decode().strip()
 
     def read_until(self, wanted: bytes) -> None:
         seen = b""
@@ -81,11 +68,12 @@ class Session:
 
 
 @contextmanager
-def session(*, controlled: bool = True) -> Iterator[Session]:
-    """``controlled``: the terminal is the one that sends the console its signals, as in every shell."""
+def session(*, controlled: bool = True, before: str = "") -> Iterator[Session]:
+    """``controlled``: the terminal is the one that sends the console its signals, as in every shell.
+    ``before``: what is run in its process before the console."""
     reader, writer = os.pipe()
     os.set_inheritable(writer, True)
-    command, environ = [sys.executable, "-c", PROGRAM, str(writer)], {**os.environ, "TERM": "xterm-256color"}
+    command, environ = [sys.executable, "-c", before + PROGRAM, str(writer)], {**os.environ, "TERM": "xterm-256color"}
     if controlled:
         pid, terminal = pty.fork()
         if pid == 0:
@@ -129,20 +117,8 @@ def test_escape_acts_before_anything_could_follow_it_and_only_once() -> None:
     ended = threading.Event()
     inside, outside = os.pipe()
 
-    class Unshown(LinuxDriver):
-        def __init__(self) -> None:
-            self.fileno, self._debug, self.cursor_origin = inside, False, None
-            self.exit_event = threading.Event()
-            self._app = None  # type: ignore[assignment]
-
-        def send_message(self, message: object) -> None:
-            acted.put(f"({message.key})")  # type: ignore[attr-defined]
-
-    class Listening(listening_driver(Unshown, acted.put, ended.set)):  # type: ignore[misc]
-        def __init__(self) -> None:
-            Unshown.__init__(self)
-
-    thread = threading.Thread(target=Listening().run_input_thread)
+    driver = listening_driver(unshown(inside, acted), acted.put, ended.set)()  # type: ignore[call-arg]
+    thread = threading.Thread(target=driver.run_input_thread)  # type: ignore[attr-defined]
     thread.start()
     for data, keys in (
         (b"\x1b", ["escape", "(escape)"]),

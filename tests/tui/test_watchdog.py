@@ -11,8 +11,8 @@ from engine.handle import PartStatus
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
 from tests.tui.scripted import PARTS_READY
-from tui import strings
-from tui.watchdog import INTERVAL_S, SILENT_S, Watchdog
+from tui.shown.watchdog import INTERVAL_S, SILENT_S, Watchdog
+from tui.words import strings
 
 
 def test_an_engine_is_silent_from_a_limit_on_and_back_below_it() -> None:

@@ -8,7 +8,6 @@ import os
 import subprocess
 import sys
 import threading
-import types
 from collections.abc import AsyncIterator, Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -19,12 +18,11 @@ import soundfile
 from hypothesis import given
 from hypothesis import strategies as st
 
-from engine.audio.microphone import Microphone
 from engine.audio.pipe import PcmSource, PushSource
 from engine.audio.simulated import SimulatedMicrophone
 from engine.audio.source import FRAME_S, FRAME_SAMPLES, RATE, Frame, FrameQueue, Framer, Samples, Source
 from engine.audio.wav import WavSource
-from engine.errors import AudioFormatError, DeviceError, ExitCode
+from engine.errors import AudioFormatError, ExitCode
 from tests.virtual_time import run
 
 SPEECH = Path(__file__).parents[2] / "assets" / "speech"
@@ -395,119 +393,3 @@ def test_the_simulated_microphone_speaks_when_told() -> None:
     assert loud(before) == 0
     assert said == RECORDINGS[0]
     assert loud(after) > 5
-
-
-# The microphone
-
-
-def test_nothing_touches_the_sound_system_before_it_is_opened() -> None:
-    code = "import sys, engine.audio.microphone, engine.hearing; assert 'sounddevice' not in sys.modules"
-    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
-
-
-def test_a_missing_portaudio_says_what_to_install() -> None:
-    code = (
-        "import asyncio, ctypes.util\n"
-        "ctypes.util.find_library = lambda name: None\n"  # what a machine without the library answers
-        "from engine.audio.microphone import Microphone\n"
-        "from engine.errors import DeviceError\n"
-        "async def main():\n"
-        "    async with Microphone(): pass\n"
-        "try:\n"
-        "    asyncio.run(main())\n"
-        "except DeviceError as error:\n"
-        "    print(error); raise SystemExit(error.exit_code)\n"
-    )
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
-    assert found.returncode == ExitCode.MISSING, found.stderr
-    assert "PortAudio library is missing" in found.stdout
-    assert "libportaudio2" in found.stdout
-
-
-class SoundCard(types.ModuleType):
-    """A sound card for machines without one: what of sounddevice's interface the microphone uses."""
-
-    class PortAudioError(Exception):
-        pass
-
-    def __init__(self, rates: tuple[int, ...], *, default: int = 48000, channels: int = 2) -> None:
-        super().__init__("sounddevice")
-        self._rates = rates
-        self._default = default
-        self._channels = channels
-        self.stream: Any = None
-
-    def query_devices(self, device: str | int | None = None, kind: str | None = None) -> Any:
-        info = {"name": "Test card", "default_samplerate": float(self._default), "max_input_channels": self._channels}
-        if kind is None:
-            return [info]
-        if device is not None and str(device) not in "Test card":
-            raise ValueError(f"No input device matching {device!r}")
-        if not self._channels:
-            raise self.PortAudioError("Error querying device -1")
-        return info
-
-    def InputStream(self, **options: Any) -> Any:
-        if options["samplerate"] not in self._rates:
-            raise self.PortAudioError("Invalid sample rate [PaErrorCode -9997]")
-        self.stream = types.SimpleNamespace(**options, start=lambda: None, close=lambda: None)
-        return self.stream
-
-    def deliver(self, sound: np.ndarray[Any, Any], *, overflow: bool = False) -> None:
-        block = np.tile(sound[:, None], self.stream.channels).astype(np.float32)
-        self.stream.callback(block, len(block), None, types.SimpleNamespace(input_overflow=overflow))
-
-
-@pytest.mark.parametrize("rate", [16000, 48000, 44100])
-def test_a_microphone_is_resampled_when_it_cannot_do_16_khz(monkeypatch: pytest.MonkeyPatch, rate: int) -> None:
-    card = SoundCard((rate,), default=rate)
-    monkeypatch.setitem(sys.modules, "sounddevice", card)
-
-    async def listen() -> tuple[list[Frame], tuple[str, ...], str]:
-        async with Microphone("Test") as source:
-            card.deliver(tone(1, rate), overflow=True)
-            return [await anext(source) for _ in range(28)], source.warnings, source.name
-
-    frames, warnings, name = asyncio.run(listen())
-    assert dominant(joined(frames)) == pytest.approx(440, abs=2)
-    assert warnings == ("microphone (Test card): the device lost sound 1 times.",)
-    assert name == "microphone (Test card)"
-
-
-def test_a_microphone_that_is_unplugged_ends_with_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    card = SoundCard((RATE,))
-    monkeypatch.setitem(sys.modules, "sounddevice", card)
-
-    async def listen() -> None:
-        async with Microphone() as source:
-            card.deliver(tone(FRAME_S))
-            await anext(source)
-            card.stream.finished_callback()
-            await anext(source)
-
-    with pytest.raises(DeviceError, match=r"Test card.* is gone"):
-        asyncio.run(listen())
-
-
-def test_a_microphone_that_falls_silent_for_ever_is_gone(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "sounddevice", SoundCard((RATE,)))
-    with pytest.raises(DeviceError, match="delivers no sound"):
-        run(some(Microphone(), 1))
-
-
-@pytest.mark.parametrize(
-    ("card", "device", "message", "hint"),
-    [
-        (SoundCard((RATE,), channels=0), None, "There is no microphone.", "Without one you can"),
-        (SoundCard((RATE,)), "Blue Yeti", "no microphone 'Blue Yeti'", "0: Test card"),
-        (SoundCard(()), None, "cannot be opened: Invalid sample rate", "Another program"),
-    ],
-)
-def test_a_microphone_that_cannot_be_had_says_why(
-    monkeypatch: pytest.MonkeyPatch, card: SoundCard, device: str | None, message: str, hint: str
-) -> None:
-    monkeypatch.setitem(sys.modules, "sounddevice", card)
-    with pytest.raises(DeviceError, match=message) as caught:
-        asyncio.run(some(Microphone(device), 1))
-    assert caught.value.exit_code is ExitCode.MISSING
-    assert hint in caught.value.hint

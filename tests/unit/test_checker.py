@@ -12,10 +12,13 @@ import numpy as np
 import pytest
 
 from config import load
-from engine.robot.robot import ARM_INITIAL, Pose
+from engine.robot.arm import ARM_INITIAL
+from engine.robot.geometry import Pose
 from engine.robot.sim.body import initial_qpos
 from engine.robot.sim.build import build
-from engine.robot.sim.scene import Scene, load_scene, scene_path
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_file import load_scene, scene_path
+from tests.bench.tasks import verdicts_of
 from tests.eval.checker import CONDITIONS, Done, Evidence, Mistaken, Sample, faults
 from tests.eval.runner import run
 from tests.eval.tasks import tasks, trial
@@ -246,3 +249,11 @@ def test_a_whole_run_is_judged_from_the_robots_own_process() -> None:
     assert verdict.robot_s > 1
     wished = blocked.model_copy(update={"success": ({"robot_at": {"place": "study"}},)})
     assert "m from the study" in run(wished).reason
+
+
+def test_two_runs_side_by_side_do_the_same() -> None:
+    made = trial("closed door", tasks()["closed door"], seed=0)
+    one, other = verdicts_of([made, made], "max", jobs=2)
+    assert one.ok
+    assert other.ok
+    assert one.robot_s == pytest.approx(other.robot_s, abs=1e-6)

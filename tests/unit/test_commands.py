@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from base64 import b64encode
 
@@ -9,9 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from config import load
 from engine.commands import (
     COMMANDS,
     MAX_LINE,
+    MAX_TEXT,
     Audio,
     Command,
     EndTask,
@@ -23,6 +26,10 @@ from engine.commands import (
     parse_command,
 )
 from engine.errors import ExitCode, UsageError
+from engine.parts.loading import at_home
+from engine.planner.build import build_planner
+from engine.planner.planner import NoPlan, PlanRequest
+from tui.commands.ask import requests
 
 
 @pytest.mark.parametrize(
@@ -53,8 +60,11 @@ def test_sound_arrives_as_it_was_sent(samples: list[int]) -> None:
     assert parse_command(json.dumps({"do": "audio", "pcm": b64encode(pcm).decode()})) == Audio(pcm)
 
 
+TEXT = st.text(st.characters(exclude_categories=["Cs"]))
+
+
 @settings(deadline=None)
-@given(st.text(st.characters(exclude_categories=["Cs"])), st.none() | st.text(st.characters(exclude_categories=["Cs"])))
+@given(TEXT.filter(str.strip), st.none() | TEXT)
 def test_any_request_arrives_as_it_was_typed(text: str, id: str | None) -> None:
     assert parse_command(json.dumps({"do": "say", "text": text, "id": id})) == Say(text, id)
 
@@ -83,12 +93,28 @@ def test_any_request_arrives_as_it_was_typed(text: str, id: str | None) -> None:
         ('{"do": "audio", "pcm": 5}', "audio: .*pcm"),
         ('{"do": "audio"}', "audio: .*pcm"),
         (" " * (MAX_LINE + 1), "at most"),
+        ('{"do": "say", "text": " "}', "request is empty"),
+        (json.dumps({"do": "say", "text": "x" * (MAX_TEXT + 1)}), "2001 characters long; 2000 are read at most"),
     ],
 )
 def test_what_is_wrong_with_a_command_is_said(line: str | bytes, said: str) -> None:
     with pytest.raises(UsageError, match=said) as raised:
         parse_command(line)
     assert raised.value.exit_code is ExitCode.USAGE
+
+
+def test_the_longest_request_is_read() -> None:
+    assert parse_command(json.dumps({"do": "say", "text": "x" * MAX_TEXT})) == Say("x" * MAX_TEXT)
+
+
+def test_what_is_too_long_is_neither_read_on_the_command_line_nor_planned() -> None:
+    text = "go to the kitchen and then " * 100
+    with pytest.raises(UsageError, match="2700 characters long"):
+        next(requests(text))
+    found = asyncio.run(build_planner(at_home(load(environ={}))).plan(PlanRequest(text)))
+    assert isinstance(found, NoPlan)
+    assert (found.code, found.exit_code) == ("too_long", ExitCode.FAILED)
+    assert "2700 characters long" in found.answer
 
 
 def test_an_unknown_command_is_answered_with_the_known_ones() -> None:

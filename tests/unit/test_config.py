@@ -188,7 +188,7 @@ def test_all_mistakes_are_told_at_once_and_in_reading_order(problems: Callable[.
         ("? [a]\n: b", "config.yaml:1", "a key must be a word"),
         ("#" * (MAX_BYTES + 1), "config.yaml", "larger than 1 MiB"),
         ("k: 1\n" + "".join(f"k{n}: 1\n" for n in range(50_000)), "config.yaml:25000", "too many values"),
-        ("asr: 3", "config.yaml:1", "3 is not allowed here; allowed: a section with model"),
+        ("asr: 3", "config.yaml:1", "3 is not allowed here; allowed: a section with backend"),
         ("endpoint: {start_s: true}", "config.yaml:1", "true is not allowed here; allowed: a number"),
         ("endpoint: {start_s: .nan}", "config.yaml:1", "nan is not allowed"),
         ("places:\n  zero: {name: z, position: {x: 1, y: 1}}", "config.yaml:2", "get_current_pose"),
@@ -277,34 +277,87 @@ def test_the_error_holds_all_problems_and_the_usage_exit_code() -> None:
     assert "sayso config" in caught.value.hint
 
 
-# A platform that looks at pictures
+# Large models
 
 CLOUD = "platforms:\n  cloud:\n    kind: openai\n"
 SIGHTED = CLOUD + "    base_url: http://127.0.0.1:11434/v1\n    model: m\n    api_key: ${CLOUD_KEY}\n"
+
+
+@pytest.mark.parametrize("profile", ["local", "international", "china"])
+def test_every_packaged_profile_can_be_used_as_it_is(profile: str) -> None:
+    loaded = load(overrides=[f"planner.profile={profile}"], environ={}, user_folder=NOWHERE)
+    assert loaded.profile.execution[-1] == "local"
+    assert profile == "local" or loaded.profile.decision[0] != loaded.profile.execution[0]
+
+
+def test_no_packaged_platform_holds_a_key_and_each_names_where_it_comes_from() -> None:
+    raw = {setting.key: str(setting.value) for setting in explain(environ={}, user_folder=NOWHERE)}
+    platforms = load(environ={}, user_folder=NOWHERE).platforms
+    assert all(platform.api_key is None for platform in platforms.values())
+    assert {raw[f"platforms.{name}.base_url"].partition(":")[0] for name in platforms} == {"https", "http", "None"}
+    variables = {name: f"key of {name}" for name in ("OPENAI_API_KEY", "DIFY_DECISION_KEY", "DIFY_EXECUTION_KEY")}
+    keys = {
+        name: platform.api_key.get_secret_value()
+        for name, platform in load(environ=variables, user_folder=NOWHERE).platforms.items()
+        if platform.api_key is not None
+    }
+    assert keys == {
+        "openai": "key of OPENAI_API_KEY",
+        "openai_speech": "key of OPENAI_API_KEY",
+        "openai_hearing": "key of OPENAI_API_KEY",
+        "dify_decision": "key of DIFY_DECISION_KEY",
+        "dify_execution": "key of DIFY_EXECUTION_KEY",
+    }
+
+
+def test_a_profile_changes_only_what_it_says(tmp_path: Path) -> None:
+    (tmp_path / "profiles.yaml").write_text(
+        "profiles:\n  china: {vision: null}\n  mine: {execution: [ollama, local]}\n"
+    )
+    profiles = load(environ={}, user_folder=tmp_path).profiles
+    assert profiles["china"].vision is None
+    assert profiles["china"].execution == ("dashscope_vision", "local")
+    assert profiles["mine"].execution == ("ollama", "local")
+    assert profiles["mine"].decision == ()
+
+
+def test_what_one_thinks_with_may_be_several_or_nothing(problems: Callable[..., list[str]]) -> None:
+    assert problems("profiles: {local: {execution: [], decision: []}}") == []
+    assert problems(f"profiles: {{local: {{execution: [cloud, ollama, local], decision: [cloud]}}}}\n{SIGHTED}") == []
 
 
 @pytest.mark.parametrize(
     ("text", "told"),
     [
         (
-            f"planner:\n  vision: clowd\n{SIGHTED}",
-            "config.yaml:2: planner.vision: there is no platform called clowd; "
-            "those that can look at pictures: cloud; did you mean 'cloud'?",
+            "planner:\n  profile: chinna",
+            "config.yaml:2: planner.profile: there is no profile called chinna; there are local, international, "
+            "china, phrases; did you mean 'china'?",
         ),
         (
-            "planner:\n  vision: local",
-            "config.yaml:2: planner.vision: local is a platform of the kind local, which cannot look at pictures; "
-            "those that can look at pictures: none yet; add one to platforms.yaml",
+            f"profiles:\n  local:\n    execution: [local, clowd]\n{SIGHTED}",
+            "config.yaml:3: profiles.local.execution.1: there is no platform called clowd; those for this: local,",
         ),
         (
-            f"{SIGHTED}  flow: {{kind: dify, base_url: https://models.invalid, model: m}}\nplanner: {{vision: flow}}",
-            "config.yaml:8: planner.vision: flow is a platform of the kind dify, which cannot look at pictures; "
-            "those that can look at pictures: cloud",
+            f"profiles:\n  local:\n    decision:\n    - clowd\n{SIGHTED}",
+            "config.yaml:4: profiles.local.decision.0: there is no platform called clowd",
         ),
         (
-            f"{CLOUD}planner: {{vision: cloud}}",
+            f"profiles:\n  local:\n    vision: clowd\n{SIGHTED}",
+            "config.yaml:3: profiles.local.vision: there is no platform called clowd; those for this: openai,",
+        ),
+        (
+            "profiles:\n  local:\n    vision: local",
+            "config.yaml:3: profiles.local.vision: local is a platform of the kind local, which cannot look at",
+        ),
+        (
+            f"{CLOUD}profiles: {{local: {{execution: [cloud]}}}}",
             "config.yaml:2: platforms.cloud: base_url and model must be set here, "
-            "because planner.vision names this platform",
+            "because profiles.local.execution names this platform",
+        ),
+        (
+            "platforms:\n  app: {kind: dify}\nprofiles: {local: {vision: app}}",
+            "config.yaml:2: platforms.app: base_url must be set here, because profiles.local.vision names",
         ),
         (
             f"{CLOUD}    model: m\n    base_url: models.invalid/v1\n",
@@ -312,16 +365,29 @@ SIGHTED = CLOUD + "    base_url: http://127.0.0.1:11434/v1\n    model: m\n    ap
             "write https://host/path, as its makers say",
         ),
         (
-            "planner:\n  vision: [cloud]",
-            "config.yaml:2: planner.vision: a list is not allowed here; allowed: text or null",
+            "profiles:\n  local:\n    vision: [cloud]",
+            "config.yaml:3: profiles.local.vision: a list is not allowed here; allowed: text or null",
+        ),
+        (
+            "profiles:\n  local:\n    execution: cloud",
+            "config.yaml:3: profiles.local.execution: 'cloud' is not allowed here; allowed: a list of text",
         ),
     ],
 )
-def test_a_platform_that_cannot_look_at_pictures_is_told_with_its_remedy(
+def test_models_that_cannot_think_are_told_with_their_remedy(
     problems: Callable[..., list[str]], text: str, told: str
 ) -> None:
     [problem] = problems(text)
     assert problem.startswith(told)
+
+
+def test_a_platform_that_was_meant_is_named(problems: Callable[..., list[str]]) -> None:
+    [problem] = problems(f"profiles: {{local: {{execution: [clowd]}}}}\n{SIGHTED}")
+    assert problem.endswith("did you mean 'cloud'?")
+
+
+def test_models_that_do_not_think_now_need_not_be_complete(problems: Callable[..., list[str]]) -> None:
+    assert problems(f"{CLOUD}profiles: {{mine: {{execution: [cloud, nobody]}}}}") == []
 
 
 @pytest.mark.parametrize(
@@ -335,11 +401,11 @@ def test_what_is_no_address_is_told_without_repeating_it(problems: Callable[...,
 def test_a_platform_that_looks_at_pictures_is_taken_and_its_key_shown_to_nobody(
     tmp_path: Path, problems: Callable[..., list[str]]
 ) -> None:
-    assert problems(f"planner: {{vision: cloud}}\n{SIGHTED}", CLOUD_KEY="s3cret") == []
+    assert problems(f"profiles: {{local: {{vision: cloud}}}}\n{SIGHTED}", CLOUD_KEY="s3cret") == []
     environ = {"CLOUD_KEY": "s3cret"}
-    assert load(environ=environ, user_folder=tmp_path).planner.vision == "cloud"
+    assert load(environ=environ, user_folder=tmp_path).profile.vision == "cloud"
     shown = {setting.key: setting.value for setting in explain(environ=environ, user_folder=tmp_path)}
-    assert (shown["planner.vision"], shown["platforms.cloud.api_key"]) == ("cloud", "********")
+    assert (shown["profiles.local.vision"], shown["platforms.cloud.api_key"]) == ("cloud", "********")
     assert "s3cret" not in repr(load(environ=environ, user_folder=tmp_path)) + str(shown)
 
 
@@ -397,6 +463,39 @@ def test_secrets_are_not_in_messages(problems: Callable[..., list[str]], mistake
     assert "12345" not in told
 
 
+@pytest.mark.parametrize(
+    "wrong",
+    ["s3cret", "{cloud: s3cret}", "{cloud: [s3cret]}", "{cloud: {kind: s3cret}}", '{cloud: {model: "${s3cret-}"}}'],
+)
+def test_a_key_in_a_wrong_place_is_not_in_messages(problems: Callable[..., list[str]], wrong: str) -> None:
+    told = problems(f"platforms: {wrong}")
+    assert told
+    assert "s3cret" not in str(told)
+    assert "s3cret" not in str(check(overrides=["platforms.openai=s3cret"], environ={}, user_folder=NOWHERE))
+
+
+def test_a_folder_that_is_in_no_folder_has_no_files(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    assert check(environ={}, user_folder=tmp_path / "file" / "sayso") == ()
+    [told] = check([tmp_path / "file" / "mine.yaml"], environ={}, user_folder=NOWHERE)
+    assert told.message == "does not exist"
+
+
+@pytest.mark.parametrize("mode", [0o644, 0o640, 0o604])
+def test_a_key_in_a_file_that_others_may_read_is_told(tmp_path: Path, mode: int) -> None:
+    file = tmp_path / "platforms.yaml"
+    file.write_text("platforms:\n  cloud:\n    kind: openai\n    api_key: s3cret")
+    file.chmod(mode)
+    [problem] = check(environ={}, user_folder=tmp_path)
+    assert (problem.where.line, problem.key) == (4, "platforms.cloud.api_key")
+    assert "chmod 600" in str(problem)
+    assert "s3cret" not in str(problem)
+    file.chmod(0o600)
+    key = load(environ={}, user_folder=tmp_path).platforms["cloud"].api_key
+    assert key is not None
+    assert key.get_secret_value() == "s3cret"
+
+
 # Where settings come from
 
 
@@ -419,7 +518,7 @@ def test_what_show_prints_can_be_given_back(
 ) -> None:
     monkeypatch.setenv("SAYSO_CONFIG_DIR", str(tmp_path))
     (tmp_path / "map.yaml").write_text(
-        'places: {"no": {name: "true", aliases: ["a: b", "#1", 厨房], position: {x: 1, y: 2}}}'
+        'places: {"no": {name: "true", aliases: ["a: b", "#1", 阁楼], position: {x: 1, y: 2}}}'
     )
     assert config_show() == 0
     copy = tmp_path / "copy.yaml"
@@ -441,6 +540,42 @@ def test_check_prints_one_problem_a_line_and_path_works_nevertheless(
     assert (first["line"], first["key"], first["nearest"]) == (1, "asr.modle", "model")
     assert config_path(json=True) == 0
     assert json.loads(capsys.readouterr().out)["files"][0] == {"path": str(tmp_path / "config.yaml"), "exists": True}
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "told"),
+    [
+        ("robot.scene", "nothere", "There is no scene called 'nothere'. There are: flat"),
+        ("robot.scene", "/nowhere/a.yaml", "There is no scene file /nowhere/a.yaml."),
+        ("asr.model", "whisper-bose", "There is no model 'whisper-bose'. Did you mean whisper-base?"),
+        ("asr.model", "/nowhere", "There is no folder /nowhere."),
+        ("console.theme", "sayso-drak", "There is no theme called 'sayso-drak'. Did you mean sayso-dark?"),
+        ("skills.beep", "{does: Beeps., external: [beep]}", "there is a built-in skill of this name"),
+    ],
+)
+def test_check_looks_up_what_settings_are_names_of(
+    key: str, value: str, told: str, nowhere: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert config_check(flags=[f"{key}={value}"]) == 2
+    assert capsys.readouterr().out.startswith(f"--set {key}: {told}")
+
+
+@pytest.mark.parametrize(
+    "flag", ["console.theme=nord", "asr.model=whisper-base", "robot.scene=clutter-3", "asr.model=/", "robot.scene=flat"]
+)
+def test_check_finds_what_there_is(flag: str, nowhere: None) -> None:
+    assert config_check(flags=[flag]) == 0
+
+
+def test_path_names_the_folder_of_models_that_is_configured(nowhere: None, capsys: pytest.CaptureFixture[str]) -> None:
+    assert config_path(flags=["models.folder=/data/models"]) == 0
+    assert "models  /data/models\n" in capsys.readouterr().out
+
+
+@pytest.fixture
+def nowhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody has configured anything."""
+    monkeypatch.setenv("SAYSO_CONFIG_DIR", str(NOWHERE))
 
 
 # Anything at all

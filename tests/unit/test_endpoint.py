@@ -14,7 +14,9 @@ from engine.audio.endpoint import Ended, Endpointer, Started
 from engine.audio.source import FRAME_S, FRAME_SAMPLES, Frame
 from engine.audio.vad import VadResult
 
-SETTINGS = Endpoint(pre_roll_s=0.3, start_s=0.1, silence_s=0.6, max_length_s=3, no_speech_s=2)
+SETTINGS = Endpoint(
+    pre_roll_s=0.3, start_s=0.1, silence_s=0.6, complete_s=0.35, incomplete_s=1.2, max_length_s=3, no_speech_s=2
+)
 START, SILENCE, LONGEST, NO_SPEECH, PRE_ROLL = 4, 19, 93, 63, 10  # the settings, in frames of 32 ms
 
 
@@ -91,6 +93,18 @@ def test_a_click_in_the_silence_does_not_put_off_the_end() -> None:
     assert count == 10 + SILENCE
 
 
+def test_what_is_known_to_be_all_ends_in_the_middle_of_noise() -> None:
+    machine = Endpointer(SETTINGS)
+    for index in range(20):
+        frame = Frame(np.full(FRAME_SAMPLES, index, np.int16), (index + 1) * FRAME_S)
+        assert not isinstance(machine.push(frame, VadResult(1.0, True)), Ended)
+    machine.conclude()
+    ended = machine.push(Frame(np.full(FRAME_SAMPLES, 20, np.int16), 21 * FRAME_S), VadResult(1.0, True))
+    assert isinstance(ended, Ended)
+    assert ended.reason == "silence"
+    assert numbers(ended) == list(range(21)), "nothing of it is taken for silence"
+
+
 def test_noise_that_sounds_like_speech_ends_at_the_greatest_length() -> None:
     _, ended, count = hear([True] * 1000)
     assert ended is not None
@@ -145,7 +159,15 @@ def test_an_utterance_is_a_gapless_stretch_of_bounded_length(pattern: list[tuple
 def test_any_settings_end_every_utterance(
     pattern: list[tuple[bool, int]], silence_s: float, start_s: float, pre_roll_s: float
 ) -> None:
-    settings = Endpoint(pre_roll_s=pre_roll_s, start_s=start_s, silence_s=silence_s, max_length_s=1.5, no_speech_s=0.5)
+    settings = Endpoint(
+        pre_roll_s=pre_roll_s,
+        start_s=start_s,
+        silence_s=silence_s,
+        complete_s=0.35,
+        incomplete_s=1.2,
+        max_length_s=1.5,
+        no_speech_s=0.5,
+    )
     frames = [speech for speech, count in pattern for _ in range(count)] + [False] * 80
     _, ended, _ = hear(frames, settings)
     assert ended is not None

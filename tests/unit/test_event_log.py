@@ -57,6 +57,31 @@ def test_old_logs_make_room_for_new_ones(tmp_path: Path) -> None:
     assert {file.name for file in tmp_path.glob("old*")} == {"old6.jsonl", "old7.jsonl"}
 
 
+def test_a_long_session_makes_room_for_itself(tmp_path: Path) -> None:
+    (tmp_path / "old.jsonl").touch()
+    bus, _, _ = bus_with_log(tmp_path, max_bytes=1000, keep=2)
+    for number in range(60):
+        bus.publish(Log("info", "test", f"line {number}"))
+    files = list(tmp_path.glob("*.jsonl"))
+    assert len(files) == 2
+    assert 60 in [from_json(line).seq for file in files for line in file.read_bytes().splitlines()]
+
+
+def test_an_old_log_that_another_engine_removes_meanwhile_is_no_fault(tmp_path: Path) -> None:
+    (tmp_path / "gone.jsonl").symlink_to(tmp_path / "nowhere")  # listed, but not there any more
+    bus, _, path = bus_with_log(tmp_path)
+    bus.publish(Log("info", "test", "written"))
+    assert len(path.read_bytes().splitlines()) == 1
+
+
+def test_a_log_that_cannot_be_begun_leaves_nothing_open(tmp_path: Path) -> None:
+    (tmp_path / "folder.jsonl").mkdir()  # cannot be removed like a file
+    log = EventLog(tmp_path, "x", max_bytes=1000, keep=1)
+    with pytest.raises(StorageError, match="cannot be written"):
+        log.open()
+    assert log._fd is None
+
+
 def test_a_folder_that_cannot_be_made_is_a_clear_error(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(StorageError, match="cannot be written"):

@@ -20,7 +20,8 @@ from engine.errors import PlanError, UsageError
 from engine.plan import parse_call
 from engine.planner.build import build_registry
 from engine.robot.camera import Lens, Mount, Picture
-from engine.robot.robot import Doorway, FloorMap, Furniture, Landmark, Pose, Room, Twist, wrap
+from engine.robot.floor_map import Doorway, FloorMap, Furniture, Landmark, Room, Wall
+from engine.robot.geometry import Pose, Twist, wrap
 from engine.robot.sim.dimensions import ARM
 from engine.skills.external.facts import arm_of, map_facts, map_of, picture_facts, picture_of
 from engine.skills.external.host import external_skill
@@ -112,14 +113,16 @@ def test_the_map_and_the_arm_arrive_as_they_were() -> None:
         (Furniture("table", 0, 0, 1, 1, 0.14, "low_table"),),
         (Doorway(("hall", "study"), 1.0, 2.0, 0.8),),
         (Landmark(100, 1.0, 2.0, 0.4, -1.5, 0.1),),
+        (Wall(0.0, -0.05, 1.0, 0.05),),
     )
     told = map_of(json.loads(json.dumps(map_facts(house))))
     assert np.array_equal(told.occupied, occupied)
-    assert (told.rooms, told.furniture, told.doors, told.tags) == (
+    assert (told.rooms, told.furniture, told.doors, told.tags, told.walls) == (
         house.rooms,
         house.furniture,
         house.doors,
         house.tags,
+        house.walls,
     )
     assert arm_of(json.loads(json.dumps(asdict(ARM)))) == ARM
 

@@ -3,34 +3,39 @@
 from __future__ import annotations
 
 import asyncio
-import threading
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from config.schema import Endpoint, Vad
 from engine import events
-from engine.asr.recogniser import Decoding, Rejected, Transcript
+from engine.asr.recogniser import Rejected, Transcript
+from engine.audio.echo import EchoCanceller
 from engine.audio.endpoint import Utterance
 from engine.audio.level import SILENT
 from engine.audio.pipe import PushSource
 from engine.audio.ring import CATCH_UP_S, Ring
 from engine.audio.simulated import SimulatedMicrophone
-from engine.audio.source import FRAME_S, RATE, Frame, Samples, Source
+from engine.audio.source import FRAME_S, RATE, Frame, Framer, Samples, Source
 from engine.audio.vad import make_vad
 from engine.audio.wav import WavSource, read_wav
 from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import DeviceError, ModelError, SaysoError
-from engine.hearing import Hearing, NothingHeard
+from engine.hearing.hearing import Hearing, NothingHeard
+from tests import recogniser
+from tests.room import BEGUN, Room, Speaker, decibels, mixed, said_in_turn
+from tests.room import samples as sampled
 from tests.virtual_time import run
 
 SPEECH = Path(__file__).parents[2] / "assets" / "speech"
-ENDPOINT = Endpoint(pre_roll_s=0.3, start_s=0.1, silence_s=0.6, max_length_s=15, no_speech_s=2)
+ENDPOINT = Endpoint(
+    pre_roll_s=0.3, start_s=0.1, silence_s=0.6, complete_s=0.35, incomplete_s=1.2, max_length_s=15, no_speech_s=2
+)
 COMMAND = read_wav(SPEECH / "go_to_the_kitchen.wav")
 
 
@@ -38,38 +43,15 @@ def quiet(seconds: float) -> Samples:
     return np.random.default_rng(0).normal(0, 5, round(seconds * RATE)).astype(np.int16)
 
 
-class Scripted:
+class Scripted(recogniser.Scripted):
     """A recogniser that answers when the test lets it: what a test of timing cannot have from a real one."""
 
-    name = "scripted"
-
     def __init__(self, answer: Transcript | Rejected | SaysoError | None = None) -> None:
-        self.answer = answer or Transcript("Go to the kitchen.", 0.9, Decoding("en", -0.1, 0.02, 1.4, 0.2, 10))
-        self.may_answer = threading.Event()
-        self.may_answer.set()
-        self.began = threading.Event()
-        self.heard: list[tuple[float, tuple[str, ...], str]] = []  # peak, vocabulary, thread
-        self.saw_cancellation = False
+        super().__init__(answer or "Go to the kitchen.")
 
     def load(self) -> None:
-        if isinstance(self.answer, ModelError):
-            raise self.answer
-
-    def transcribe(
-        self,
-        samples: NDArray[np.float32],
-        vocabulary: Sequence[str] = (),
-        cancelled: Callable[[], bool] = lambda: False,
-    ) -> Transcript | Rejected:
-        self.heard.append((float(np.abs(samples).max()), tuple(vocabulary), threading.current_thread().name))
-        self.began.set()
-        assert self.may_answer.wait(20)
-        self.saw_cancellation = cancelled()
-        if isinstance(self.answer, SaysoError):
-            raise self.answer
-        return self.answer
-
-    def close(self) -> None: ...
+        if isinstance(self.answers[0], ModelError):
+            raise self.answers[0]
 
 
 class Ears:
@@ -85,7 +67,9 @@ class Ears:
 
     @property
     def kinds(self) -> list[str]:
-        return [event.kind for event in self.published if event.kind != "listen.level"]
+        """Of all events but those that come again and again while somebody speaks."""
+        again = ("listen.level", "transcript.partial")
+        return [event.kind for event in self.published if event.kind not in again]
 
     def last(self) -> events.Body:
         return self.published[-1].body
@@ -96,8 +80,8 @@ async def ears(
     open_source: Callable[[], Source],
     recogniser: Scripted | None = None,
     *,
-    gain_db: float = 0.0,
-    on_lost: Callable[[SaysoError], None] | None = None,
+    gain_db: float | Literal["auto"] = 0.0,
+    on_end: Callable[[SaysoError | None], None] = lambda error: None,
 ) -> AsyncIterator[Ears]:
     recogniser = recogniser or Scripted()
     hearing = Hearing(
@@ -107,7 +91,7 @@ async def ears(
         recogniser,
         vocabulary=("kitchen",),
         gain_db=gain_db,
-        on_lost=on_lost,
+        on_end=on_end,
     )
     async with hearing:
         yield Ears(hearing, recogniser)
@@ -149,7 +133,8 @@ def test_a_file_is_heard_and_its_events_are_in_order() -> None:
             assert ended.reason == "source_ended"
             assert ended.audio_s == pytest.approx(heard.duration)
             assert 0.5 < ended.speech_s < ended.audio_s
-            assert it.recogniser.heard[0][1:] == (("kitchen",), "recogniser_0")
+            given = it.recogniser.passes[0]
+            assert (given.vocabulary, given.thread) == (("kitchen",), "recogniser_0")
             assert await it.hearing.listen(it.emit) == NothingHeard(
                 "source_ended", "The sound of go_to_the_kitchen.wav ended and nobody spoke."
             )
@@ -276,7 +261,7 @@ def test_the_gain_comes_before_everything_else() -> None:
             heard = await it.hearing.listen(it.emit)
             assert isinstance(heard, Utterance)
             await it.hearing.transcribe(heard, it.emit)
-            assert it.recogniser.heard[0][0] == pytest.approx(0.25, rel=0.05)
+            assert np.abs(it.recogniser.passes[0].samples).max() == pytest.approx(0.25, rel=0.05)
 
     asyncio.run(scenario())
 
@@ -292,18 +277,120 @@ class Unplugged(PushSource):
         return self
 
 
-def test_a_lost_microphone_ends_the_listening_and_is_tried_again() -> None:
-    lost: list[SaysoError] = []
-    sources: list[Source] = [Unplugged(), pushed(COMMAND, quiet(1), end=True)]
+def test_a_lost_microphone_ends_the_listening_and_another_one_is_heard_in_its_place() -> None:
+    ends: list[SaysoError | None] = []
 
     async def scenario() -> None:
-        async with ears(lambda: sources.pop(0), on_lost=lost.append) as it:
+        async with ears(Unplugged, on_end=ends.append) as it:
             with pytest.raises(DeviceError, match="is gone"):
                 await it.hearing.listen(it.emit)
             assert it.last() == events.ListenEnded("device_lost", 0.0, 0.0)
-            assert [error.message for error in lost] == ["The microphone is gone."]
+            assert [str(error) for error in ends] == ["The microphone is gone."]
+            with pytest.raises(DeviceError, match="is gone"):  # as long as nobody brings another one
+                await it.hearing.listen(it.emit)
+            await it.hearing.hear(pushed(COMMAND, quiet(1), end=True))
             it.hearing.mark()
             assert isinstance(await it.hearing.listen(it.emit), Utterance)
+
+    asyncio.run(scenario())
+
+
+def test_a_microphone_that_was_never_there_can_still_come() -> None:
+    class Absent(PushSource):
+        async def __aenter__(self) -> PushSource:
+            raise DeviceError("There is no microphone.")
+
+    async def scenario() -> None:
+        it = Hearing(Absent, make_vad(Vad(backend="auto", gate_mode=3, threshold=0.5)), ENDPOINT, Scripted())
+        with pytest.raises(DeviceError):
+            await it.__aenter__()
+        emit = Bus(SystemClock()).bound(turn=None, epoch=1)
+        with pytest.raises(DeviceError, match="no microphone"):
+            await it.listen(emit)
+        with pytest.raises(DeviceError):
+            await it.hear(Absent())
+        await it.hear(pushed(COMMAND, quiet(1), end=True))
+        assert isinstance(await it.listen(emit), Utterance)
+        await it.__aexit__(None, None, None)
+
+    asyncio.run(scenario())
+
+
+def test_somebody_who_listens_goes_on_with_the_source_that_takes_the_place_of_the_first() -> None:
+    async def scenario() -> None:
+        ends: list[SaysoError | None] = []
+        half = len(COMMAND) // 2
+        async with ears(lambda: pushed(quiet(0.3), COMMAND[:half]), on_end=ends.append) as it:
+            listening = asyncio.create_task(it.hearing.listen(it.emit))
+            await settle()
+            assert it.kinds == ["listen.started"]
+            await it.hearing.hear(pushed(COMMAND[half:], quiet(1), end=True))
+            heard = await listening
+            assert isinstance(heard, Utterance)
+            assert heard.speech_s > 0.6  # either half has less
+            assert it.kinds == ["listen.started", "listen.ended"]
+            await settle()
+            assert ends == [None]  # of the second one: the first was closed by us
+
+    asyncio.run(scenario())
+
+
+def test_closing_ends_the_listening() -> None:
+    async def scenario() -> None:
+        async with ears(PushSource) as it:
+            listening = asyncio.create_task(it.hearing.listen(it.emit))
+            await settle()
+            assert it.kinds == ["listen.started"]
+        heard = await listening
+        assert isinstance(heard, NothingHeard)
+        assert heard.reason == "source_ended"
+
+    asyncio.run(scenario())
+
+
+class Overrun(PushSource):
+    """A device that loses sound now and then."""
+
+    overruns = 1
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        return (f"The device lost sound {self.overruns} times.",)
+
+
+def test_lost_sound_is_told_after_the_listening_and_only_once() -> None:
+    async def scenario() -> None:
+        source = Overrun()
+        async with ears(lambda: source) as it:
+
+            async def listened() -> list[str]:
+                del it.published[:]
+                source.push(np.concatenate((COMMAND, quiet(1))).tobytes())
+                await it.hearing.listen(it.emit)
+                return [event.body.message for event in it.published if isinstance(event.body, events.Log)]
+
+            assert await listened() == ["The device lost sound 1 times."]
+            assert await listened() == []
+            source.overruns = 5
+            assert await listened() == ["The device lost sound 5 times."]
+
+    asyncio.run(scenario())
+
+
+# The automatic gain
+
+
+@pytest.mark.parametrize("understood", [True, False])
+def test_the_automatic_gain_learns_from_what_was_understood_and_from_nothing_else(understood: bool) -> None:
+    async def scenario() -> None:
+        answer = None if understood else Rejected("artefact", "It is no speech.", "Thank you.")
+        async with ears(PushSource, Scripted(answer), gain_db="auto") as it:
+            faint = Utterance((COMMAND / 20).astype(np.int16), 0.0, len(COMMAND) / RATE, 1.0)
+            for _ in range(3):
+                await it.hearing.transcribe(faint, it.emit)
+        said = [event.body.message for event in it.published if isinstance(event.body, events.Log)]
+        rises = ["The gain is 3 dB from now on.", "The gain is 6 dB from now on.", "The gain is 9 dB from now on."]
+        assert said == (rises if understood else [])
 
     asyncio.run(scenario())
 
@@ -362,7 +449,7 @@ def test_a_cancelled_transcription_returns_at_once_and_its_result_is_late() -> N
             assert isinstance(event.body, events.TranscriptRejected)
             assert (event.body.reason, event.body.text) == ("late", "Go to the kitchen.")
             assert event.epoch == 7
-            assert slow.saw_cancellation
+            assert slow.cancelled[-1]
 
     asyncio.run(scenario())
 
@@ -381,7 +468,7 @@ def test_a_transcription_cancelled_before_its_turn_never_runs() -> None:
             slow.may_answer.set()
             assert isinstance(await first, events.TranscriptFinal)
             await it.hearing.load()  # queues up behind the second
-            assert len(slow.heard) == 1
+            assert len(slow.passes) == 1
             assert sorted(it.kinds) == ["transcript.final", "transcript.rejected"]
 
     asyncio.run(scenario())
@@ -414,3 +501,72 @@ def test_an_idle_live_source_keeps_the_level_up_to_date() -> None:
             assert it.hearing.level.rms_db == pytest.approx(-6, abs=0.1)
 
     asyncio.run(scenario())
+
+
+# The robot's own voice
+
+
+class InTheRoom:
+    """A microphone of this machine: its frames say when they came."""
+
+    name, live, warnings = "in the room", True, ()
+
+    def __init__(self, samples: Samples) -> None:
+        self._frames = iter(Framer().push(samples))
+
+    async def __aenter__(self) -> InTheRoom:
+        return self
+
+    async def __aexit__(self, *error: object) -> None: ...
+
+    def __aiter__(self) -> AsyncIterator[Frame]:
+        return self
+
+    async def __anext__(self) -> Frame:
+        await asyncio.sleep(0)
+        frame = next(self._frames, None)
+        if frame is None:
+            raise StopAsyncIteration
+        return Frame(frame.samples, frame.end, BEGUN + frame.end)
+
+
+class Kept:
+    """A listener that remembers."""
+
+    def __init__(self) -> None:
+        self.sound: list[Samples] = []
+
+    def push(self, samples: Samples) -> None:
+        self.sound.append(samples)
+
+    def reset(self) -> None: ...
+
+
+@pytest.mark.parametrize("nearby", [True, False])
+def test_the_robots_own_voice_is_taken_out_where_its_loudspeaker_is_heard_and_nowhere_else(nearby: bool) -> None:
+    played = said_in_turn([COMMAND / 32768] * 8, pause_s=0.2)
+    heard = mixed(Room(drift_ppm=0).echo(played))
+
+    async def scenario() -> Samples:
+        kept, ended = Kept(), asyncio.Event()
+        hearing = Hearing(
+            lambda: InTheRoom(heard) if nearby else pushed(heard, end=True),
+            make_vad(Vad(backend="auto", gate_mode=3, threshold=0.5)),
+            ENDPOINT,
+            Scripted(),
+            gain_db=0,
+            on_end=lambda error: ended.set(),
+            listener=kept,
+            echo=EchoCanceller(Speaker(sampled(played))),
+        )
+        async with hearing:
+            await ended.wait()
+        return np.concatenate(kept.sound)
+
+    found = asyncio.run(scenario())
+    half, whole = len(found) // 2, len(heard) // 512 * 512
+    if nearby:
+        assert len(found) == whole
+        assert decibels(heard[half:whole], found[half:]) > 8
+    else:
+        assert np.array_equal(found[:whole], heard[:whole])

@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import Coroutine
 from typing import Any
 
-from engine.holds import Hold, Holds
 from engine.robot.robot import Capability
+from engine.session.holds import Hold, Holds
 from tests.virtual_time import run
 
 EPOCH = 7

@@ -32,11 +32,11 @@ from engine.audio.vad import make_vad
 from engine.bus import Bus
 from engine.child import Child
 from engine.clock import SystemClock
-from engine.ears import Ears
 from engine.errors import ModelError
-from engine.hearing import Hearing
-from engine.loading import Sound
-from engine.parts import Part
+from engine.hearing.hearing import Hearing
+from engine.parts.ears import Ears
+from engine.parts.loading import Sound
+from engine.parts.part import Part
 from tests.unit.test_whisper import NOUNS, SETTINGS, model_folder, recogniser, spoken
 
 LIMIT_S = 30.0
@@ -120,7 +120,7 @@ def test_it_answers_as_the_recogniser_in_this_process_does() -> None:
             else:
                 assert there == replace(here, decoding=decoding)
         assert made.transcribe(silence[:100]) == recogniser().transcribe(silence[:100])
-        assert made.name == recogniser().name
+        assert made.name.rpartition(", ")[0] == recogniser().name.rpartition(", ")[0], "all but how long a pass takes"
 
 
 @pytest.mark.model
@@ -209,7 +209,15 @@ def test_leaving_the_hearing_in_mid_decoding_leaves_nothing() -> None:
         published: list[events.Event] = []
         bus = Bus(SystemClock())
         bus.subscribe(published.append)
-        endpoint = Endpoint(pre_roll_s=0.3, start_s=0.1, silence_s=0.6, max_length_s=15, no_speech_s=2)
+        endpoint = Endpoint(
+            pre_roll_s=0.3,
+            start_s=0.1,
+            silence_s=0.6,
+            complete_s=0.35,
+            incomplete_s=1.2,
+            max_length_s=15,
+            no_speech_s=2,
+        )
         made = IsolatedRecogniser(model_folder(), SETTINGS)
         samples = (spoken(*SENTENCES) * 32767).astype(np.int16)
         vad = make_vad(Vad(backend="auto", gate_mode=3, threshold=0.5))
@@ -305,11 +313,12 @@ def test_a_process_that_cannot_be_started_is_an_error(monkeypatch: pytest.Monkey
 )
 def test_an_answer_that_makes_no_sense_is_an_error(monkeypatch: pytest.MonkeyPatch, said: bytes) -> None:
     monkeypatch.setattr(isolated, "_WORKER", "tests.babbler")
+    others = ME.children()
     with own_process(Path(said.hex())) as made:
         with pytest.raises(ModelError, match="makes no sense"):
             made.load()
         assert made.pid is None
-        assert ME.children() == []
+        assert ME.children() == others
 
 
 def test_a_request_that_makes_no_sense_ends_the_process_with_a_word(tmp_path: Path) -> None:

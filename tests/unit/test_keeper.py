@@ -16,8 +16,8 @@ from engine.clock import LoopClock
 from engine.commands import Halted
 from engine.epoch import Epoch
 from engine.errors import RobotError, SaysoError
-from engine.keeper import PAUSES_S, WINDOW_S, Keeper
-from engine.parts import Part
+from engine.parts.keeper import PAUSES_S, WINDOW_S, Keeper
+from engine.parts.part import Part
 from engine.robot.robot import Robot, RobotState
 from tests import virtual_time
 from tests.session.kinematic import KinematicRobot

@@ -12,7 +12,7 @@ from engine.perception.memory import Thing, WorldMemory
 from engine.perception.naming import wanted
 from engine.perception.sighting import Sight, Sighting
 from engine.robot.camera import Lens, Mount, Picture
-from engine.robot.robot import Pose
+from engine.robot.geometry import Pose
 
 LENS = Lens.of_view(160, 120, math.radians(48))
 LOW = Mount(np.array([[0, 0, 1.0], [-1.0, 0, 0], [0, -1.0, 0]]), np.array([0.0, 0.0, 0.1]))
@@ -94,6 +94,37 @@ def test_a_block_keeps_its_number_while_its_tag_does_not_show() -> None:
     (again,) = saw(memory, a("white box", 0.51), t=1.0)
     assert again.tag == 3
     assert memory.find(wanted("block 3")) == (again,)
+
+
+def test_a_block_seen_for_the_first_time_is_no_box_that_stands_elsewhere() -> None:
+    memory = WorldMemory()
+    (box,) = saw(memory, a("red box", 0.5, 0.5))
+    (block,) = saw(memory, a("white block", 1.5, -0.4, tag=3), t=1.0)
+    assert block.number != box.number
+    assert {(thing.name, thing.position[:2]) for thing in memory.things} == {
+        ("red box", (0.5, 0.5)),
+        ("block 3", (1.5, -0.4)),
+    }
+
+
+def test_a_block_is_never_beside_itself() -> None:
+    """Something else looked like it, and the next look reads its number nearer to a neighbour than to where it was."""
+    memory = WorldMemory()
+    (block,) = saw(memory, a("white block", 0.6, 0.0, tag=3))
+    (neighbour,) = saw(memory, a("white block", 0.6, 0.14), t=1.0, depth=0.3)
+    assert neighbour.number != block.number
+    (again,) = saw(memory, a("white block", 0.6, 0.10, tag=3), t=2.0, depth=0.3)
+    assert again.number == block.number
+    assert [thing.number for thing in memory.find(wanted("block 3"))] == [block.number]
+
+
+def test_a_number_that_is_read_goes_before_what_stands_where_the_block_was() -> None:
+    memory = WorldMemory()
+    (block,) = saw(memory, a("white block", 0.6, 0.0, tag=3))
+    other, again = saw(memory, a("white block", 0.6, 0.01), a("white block", 0.6, 0.08, tag=3), t=1.0)
+    assert again.number == block.number != other.number
+    assert [thing.position[:2] for thing in memory.find(wanted("block 3"))] == [(0.6, 0.08)]
+    assert len(memory.things) == 2
 
 
 def test_a_glance_from_afar_does_not_spoil_a_good_position() -> None:

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from unicode_rbnf import RbnfEngine
 
-from engine.planner.numbers import read_measures
-from engine.planner.words import Token, digits, words_of
+from engine.planner.text.numbers import read_measures
+from engine.planner.text.words import Token, digits, words_of
 
 SPELLING = RbnfEngine.for_language("en")
 

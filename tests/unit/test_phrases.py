@@ -13,9 +13,9 @@ from config import load as load_settings
 from config.schema import Place, Position
 from engine.errors import UsageError
 from engine.plan import ActionCall, Quantity
-from engine.planner.language import load
-from engine.planner.phrases import Matched, NoMatch, PhrasePlanner, UnknownPlace, is_end_task, is_stop
-from engine.planner.words import digits
+from engine.planner.phrases.phrases import Matched, NoMatch, PhrasePlanner, UnknownPlace, is_end_task, is_stop
+from engine.planner.text.language import load
+from engine.planner.text.words import digits
 from engine.robot.robot import Capability
 from engine.skills.external.host import external_skill
 from engine.skills.library import LIBRARY
@@ -65,6 +65,8 @@ def plan(text: str) -> str:
         ("drive straight ahead for three metres at 0.4 m/s", "move_forward(3, 0.4)"),
         ("Could you move forward about 50 centimeters?", "move_forward(0.5)"),
         ("move 30 cm", "move_forward(0.3)"),
+        ("inch forward 5 cm", "move_forward(0.05)"),
+        ("scoot left 10 cm", "move_sideways(0.1)"),
         ("a metre and a half forward", "move_forward(1.5)"),
         ("back up one and a half meters", "move_forward(-1.5)"),
         ("move one metre backwards", "move_forward(-1)"),
@@ -100,6 +102,10 @@ def test_distances_and_velocities_are_driven_as_said(said: str, actions: str) ->
         ("turn left", "move_left(90)"),
         ("Turn to your right.", "move_right(90)"),
         ("take a left", "move_left(90)"),
+        ("face right", "move_right(90)"),
+        ("rotate left by ninety", "move_left(90)"),
+        ("do a 180", "move_left(180)"),
+        ("spin around twice", "move_left(360); move_left(360)"),
         ("turn around", "move_left(180)"),
         ("turn around to the right", "move_right(180)"),
         ("turn 180 degrees", "move_left(180)"),
@@ -140,6 +146,10 @@ def test_turns_are_to_the_side_and_by_the_angle_that_was_said(said: str, actions
         ("go home", "E"),
         ("return", "zero"),
         ("come back", "zero"),
+        ("come back here", "zero"),
+        ("go back where you came from", "zero"),
+        ("swing by the kitchen", "A"),
+        ("show me the way to the lounge", "B"),
         ("go back to where you started", "zero"),
         ("return to the remembered place", "zero"),
         ("go to zero", "zero"),
@@ -189,6 +199,11 @@ def test_a_patrol_is_stopped_by_its_name(said: str) -> None:
         ("arm down", "arm_down()"),
         ("nod twice", "arm_nod(); arm_nod()"),
         ("shake your head", "arm_shake()"),
+        ("wave at me", "arm_shake()"),
+        ("raise both arms", "arm_up()"),
+        ("do a little dance for us", "dance()"),
+        ("what room are you in", "report_pose()"),
+        ("tell everyone that dinner is ready", "say(dinner is ready)"),
         ("please clap", "arm_applaud()"),
         ("dance", "dance()"),
         ("drift", "drift()"),
@@ -281,7 +296,6 @@ def test_a_word_for_speed_changes_driving_and_is_left_over_elsewhere(adverb: str
         "fly to the moon",
         "go to sleep",
         "come to me",
-        "go to the kitchen, beep twice and come back to me",
         "never mind",
         "turn left 200 metres",
         "move forward 90 degrees",
@@ -328,6 +342,7 @@ def test_the_answer_names_the_part_that_was_not_understood(said: str, leftover: 
         ("turn", "Which way?"),
         ("turn 90 degrees", "Which way?"),
         ("go there", "Where to?"),
+        ("come over here", "Where to?"),  # the robot does not know where anybody is
         ("wait a moment", "How long?"),
         ("say", "What should I say?"),
     ],
@@ -512,7 +527,8 @@ def test_any_heap_of_known_words_has_an_answer_that_keeps_to_what_was_said(text:
         places = {call.positional[0] for call in found.calls if call.name == "navigation"}
         assert places <= {"A", "zero"}
         assert "not" not in text.split() or any(call.name in ("say", "stop") for call in found.calls)
-        assert "if" not in text.split() or any(call.name in ("say", "stop") for call in found.calls)
+        condition = "if" in text.replace("if you can", "").split()  # which is politeness
+        assert not condition or any(call.name in ("say", "stop") for call in found.calls)
 
 
 def test_an_empty_map_is_no_obstacle() -> None:
@@ -529,7 +545,7 @@ def test_a_language_without_phrases_is_a_usage_error() -> None:
 
 
 def test_every_intent_of_the_phrase_file_has_a_meaning() -> None:
-    from engine.planner.meanings import INTENTS
+    from engine.planner.phrases.meanings import INTENTS
 
     sections = load("en")
     written = sections["intents"].keys() | sections["open_intents"].keys()

@@ -11,10 +11,10 @@ from engine.errors import PlanError
 from engine.perception.naming import KINDS
 from engine.plan import Quantity
 from engine.planner.build import build_registry
-from engine.planner.errands import ERRANDS, NEEDED
-from engine.planner.house import build_vocabulary
-from engine.planner.phrases import Matched, NoMatch, PhrasePlanner, UnknownPlace
-from engine.planner.words import digits
+from engine.planner.phrases.errands import ERRANDS, NEEDED
+from engine.planner.phrases.phrases import Matched, NoMatch, PhrasePlanner, UnknownPlace
+from engine.planner.text.words import digits
+from engine.planner.worlds.house import build_vocabulary
 from engine.skills.places import Places
 from engine.skills.vocabulary import House, Vocabulary
 from tests.unit.test_phrases import shown
@@ -80,6 +80,7 @@ def test_a_thing_is_picked_up_by_what_it_looks_like(said: str, actions: str) -> 
         ("throw away the cup", "pick_object(cup); place_in_bin()"),
         ("put the red box on the coffee table", "pick_object(red box); place_object(coffee table)"),
         ("set the bottle on the floor", "pick_object(bottle); place_object(floor)"),
+        ("put the cup from the stool on the table", "navigation(L); pick_object(cup); place_object(dining table)"),
         ("put the red box in the kitchen", "carry(red box, A)"),
         (
             "put the green box in the trash and then the blue box on the shelf",
@@ -105,6 +106,8 @@ def test_things_are_put_where_it_was_said(said: str, actions: str) -> None:
         ("bring me the blue cup", "carry(blue cup, zero)"),
         ("give the bottle to me", "carry(bottle, zero)"),
         ("bring the cup here", "carry(cup, zero)"),
+        ("I need the bottle", "carry(bottle, zero)"),
+        ("can I have the bottle from the kitchen please", "carry(bottle, zero, kitchen)"),
     ],
 )
 def test_things_are_brought_to_places_and_to_where_people_are(said: str, actions: str) -> None:
@@ -162,6 +165,12 @@ def test_it_is_what_was_named_last_or_what_is_held(said: str, actions: str) -> N
         ("can you see the person", "locate(person)"),
         ("are there any boxes here", "locate(box)"),
         ("find the cup in the kitchen", "navigation(A); locate(cup)"),
+        ("search the kitchen for the cup", "navigation(A); locate(cup)"),
+        ("is there a cup in the kitchen?", "navigation(A); locate(cup)"),
+        ("tell me where the bottle is", "locate(bottle)"),
+        ("check what is on the table", "navigation(I); seewhat()"),
+        ("what's in the kitchen?", "scan_room(kitchen)"),
+        ("get closer to the bottle", "navigate_to_object(bottle)"),
         ("go to the red box", "navigate_to_object(red box)"),
         ("drive to the bottle", "navigate_to_object(bottle)"),
         ("find the ball and go to it", "locate(ball); navigate_to_object(ball)"),
@@ -235,6 +244,10 @@ def test_followers_sorters_and_servos_have_their_words(said: str, actions: str) 
         "put the box under the table",
         "leave the box on the stool",
         "put it on",
+        "put the cup on the table in the kitchen",
+        "I need the cup on the table",
+        "I don't need the cup",
+        "check whether there is a cup",
         "put the box down",
         "bring the red box",
         "bring me a coffee",

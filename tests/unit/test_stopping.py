@@ -8,11 +8,10 @@ import sys
 import pytest
 
 from config.schema import Place, Position
-from engine.errors import UsageError
 from engine.plan import ActionCall
-from engine.planner.language import all_phrases
-from engine.planner.phrases import Matched, PhrasePlanner
-from engine.planner.stopping import is_end_task, is_only_stop, is_stop
+from engine.planner.phrases.phrases import Matched, PhrasePlanner
+from engine.planner.phrases.stopping import is_end_task, is_only_stop, is_stop
+from engine.planner.text.language import all_phrases
 
 PLACES = {"A": Place(name="kitchen", position=Position(x=0, y=0))}
 PLANNER = PhrasePlanner(PLACES)
@@ -130,12 +129,9 @@ def test_a_very_long_text_is_not_looked_at() -> None:
     assert not is_stop("停" * 1001)
 
 
-def test_stop_words_alone_make_no_planner() -> None:
-    assert "zh" in LANGUAGES
-    with pytest.raises(UsageError, match="zh"):
-        PhrasePlanner(PLACES, "zh")
-
-
 def test_stopping_does_not_wait_for_the_template_library() -> None:
-    check = "import sys; from engine.planner.stopping import is_stop; assert is_stop('停') > ('hassil' in sys.modules)"
+    check = (
+        "import sys; from engine.planner.phrases.stopping import is_stop; "
+        "assert is_stop('停') > ('hassil' in sys.modules)"
+    )
     subprocess.run([sys.executable, "-c", check], check=True)

@@ -7,11 +7,11 @@ import pytest
 from config import load
 from config.schema import Place, Position
 from engine.errors import ExitCode, PlanError
-from engine.loading import vocabulary as expected_nouns
+from engine.parts.loading import vocabulary as expected_nouns
 from engine.perception.naming import UnknownObject
 from engine.plan import parse_call
-from engine.planner.house import build_vocabulary
-from engine.robot.robot import Furniture, Room
+from engine.planner.worlds.house import build_vocabulary
+from engine.robot.floor_map import Furniture, Room
 from engine.skills.context import SkillContext
 from engine.skills.library.searching import ObjectName
 from engine.skills.outcome import Result, ok
@@ -133,8 +133,22 @@ def test_the_words_of_the_configured_house_come_from_its_scene() -> None:
     assert {"box", "cup", "bottle"} <= set(words.thing_words())
 
 
+def test_places_are_known_by_their_chinese_names_in_either_spelling() -> None:
+    settings = load(environ={})
+    places, words = Places(settings.places), build_vocabulary(settings)
+    assert places.symbols("厨房、客厅和書房") == ("A", "B", "D")
+    assert words.surface("那張桌子") == words.surface("餐桌") == "dining table"
+    assert words.surface("扶手椅") == "armchair"
+    assert words.surface("地上") == "floor"
+    assert words.room("客厅") == "living room"
+    with pytest.raises(Ambiguous, match="north chair"):
+        words.surface("椅子")
+
+
 def test_the_recogniser_expects_names_and_nouns_but_no_commands() -> None:
     nouns = expected_nouns(load(environ={}))
     assert {"kitchen", "red", "box", "bottle"} <= set(nouns)
     assert not {"go", "pick", "bring", "stop"} & {word for noun in nouns for word in noun.split()}
     assert len(nouns) == len(set(nouns)) <= 60
+    assert "厨房" not in nouns
+    assert "厨房" in expected_nouns(load(environ={}, overrides=["asr.language=zh"]))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import functools
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +25,10 @@ from tests.bench.wer import errors, normalised
 
 SPEECH = Path(__file__).parents[2] / "assets" / "speech"
 NOUNS = ("kitchen", "living room", "bedroom", "study", "hall", "charging dock")
-SETTINGS = Asr(model="whisper-base", language="en", threads=2, window_s=10, min_logprob=-1.1, max_no_speech=0.5)
+SETTINGS = Asr(
+    backend="whisper", model="whisper-base", platform=None, server=None, language="en", languages=("en", "zh"),
+    threads=2, window_s=10, min_logprob=-1.1, max_no_speech=0.5,
+)  # fmt: skip
 
 
 @functools.cache
@@ -82,6 +87,19 @@ def test_speech_longer_than_the_window_is_heard_to_its_end() -> None:
     assert heard.decoding.audio_s > 11
     assert heard.decoding.window_s > heard.decoding.audio_s
     assert "degrees" in " ".join(normalised(heard.text)[-3:])
+
+
+@pytest.mark.model
+def test_the_language_is_found_among_those_that_are_spoken_here() -> None:
+    automatic = SETTINGS.model_copy(update={"language": "auto"})
+    chinese = WhisperRecogniser(model_folder(), automatic.model_copy(update={"languages": ("zh",)}))
+    either = WhisperRecogniser(model_folder(), automatic)
+    sound = spoken("go_to_the_kitchen.wav")
+    for made, language in ((chinese, "zh"), (either, "en")):
+        found = made.transcribe(sound, (*NOUNS, "厨房"))
+        assert found.decoding is not None
+        assert found.decoding.language == language
+    assert ", auto, " in either.name
 
 
 # What is no speech
@@ -152,6 +170,26 @@ def test_a_cancelled_recogniser_does_not_try_the_long_window() -> None:
     assert (kept := strict.transcribe(noise).decoding) is not None
     assert (cancelled := strict.transcribe(noise, cancelled=lambda: True).decoding) is not None
     assert (kept.window_s, cancelled.window_s) == (30.0, 10.0)
+
+
+@pytest.mark.model
+def test_a_thorough_look_at_what_a_quick_one_has_seen_only_looks_longer(monkeypatch: pytest.MonkeyPatch) -> None:
+    noise = np.random.default_rng(0).normal(0, 0.05, 3 * RATE).astype(np.float32)
+    strict = WhisperRecogniser(model_folder(), SETTINGS.model_copy(update={"max_no_speech": 1.0}))
+    quick = strict.transcribe(noise, quick=True)
+    assert quick.decoding is not None
+    assert quick.decoding.doubtful
+    looked: list[float] = []
+    decode = strict._decode
+
+    def watched(samples: NDArray[np.float32], vocabulary: Sequence[str], window_s: float, cancelled: Any) -> Any:
+        looked.append(window_s)
+        return decode(samples, vocabulary, window_s, cancelled)
+
+    monkeypatch.setattr(strict, "_decode", watched)
+    strict.transcribe(noise.copy())
+    strict.transcribe(noise[RATE:], quick=True)
+    assert looked == [30.0, 10.0]
 
 
 # Broken models

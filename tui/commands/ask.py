@@ -6,12 +6,10 @@ import sys
 from argparse import Namespace
 from collections.abc import Iterator
 
-from engine.commands import Say
+from engine.commands import Say, check_request
 from engine.errors import ExitCode, UsageError
-from engine.events import TurnResult
-from engine.loading import Sound
+from engine.parts.loading import Sound
 from tui.commands.headless import Headless, headless
-from tui.commands.output import data, say
 from tui.commands.settings import load_settings
 
 
@@ -25,13 +23,13 @@ def run(arguments: Namespace) -> int:
 def requests(text: str) -> Iterator[str]:
     """``text``, or the non-empty lines of stdin when it is ``-``. Raises :class:`UsageError`."""
     if text != "-":
-        if not text.strip():
-            raise UsageError("The request is empty.", hint='Try: sayso ask "go to the kitchen".')
+        check_request(text)
         yield text
         return
     try:
         for line in sys.stdin:
             if line.strip():
+                check_request(line.strip())
                 yield line.strip()
     except UnicodeDecodeError as error:
         raise UsageError(f"stdin is not UTF-8 text: {error}.") from error
@@ -43,12 +41,6 @@ def perform_all(engine: Headless, texts: Iterator[str], arguments: Namespace) ->
         result = engine.perform(Say(text), arguments.timeout)
         if engine.reader_gone:
             return int(ExitCode.INTERRUPTED)
-        report(result, json=arguments.json)
+        engine.report(result)
         code = code or result.exit_code
     return code
-
-
-def report(result: TurnResult, *, json: bool) -> None:
-    """Tell a person how it ended; programs have read it in the events."""
-    if not json and result.message:
-        (data if result.exit_code == ExitCode.DONE else say)(result.message)

@@ -8,7 +8,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from engine.errors import ExitCode, UsageError
-from tui.commands.output import data
+from tui.output import data
 
 FOLDER = Path(__file__).resolve().parents[2] / "tests" / "bench"
 

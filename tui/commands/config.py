@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
+import difflib
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import yaml
 
-from config import ConfigError, Explained, check, explain, paths
-from engine.errors import ExitCode
-from tui.commands.output import data, json_line, say
+from config import ConfigError, Explained, Problem, check, explain, load, paths
+from config.errors import Where
+from config.schema import Settings
+from engine.errors import ExitCode, ModelError, SaysoError, UsageError
 from tui.commands.settings import overrides
+from tui.output import data, json_line, say
 
 _ORIGIN_COLUMN = 44
+_KEYS = ("console", "keys")
 
 
 def run(arguments: Namespace) -> int:
@@ -23,7 +28,7 @@ def run(arguments: Namespace) -> int:
         case "show":
             return config_show(files, overrides(arguments), json=arguments.json)
         case "path":
-            return config_path(files, json=arguments.json)
+            return config_path(files, overrides(arguments), json=arguments.json)
         case _:
             return config_check(files, overrides(arguments), json=arguments.json)
 
@@ -39,22 +44,25 @@ def config_show(files: Sequence[Path] = (), flags: Sequence[str] = (), *, json: 
     return int(ExitCode.DONE)
 
 
-def config_path(files: Sequence[Path] = (), *, json: bool = False) -> int:
+def config_path(files: Sequence[Path] = (), flags: Sequence[str] = (), *, json: bool = False) -> int:
     """The folders, and the files in reading order. Works whatever is wrong inside them."""
     folders = paths()
     reading = [*folders.files, *files]
+    models = folders.models
+    with contextlib.suppress(ConfigError):  # nothing is kept anywhere until that is mended
+        models = load(files, flags).models.folder or models
     if json:
         listed = [{"path": str(file), "exists": file.exists()} for file in reading]
         json_line(
             {
                 "config": str(folders.config),
-                "models": str(folders.models),
+                "models": str(models),
                 "logs": str(folders.logs),
                 "files": listed,
             }
         )
     else:
-        data(f"config  {folders.config}\nmodels  {folders.models}\nlogs    {folders.logs}")
+        data(f"config  {folders.config}\nmodels  {models}\nlogs    {folders.logs}")
         for file in reading:
             data(f"file    {file}{'' if file.exists() else '  (not there)'}")
     return int(ExitCode.DONE)
@@ -62,7 +70,7 @@ def config_path(files: Sequence[Path] = (), *, json: bool = False) -> int:
 
 def config_check(files: Sequence[Path] = (), flags: Sequence[str] = (), *, json: bool = False) -> int:
     """One problem a line, like a compiler. Exit code 2 when there is one."""
-    problems = check(files, flags)
+    problems = check(files, flags) or tuple(sorted(_wrong_names(files, flags), key=lambda problem: problem.where.line))
     for problem in problems:
         if json:
             json_line(
@@ -82,6 +90,80 @@ def config_check(files: Sequence[Path] = (), flags: Sequence[str] = (), *, json:
         return ConfigError.exit_code
     say("sayso: the configuration is right.")
     return int(ExitCode.DONE)
+
+
+def _wrong_names(files: Sequence[Path], flags: Sequence[str]) -> Iterator[Problem]:
+    """What stands for something that there is not, or cannot be: beyond the schema, by whoever it is a name for."""
+    from engine.skills.library import LIBRARY
+
+    found = explain(files, flags)
+    settings = load(files, flags)
+    by_key = {setting.key: setting for setting in found}
+    yield from _wrong_keys([setting for setting in found if setting.path[:2] == _KEYS != setting.path])
+    for key, look in (("robot.scene", _scene), ("asr.model", _recogniser), ("console.theme", _theme)):
+        try:
+            look(settings)
+        except SaysoError as error:
+            yield _problem(by_key[key], str(error))
+    taken = {skill.name for skill in LIBRARY} & settings.skills.keys()
+    for name in sorted(taken):
+        setting = next(setting for setting in found if setting.path[:2] == ("skills", name))
+        yield Problem(
+            _where(setting), f"skills.{name}", "there is a built-in skill of this name; give yours another one"
+        )
+
+
+def _scene(settings: Settings) -> None:
+    """Raises :class:`SceneError`."""
+    from engine.robot.sim.scene_file import load_scene, scene_path
+
+    load_scene(scene_path(settings.robot.scene))
+
+
+def _recogniser(settings: Settings) -> None:
+    """Whether there is such a model; it need not be fetched. Raises :class:`ModelError`."""
+    from engine.parts.loading import model_store
+
+    name = settings.asr.model
+    folder = Path(name).expanduser()
+    if settings.asr.backend != "whisper" or folder.is_dir():
+        return
+    if folder.is_absolute():
+        raise ModelError(f"There is no folder {folder}.")
+    model_store(settings).manifest[name]
+
+
+def _theme(settings: Settings) -> None:
+    """Raises :class:`UsageError`."""
+    from textual.theme import BUILTIN_THEMES  # 0.1 s, and here alone outside of the console
+
+    from tui.looks.themes import CONTRAST, DARK, LIGHT
+
+    name, known = settings.console.theme, (*BUILTIN_THEMES, *(theme.name for theme in (DARK, LIGHT, CONTRAST)))
+    if name not in known:
+        near = difflib.get_close_matches(name, known, 1, 0.5)
+        hint = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}."
+        raise UsageError(f"There is no theme called {name!r}.", hint=hint)
+
+
+def _wrong_keys(chosen: Sequence[Explained]) -> Iterator[Problem]:
+    """What is wrong with the keys that somebody chose for the console."""
+    if not chosen:
+        return
+    from tui.keys.keymap import keymap
+
+    by_action = {setting.path[-1]: setting for setting in chosen}
+    for mistake in keymap({action: str(setting.value) for action, setting in by_action.items()}).mistakes:
+        yield _problem(by_action[mistake.action], mistake.message)
+
+
+def _problem(setting: Explained, message: str) -> Problem:
+    return Problem(_where(setting), setting.key, message)
+
+
+def _where(setting: Explained) -> Where:
+    name, _, line = setting.origin.rpartition(":")
+    return Where(name, int(line)) if name and line.isdecimal() else Where(setting.origin)
 
 
 def _as_yaml(settings: Sequence[Explained]) -> list[str]:

@@ -10,16 +10,19 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from engine.errors import UsageError
-from tui.commands.settings import load_settings
-from tui.terminal import why_not_usable
+from tui.commands.settings import load_settings, overrides
+from tui.terminal.terminal import why_not_usable
 
 if TYPE_CHECKING:
+    from config.schema import Settings
     from engine.handle import EngineHandle
+    from tui.doctor.examiner import Examiner
 
 
 def run(arguments: Namespace) -> int:
     """Show the console until it is left. Exit code of the engine."""
-    if reason := why_not_usable(os.environ, sys.stdin.isatty(), sys.stdout.isatty(), sys.stderr.isatty()):
+    streams = (sys.stdin.isatty(), sys.stdout.isatty(), sys.stderr.isatty())
+    if not arguments.tab and (reason := why_not_usable(os.environ, *streams)):
         raise UsageError(reason)
     gc.disable()  # imports make no garbage worth looking for; the console enables it after the first picture
     os.environ.setdefault("ESCDELAY", "25")  # ms that Textual waits to tell the key from the start of a sequence
@@ -28,12 +31,44 @@ def run(arguments: Namespace) -> int:
     def start(dress: Callable[..., None]) -> EngineHandle:
         """Everything that takes long: behind the first picture."""
         settings = load_settings(arguments)
-        dress(settings.console.theme, settings.console.fps, prompt=settings.robot.realtime_priority)
+        from config import paths
+        from config.changing import Layers
+        from tui.kept.crash import secrets_in
+        from tui.kept.history import RequestHistory
+        from tui.kept.sizes import SizeFile
+        from tui.kept.tour import Tour
+        from tui.rooms.dressing import camera_of, language_of, wording_of
+
+        language, folders = language_of(settings), paths()
+        dress(
+            settings.console.theme,
+            settings.console.fps,
+            prompt=settings.robot.realtime_priority,
+            camera=camera_of(settings),
+            graphics=settings.console.camera_graphics,
+            motion=settings.console.motion,
+            keys=settings.console.keys,
+            history=RequestHistory(folders.requests) if settings.console.history else None,
+            sizes=SizeFile(folders.panes),
+            tour=Tour(folders.toured, folders.requests),
+            layers=Layers(tuple(arguments.config or ()), tuple(overrides(arguments))),
+            secrets=tuple(secrets_in(settings)),
+            language=language,
+            wording=wording_of(settings) if language == "zh" else None,
+            doctor=lambda: _doctor(settings),
+        )
         from engine.engine import Engine
-        from engine.loading import Sound
+        from engine.parts.loading import Sound
 
         engine = Engine(settings, mode="console", sound=Sound("demo" if arguments.demo else "mic"))
         engine.start()
         return engine
 
     return run_console(start)
+
+
+def _doctor(settings: Settings) -> Examiner:
+    """What examines everything, which most sessions do without."""
+    from tui.doctor.examiner import Examiner
+
+    return Examiner(settings)

@@ -1,13 +1,15 @@
 """``sayso engine``: no screen. JSON lines out on stdout, JSON commands in on stdin, one a line.
 
 The end of stdin means "no more commands": what was asked for is done, then the engine ends. SIGTERM, SIGHUP and
-SIGINT stop the robot and end it at once, and so does a reader of stdout who goes away. All of them exit with 0 but
-the last two, which exit with 130. An engine that dies by a fault, or does not answer for ten seconds, exits with 1.
+SIGINT stop the robot and end it at once, and so does a reader of stdout who goes away, or does not read any more. All
+of them exit with 0 but the last two, which exit with 130. An engine that dies by a fault, or does not answer for ten
+seconds, exits with 1.
 """
 
 from __future__ import annotations
 
 import os
+import select
 import sys
 import threading
 from argparse import Namespace
@@ -16,11 +18,11 @@ from collections.abc import Iterator
 from engine.commands import MAX_LINE, Quit, parse_command
 from engine.engine import Engine
 from engine.errors import ExitCode, UsageError
-from engine.loading import Sound
+from engine.parts.loading import Sound
 from engine.scheduling import raise_priority
-from tui.commands.headless import LOOK_S, Printer, Pulse, Terminated, end, signals_raise
-from tui.commands.output import say
+from tui.commands.headless import LOOK_S, Printer, Pulse, Signals, Terminated, end
 from tui.commands.settings import load_settings
+from tui.output import said_in_background, say
 
 READ_BYTES = 65536
 WARN_S = 2.0
@@ -33,14 +35,15 @@ def run(arguments: Namespace) -> int:
     """Run until the commands end or a signal comes."""
     settings = load_settings(arguments)
     engine = Engine(settings, mode="engine", sound=Sound(arguments.source))
-    printer = Printer(engine, json=arguments.json)
     code = ExitCode.DONE
-    with signals_raise():
+    with Signals() as signals, said_in_background(), Printer(engine, json=True) as printer:
         engine.start()
-        reading = (engine, sys.stdin.fileno(), settings.robot.realtime_priority)
-        threading.Thread(target=_read_commands, args=reading, name="stdin", daemon=True).start()
         try:
-            watch(engine)
+            with signals.raised():
+                printer.started()
+                reading = (engine, sys.stdin.fileno(), settings.robot.realtime_priority)
+                threading.Thread(target=_read_commands, args=reading, name="stdin", daemon=True).start()
+                watch(engine)
         except Terminated:
             pass
         except KeyboardInterrupt:
@@ -48,7 +51,6 @@ def run(arguments: Namespace) -> int:
         finally:
             engine.send(Quit())
             end(engine)
-            printer.close()
     if engine.failure is not None:
         code = ExitCode.FAILED
     return int(ExitCode.INTERRUPTED if printer.reader_gone else code)
@@ -70,14 +72,19 @@ def _read_commands(engine: Engine, fd: int, prompt: bool) -> None:
     before others, where the system allows it, because it may be told to stop the robot."""
     if prompt:
         raise_priority()
-    for line in _lines(fd):
-        if not line.strip():
-            continue
-        try:
-            engine.send(parse_command(line))
-        except UsageError as error:
-            engine.reject("", str(error))
-    engine.send(Quit(drain=True))
+    try:
+        for line in _lines(fd):
+            if not line.strip():
+                continue
+            try:
+                engine.send(parse_command(line))
+            except UsageError as error:
+                engine.reject("", str(error))
+    except OSError as error:  # a terminal that has gone, a folder: nobody could stop the robot any more
+        say(f"sayso: commands cannot be read from stdin: {error.strerror or error}; the robot was stopped.")
+        engine.send(Quit())
+    else:
+        engine.send(Quit(drain=True))
 
 
 def _lines(fd: int) -> Iterator[bytes]:
@@ -87,7 +94,7 @@ def _lines(fd: int) -> Iterator[bytes]:
     at exit over that.
     """
     rest, skipping = b"", False
-    while chunk := os.read(fd, READ_BYTES):
+    while chunk := _read(fd):
         *whole, rest = (rest + chunk).split(b"\n")
         for line in whole:
             if not skipping:
@@ -99,3 +106,12 @@ def _lines(fd: int) -> Iterator[bytes]:
             rest, skipping = b"", True
     if rest and not skipping:
         yield rest
+
+
+def _read(fd: int) -> bytes:
+    """What comes next, also where reading does not wait by itself; nothing at the end. Raises OSError."""
+    while True:
+        try:
+            return os.read(fd, READ_BYTES)
+        except BlockingIOError:  # whoever started us shares the description, and made it so
+            select.select([fd], [], [])

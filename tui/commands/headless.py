@@ -9,7 +9,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 from ulid import ULID
@@ -18,12 +18,12 @@ from engine import events
 from engine.commands import Interrupt, Quit, Say, Wake
 from engine.errors import ExitCode
 from engine.events import Event, TurnResult, to_json
-from tui.commands.output import LineWriter, say
+from tui.output import LineWriter, data, said_in_background, say
 
 if TYPE_CHECKING:
     from config.schema import Settings
     from engine.engine import Engine
-    from engine.loading import Sound
+    from engine.parts.loading import Sound
 
 SILENT_S: Final = 5.0
 """An engine that shows no sign of life for so long is given up by those who wait for a result."""
@@ -35,7 +35,7 @@ END_S: Final = 10.0
 _ENDED = TurnResult(ExitCode.INTERRUPTED, "interrupted", "The session ended before this was done.")
 
 
-class Terminated(Exception):
+class Terminated(KeyboardInterrupt):
     """The process was asked to end (SIGTERM, SIGHUP)."""
 
 
@@ -45,31 +45,61 @@ def headless(settings: Settings, *, mode: str, json: bool, sound: Sound) -> Iter
     from engine.engine import Engine
 
     engine = Engine(settings, mode=mode, sound=sound)
-    running = Headless(engine, json=json)
-    with signals_raise():
+    with Signals() as signals, said_in_background(), Printer(engine, json=json) as printer:
+        running = Headless(engine, printer)
         engine.start()
         try:
-            yield running
-        except (KeyboardInterrupt, Terminated):
+            with signals.raised():
+                printer.started()
+                yield running
+        except KeyboardInterrupt:
             engine.send(Interrupt())
-            raise KeyboardInterrupt from None
+            raise
         finally:
-            running.finish()
+            engine.send(Quit())
+            end(engine)
 
 
-@contextmanager
-def signals_raise() -> Iterator[None]:
-    """Within this, SIGTERM and SIGHUP raise :class:`Terminated` in the main thread, as SIGINT its KeyboardInterrupt."""
+class Signals:
+    """Raises the first signal that asks the process to end, in the main thread and only where that is expected: one
+    that comes during the start waits, and one that comes during the end, or as a second one, changes nothing."""
 
-    def terminate(number: int, frame: FrameType | None) -> None:
-        raise Terminated(signal.Signals(number).name)
+    def __init__(self) -> None:
+        self._first: int | None = None
+        self._raised = False
+        self._expected = False
+        self._kept: dict[int, Any] = {}
 
-    kept = {number: signal.signal(number, terminate) for number in (signal.SIGTERM, signal.SIGHUP)}
-    try:
-        yield
-    finally:
-        for number, handler in kept.items():
-            signal.signal(number, handler)
+    def __enter__(self) -> Signals:
+        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+            if (kept := signal.getsignal(number)) is not signal.SIG_IGN:  # as nohup and a shell's & leave it
+                self._kept[number] = kept
+                signal.signal(number, self._note)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._kept.items():
+            signal.signal(number, handler if self._first is None else signal.SIG_IGN)  # the process ends by it anyway
+
+    @contextmanager
+    def raised(self) -> Iterator[None]:
+        """Within this a signal is raised: SIGINT as KeyboardInterrupt, the others as :class:`Terminated`."""
+        self._expected = True
+        try:
+            self._raise()
+            yield
+        finally:
+            self._expected = False
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self._first = self._first or number
+        if self._expected:
+            self._raise()
+
+    def _raise(self) -> None:
+        if self._first is not None and not self._raised:
+            self._raised = True
+            raise KeyboardInterrupt if self._first == signal.SIGINT else Terminated
 
 
 class Pulse:
@@ -90,7 +120,7 @@ class Pulse:
         self._felt = now
         silence = self._engine.pulse() if now - felt < 4 * LOOK_S else 0.0
         if silence > self._limit_s:
-            say(f"sayso: the engine has not answered for {silence:.0f} s. The robot has stopped by itself.")
+            say(f"sayso: the engine has not answered for {silence:.0f} s. The robot has stopped by itself.", wait_s=1.0)
             os._exit(ExitCode.FAILED)  # the interpreter would wait for the thread that hangs
         return silence
 
@@ -103,48 +133,79 @@ def end(engine: Engine) -> None:
 
 
 class Printer:
-    """Prints an engine's events: JSON lines on stdout, or words for people on stderr."""
+    """Prints an engine's events: JSON lines on stdout, or words for people on stderr. A context manager, which prints
+    what is left at its end."""
 
     def __init__(self, engine: Engine, *, json: bool) -> None:
         self._engine = engine
-        self._writer = LineWriter(self._lost) if json else None
+        self._started = False
+        self.told: set[str] = set()
+        """What people have read of warnings and errors."""
+        self._writer = LineWriter(1, self._lost) if json else None
         engine.subscribe(self._see)
+
+    def __enter__(self) -> Printer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._writer is not None:
+            self._writer.close()
+
+    @property
+    def json(self) -> bool:
+        return self._writer is not None
 
     @property
     def reader_gone(self) -> bool:
         """Nobody reads stdout any more."""
         return self._writer is not None and self._writer.closed
 
-    def close(self) -> None:
-        """Print what is left."""
-        if self._writer is not None:
-            self._writer.close()
+    def started(self) -> None:
+        """The engine takes commands from now on: it ends when nobody reads, also if nobody ever did."""
+        self._started = True
+        if self.reader_gone:
+            self._engine.send(Quit())
 
     def _see(self, event: Event) -> None:
-        if self._writer is None:
-            _narrate(event.body)
-        else:
+        if self._writer is not None:
             self._writer.write(to_json(event))
+        elif (words := _complaint(event.body)) is None:
+            _narrate(event.body)
+        elif words not in self.told:
+            self.told.add(words)
+            say(f"{'error' if isinstance(event.body, events.ErrorRaised) else 'warning'}: {words}")
 
     def _lost(self) -> None:
+        """Runs in the writer's thread."""
         say("sayso: nobody reads the output any more; the robot was stopped.")
-        self._engine.send(Quit())
+        if self._started:
+            self._engine.send(Quit())
 
 
 class Headless:
     """Gives commands to an engine and waits for their results."""
 
-    def __init__(self, engine: Engine, *, json: bool) -> None:
+    def __init__(self, engine: Engine, printer: Printer) -> None:
         self._engine = engine
         self._results: queue.SimpleQueue[tuple[str | None, TurnResult]] = queue.SimpleQueue()
         self._command_of: dict[str | None, str] = {}  # turn -> id of the command that started it
         self._awaited = ""
-        self._printer = Printer(engine, json=json)
+        self._printer = printer
         engine.subscribe(self._see)
 
     @property
     def reader_gone(self) -> bool:
         return self._printer.reader_gone
+
+    def report(self, result: TurnResult) -> None:
+        """Tell a person how it ended, unless an error has said so; programs have read it in the events."""
+        if self._printer.json or not result.message:
+            return
+        if result.exit_code == ExitCode.DONE:
+            data(result.message)
+        elif result.message not in self._printer.told:
+            say(result.message)
+        self._printer.told.clear()
 
     def perform(self, command: Say | Wake, timeout_s: float | None) -> TurnResult:
         """Send ``command`` and wait for the result of its turn; after ``timeout_s`` stop the robot and say so.
@@ -174,12 +235,6 @@ class Headless:
             return _ENDED
         return TurnResult(ExitCode.FAILED, "failed", f"The engine ended by a fault: {fault!r}.")
 
-    def finish(self) -> None:
-        """End the engine and print what is left."""
-        self._engine.send(Quit())
-        end(self._engine)
-        self._printer.close()
-
     def _see(self, event: Event) -> None:
         """Runs in the engine's thread."""
         match event.body:
@@ -208,7 +263,13 @@ def _narrate(body: events.Body) -> None:
             say(f"✓ {name} {seconds:.1f} s")
         case events.ActionFinished(name=name, outcome=outcome, message=message):
             say(f"✗ {name} {outcome}: {message}")
+
+
+def _complaint(body: events.Body) -> str | None:
+    """What a warning or an error says, which is told once."""
+    match body:
         case events.ErrorRaised(message=message, hint=hint):
-            say(f"error: {message} {hint}".rstrip())
-        case events.Log(level="warning" | "error" as level, message=message):
-            say(f"{level}: {message}")
+            return f"{message} {hint}".rstrip()
+        case events.Log(level="warning" | "error", message=message):
+            return message
+    return None

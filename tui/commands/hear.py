@@ -9,8 +9,7 @@ from pathlib import Path
 from engine.audio.pipe import PcmSource
 from engine.audio.wav import WavSource
 from engine.commands import Wake
-from engine.loading import Sound
-from tui.commands.ask import report
+from engine.parts.loading import Sound
 from tui.commands.headless import headless
 from tui.commands.settings import load_settings
 
@@ -24,5 +23,5 @@ def run(arguments: Namespace) -> int:
         sound = Sound("source", WavSource(Path(arguments.file), pace=arguments.pace))
     with headless(settings, mode="hear", json=arguments.json, sound=sound) as engine:
         result = engine.perform(Wake("file"), arguments.timeout)
-    report(result, json=arguments.json)
+        engine.report(result)
     return result.exit_code

@@ -9,10 +9,12 @@ from collections.abc import Callable, Iterator, Sequence
 
 from config.schema import Settings
 from engine.errors import ExitCode, SaysoError
-from engine.loading import model_store
 from engine.models import ModelStore, Progress
-from tui.commands.output import data, json_line, say
+from engine.parts.loading import model_store, voice_to_fetch
+from engine.wake.choice import MODEL
+from engine.wake.micro import PHRASES
 from tui.commands.settings import load_settings
+from tui.output import data, json_line, say
 
 VERBS = {"wait": "waiting for another download of", "download": "fetching", "join": "writing", "verify": "verifying"}
 
@@ -34,8 +36,12 @@ def run(arguments: Namespace) -> int:
 
 
 def needed(store: ModelStore, settings: Settings) -> list[str]:
-    """The models that these settings use. None, if the recogniser's is a folder of the user's own."""
-    return [settings.asr.model] if settings.asr.model in store.manifest.models else []
+    """The models that these settings use, but for large ones; the voice's only where there is what it is for. None, if
+    they are files of the user's own."""
+    words = settings.wake.words
+    heads = MODEL if words == "auto" or set(words) - set(PHRASES) else None
+    names = (settings.asr.model, voice_to_fetch(settings), heads)
+    return [name for name in names if name is not None and name in store.manifest.models]
 
 
 def present(store: ModelStore) -> list[str]:
@@ -70,7 +76,7 @@ def models_list(store: ModelStore, *, json: bool = False) -> int:
 def models_pull(store: ModelStore, names: Sequence[str], *, json: bool = False) -> int:
     """Fetch models; prints the folder of each. What is complete is kept when it fails or is interrupted."""
     if not names:
-        say("sayso: nothing to pull: the recogniser's model is a folder of yours.")
+        say("sayso: nothing to pull: the models are files of yours.")
     for name in names:
         try:
             with _shown_progress() as show:

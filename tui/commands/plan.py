@@ -4,44 +4,87 @@ from __future__ import annotations
 
 import asyncio
 from argparse import Namespace
+from collections.abc import Mapping
+from dataclasses import replace
 
 from ulid import ULID
 
+from config.schema import Settings
 from engine import events
-from engine.bus import Bus
+from engine.bus import Bus, Emit
 from engine.clock import SystemClock
 from engine.errors import ExitCode
-from engine.loading import at_home
+from engine.parts.loading import at_home, make_models
 from engine.planner.build import build_planner
+from engine.planner.intent import with_intent
 from engine.planner.planner import NoPlan, Planner, PlanRequest
+from engine.planner.text.language import language_of
+from engine.planner.worlds.world import World
+from engine.planner.worlds.world_file import load_world
+from engine.wording import Wording, build_wording
 from tui.commands.ask import requests
-from tui.commands.output import data, say
 from tui.commands.settings import load_settings
+from tui.output import data, say
 
 
 def run(arguments: Namespace) -> int:
-    """Plan the request, or every line of stdin. Exit code of the first one without a plan."""
-    planner = build_planner(at_home(load_settings(arguments)))
+    """Plan the request, or every line of stdin, each as the beginning of a task of its own. Exit code of the first one
+    without a plan."""
+    settings = load_settings(arguments)
+    world = None if arguments.world is None else load_world(arguments.world, say)
+    return _plan_all(settings if world else at_home(settings), world, arguments)
+
+
+def _plan_all(settings: Settings, world: World | None, arguments: Namespace) -> int:
+    models = make_models(settings, say)
+    planner = build_planner(settings, models=models, world=world)
+    places = world.places if world is not None else settings.places
+    names = {symbol: place.name for symbol, place in places.items()}
+    wording = build_wording(settings)
     bus = Bus(SystemClock())
+    made: list[events.Event] = []
     if arguments.json:
-        bus.subscribe(lambda event: data(events.to_json(event).decode()))
+        bus.subscribe(made.append)
     code = int(ExitCode.DONE)
-    for text in requests(arguments.text):
-        planned = int(_plan(planner, bus, text, json=arguments.json))
-        code = code or planned
+    with asyncio.Runner() as loop:
+        try:
+            for text in requests(arguments.text):  # outside of the loop, which would hold an interrupt back meanwhile
+                planned = int(loop.run(_plan(planner, bus, text, names, wording, json=arguments.json)))
+                for event in made:
+                    data(events.to_json(event).decode())
+                made.clear()
+                code = code or planned
+        finally:
+            if models is not None:
+                loop.run(models.close())
     return code
 
 
-def _plan(planner: Planner, bus: Bus, text: str, *, json: bool) -> ExitCode:
+async def _plan(
+    planner: Planner, bus: Bus, text: str, names: Mapping[str, str], wording: Wording, *, json: bool
+) -> ExitCode:
     emit = bus.bound(turn=str(ULID()), epoch=0)
-    plan = asyncio.run(planner.plan(PlanRequest(text)))
+    request = PlanRequest(
+        text, decide=lambda steps, source: _decided(emit, steps, source, json=json), warn=say, record=emit
+    )
+    plan = await planner.plan(request)
     if isinstance(plan, NoPlan):
-        emit(plan.as_event())
+        plan = replace(plan, answer=wording.worded(plan.answer, language_of(text)))
+    emit(with_intent(plan, names))
+    if isinstance(plan, NoPlan):
         if not json:
             say(plan.answer)
         return plan.exit_code
-    emit(plan.as_event())
     if not json:
         for action in plan.actions:
             data(str(action))
+        if not plan.actions:
+            data(plan.response)
     return ExitCode.DONE
+
+
+def _decided(emit: Emit, steps: tuple[str, ...], source: events.PlanSource, *, json: bool) -> None:
+    emit(events.DecisionMade(steps, source))
+    if not json:
+        for step in steps:
+            say(f"decided: {step}")

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from engine.errors import ExitCode, StorageError
-from tui.commands.output import data, json_line, say
 from tui.commands.settings import load_settings
+from tui.output import data, json_line, say
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -31,7 +31,7 @@ def run(arguments: Namespace) -> int:
 
 def scene_list(*, json: bool = False) -> int:
     """One line a scene: name, size, rooms, furniture, things, people."""
-    from engine.robot.sim.scene import load_scene, scene_names, scene_path
+    from engine.robot.sim.scene_file import load_scene, scene_names, scene_path
 
     for name in scene_names():
         facts = _facts(load_scene(scene_path(name)))
@@ -50,7 +50,7 @@ def scene_list(*, json: bool = False) -> int:
 def scene_show(settings: Settings, name: str | None, *, png: Path | None = None, json: bool = False) -> int:
     """A picture from above with its legend, a PNG file of it, or everything as JSON. Without a name: the scene of the
     settings."""
-    from engine.robot.sim.scene import load_scene, scene_path
+    from engine.robot.sim.scene_file import load_scene, scene_path
 
     scene = load_scene(scene_path(name or settings.robot.scene))
     places = scene.known_places() or settings.places

@@ -5,10 +5,10 @@ from __future__ import annotations
 from argparse import Namespace
 
 from engine.errors import ExitCode
-from engine.loading import at_home
+from engine.parts.loading import at_home
 from engine.planner.build import build_registry
-from tui.commands.output import data, json_line
 from tui.commands.settings import load_settings
+from tui.output import data, json_line
 
 
 def run(arguments: Namespace) -> int:

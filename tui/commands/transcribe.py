@@ -16,10 +16,10 @@ from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import ExitCode, SaysoError
 from engine.events import TranscriptFinal, TranscriptRejected
-from engine.hearing import Hearing
-from engine.loading import make_recogniser, vocabulary
-from tui.commands.output import data, json_line, say
+from engine.hearing.hearing import Hearing
+from engine.parts.loading import make_recogniser, vocabulary
 from tui.commands.settings import load_settings
+from tui.output import data, json_line, say
 
 
 def run(arguments: Namespace) -> int:

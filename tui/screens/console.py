@@ -6,64 +6,61 @@ The screen owns the arrangement and hands each pane its part of the view. It dec
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.reactive import Reactive
 from textual.screen import Screen
 from textual.widget import Widget
-from textual.widgets import Static
+from textual.widgets import Input, Static
 
-from tui import strings
-from tui.model import ConsoleModel
-from tui.terminal import SHORT_ROWS, layout_for, too_small
+from tui.kept.sizes import Shares
+from tui.plan.chart import Moving
+from tui.screens.panes import Pane, PaneName, Panes
+from tui.shown.model import ConsoleModel
+from tui.shown.readiness import loading, named, waited_for
+from tui.terminal.spans import WholeCompositor
+from tui.terminal.terminal import SHORT_ROWS, TALL_ROWS, layout_for, too_small
 from tui.widgets.ask import Ask, AskLine
+from tui.widgets.camera import CameraView
 from tui.widgets.conversation import Conversation
 from tui.widgets.figures import Figures
 from tui.widgets.floor_view import FloorView
+from tui.widgets.lines import Lines
 from tui.widgets.log import LogView
 from tui.widgets.mic import MicStrip
 from tui.widgets.plan import PlanView
 from tui.widgets.problem import ProblemPanel
 from tui.widgets.queue import ActionQueue
-from tui.widgets.status import Hint, StatusLine
+from tui.widgets.status import StatusLine
+from tui.widgets.timeline import Timeline
+from tui.words import strings
+from tui.words.language import told
 
 if TYPE_CHECKING:
-    from config.schema import Place
     from engine.handle import PartStatus
-    from engine.perception.memory import World
-    from engine.robot.robot import FloorMap, RobotState
+    from engine.perception.sighting import Sight
+    from tui.palette.form import Form
+    from tui.palette.palette import Palette
+    from tui.shown.view import View
 
 
-Pane = TypeVar("Pane", bound=Widget)
-
-
-@dataclass(frozen=True, slots=True)
-class View:
-    """Everything the screen shows at one moment."""
-
-    model: ConsoleModel
-    now: float = 0.0  # s, event time
-    started: bool = False  # the engine is there
-    notice: str = ""  # stands in the status line
-    hints: tuple[Hint, ...] = ()
-    parts: tuple[PartStatus, ...] = ()
-    robot: RobotState | None = None
-    floor_map: FloorMap | None = None
-    places: Mapping[str, Place] = field(default_factory=dict)
-    world: World | None = None
+Titled = TypeVar("Titled", bound=Widget)
 
 
 class ConsoleScreen(Screen[None]):
     """Status line, conversation, plan, actions, map, figures, microphone, log and input."""
 
     AUTO_FOCUS = ""
+    focused: Reactive[Widget | None] = Reactive(None, repaint=False)  # Textual's sends the whole screen each time
 
     def __init__(self, keys: Mapping[str, str]) -> None:
         """``keys`` are the keys in use by action id, as they are shown to people."""
         super().__init__()
+        self._compositor = WholeCompositor()
         self._keys = keys
         self._status = StatusLine()
         self._problem = ProblemPanel()
@@ -71,45 +68,77 @@ class ConsoleScreen(Screen[None]):
         self._plan = PlanView(classes="pane")
         self._queue = ActionQueue(classes="pane")
         self._floor = FloorView()
+        self._camera = CameraView()
         self._figures = Figures(classes="pane")
         self._log_view = LogView(classes="pane")
+        self._timeline = Timeline(strings.BROWSE.format(**keys), classes="pane")
         self._mic = MicStrip()
-        self._ask = AskLine()
+        self._ask = AskLine(keys)
+        self._left, self._right = Vertical(id="left"), Vertical(id="right")
+        self._map = Vertical(classes="pane", id="map")
+        camera = Vertical(classes="pane", id="camera")
+        self._panes = Panes(
+            self,
+            {
+                "conversation": Pane(self._conversation, self._conversation),
+                "plan": Pane(self._plan, self._plan),
+                "actions": Pane(self._queue, self._queue),
+                "map": Pane(self._map, self._floor),
+                "log": Pane(self._log_view, self._log_view),
+                "turns": Pane(self._timeline, self._timeline),
+                "camera": Pane(camera, self._camera),
+            },
+            (self._left, self._right),
+        )
+        self._camera_frame = camera
+        self._over: Palette | Form | None = None  # what lies over everything
 
     def compose(self) -> ComposeResult:
         yield self._status
         yield self._problem
         with Horizontal(id="main"):
-            with Vertical(id="left"):
-                yield _titled(self._conversation, strings.PANE_CONVERSATION)
-                yield _titled(self._plan, strings.PANE_PLAN)
-                yield _titled(self._queue, strings.PANE_QUEUE)
-            with Vertical(id="right"):
-                with _titled(Vertical(classes="pane", id="map"), strings.PANE_MAP):
+            with self._left:
+                yield self._conversation
+                yield self._plan
+                yield self._queue
+            with self._right:
+                with self._map:
                     yield self._floor
+                with self._camera_frame:
+                    yield self._camera
                 yield _titled(self._figures, strings.PANE_ROBOT)
-        yield _titled(self._log_view, strings.PANE_LOG)
+        with Horizontal(id="below"):
+            yield self._log_view
+            yield self._timeline
         yield self._mic
         yield self._ask
         yield Static(id="too-small", markup=False)
+        self.show_keys()
 
     def show(self, view: View) -> None:
         """Bring every pane but the log up to date."""
         model = view.model
-        self._status.update_from(model, started=view.started, notice=view.notice, hints=view.hints)
+        self._status.update_from(view)
         self._problem.update_from(model.problem)
+        self.set_class(model.problem is not None, "-trouble")
         notice, trouble = _microphone(view.parts, view.started)
         welcome = strings.WELCOME_TYPING if trouble else strings.WELCOME
-        self._conversation.update_from(model, welcome.format(**self._keys))
-        self._plan.update_from(model)
-        self._queue.update_from(model, view.now)
+        begin = (welcome, *strings.TOUR) if view.touring else (welcome,)
+        self._conversation.update_from(model, [line.format(**self._keys) for line in begin])
+        self._plan.update_from(model, named(waited_for(model, view.parts)))
+        self.line.wait_for(named(loading(view.parts)))
+        self._queue.update_from(model, view.now, self._keys["interrupt"])
         self._figures.update_from(view.robot, view.parts, view.world.held if view.world is not None else None)
-        self._mic.update_from(model, notice=notice, trouble=trouble)
+        self._figures.tell(view.link)
+        self._timeline.update_from(model.turns.kept, view.turn, view.now)
+        self._mic.update_from(model.trace, notice=notice, trouble=trouble)
         if view.floor_map is not None:
             self._floor.show_map(view.floor_map, view.places)
+        things, held = (view.world.things, view.world.held) if view.world is not None else ((), None)
         now = view.robot.t if view.robot is not None else 0.0
-        pose = view.robot.pose if view.robot is not None else None
-        self._floor.show_robot(pose, model.path, view.world.things if view.world is not None else (), now)
+        trail = () if view.bare else model.trail
+        moving = Moving(view.robot, model.path, trail, things=things, held=held, now=now)
+        self._floor.show_moving(moving, view.scan)
 
     def show_log(self, model: ConsoleModel) -> None:
         """Bring the log up to date; it has a slower pace of its own."""
@@ -117,39 +146,205 @@ class ConsoleScreen(Screen[None]):
 
     def toggle_log(self) -> None:
         """Show the log in place of the conversation, where there is no room for both."""
-        self.toggle_class("-log")
+        self._panes.toggle("log")
+        self._entitle()
 
-    def scroll_conversation(self, lines: int) -> None:
-        self._conversation.scroll_lines(lines)
+    def toggle_timeline(self, on: bool | None = None) -> None:
+        """Show the turns in place of the conversation, where there is no room for both."""
+        self._panes.toggle("turns", on)
+        self._entitle()
+
+    @property
+    def pane(self) -> PaneName | None:
+        """The pane that keys act on: it has the keyboard, or stands in place of all others."""
+        return self._panes.meant
+
+    def go_to(self, name: PaneName) -> None:
+        """Put the focus on a pane, and show it where it has no room."""
+        self._panes.go_to(name)
+        if name == "map":
+            self._floor.begin()  # before the next key, which may be there already
+        self._entitle()
+
+    def zoom(self) -> None:
+        """Give all the room between status line and microphone to one pane, or give it back."""
+        self._panes.zoom()
+        self._entitle()
+
+    def unzoom(self) -> bool:
+        """Give the room back; False when no pane has it."""
+        if self._panes.zoomed is None:
+            return False
+        self._panes.unzoom()
+        self._entitle()
+        return True
+
+    def share(self, shares: Shares) -> None:
+        """Share the room between the panes like this."""
+        self._panes.share(shares)
+
+    def shift(self, steps: int) -> Shares | None:
+        """Move the border in sight by so many steps to the right; None when there is none, or it goes no further."""
+        return self._panes.shift(steps)
+
+    def point(self, *, stay: bool = False) -> None:
+        """Put the focus on the map, which gets all the room that it can have; or take it away again, unless it is to
+        ``stay``."""
+        if stay or self.focused is not self._floor:
+            self.go_to("map")
+        else:
+            self._panes.unzoom()
+            self._panes.front("conversation")
+            self.set_focus(None)
+            self._entitle()
+
+    def on_descendant_focus(self, event: events.DescendantFocus) -> None:
+        self._panes.remember()
+
+    def on_descendant_blur(self, event: events.DescendantBlur) -> None:
+        if event.widget is self._floor is not self.focused and self._panes.zoomed != "map":
+            self.remove_class("-map")
+
+    @property
+    def camera_shown(self) -> bool:
+        """Somebody looks at what the camera sees."""
+        return self.has_class("-camera")
+
+    @property
+    def has_room_for_all(self) -> bool:
+        """The camera takes nothing from others."""
+        return self.has_class("-wide") and self.has_class("-tall")
+
+    def show_camera(self, shown: bool) -> None:
+        """Show what the camera sees: below the map, or in its place where there is no room for both."""
+        self.set_class(shown, "-camera")
+        zoomed, narrow = self._panes.zoomed, self.has_class("-narrow")
+        if shown and (zoomed is not None or narrow):
+            self._panes.reveal("camera")
+        elif zoomed == "camera":
+            self._panes.reveal("map")
+        elif narrow:
+            self._panes.reveal("conversation")
+        else:
+            self._panes.settle()
+        if not shown and self._panes.focused == "camera":
+            self.set_focus(None)
+        self._entitle()
+
+    def show_sight(self, sight: Sight) -> int:
+        """Show a picture; gives about how many bytes that sends."""
+        return self._camera.show_sight(sight)
+
+    @property
+    def camera(self) -> CameraView:
+        """Where pictures are shown."""
+        return self._camera
+
+    def show_no_sight(self, why: str) -> None:
+        """Say why there is no picture."""
+        self._camera.show_notice(why)
+
+    def scroll_lines(self, lines: int) -> None:
+        """Scroll the pane that is meant; the conversation, where that is none of text."""
+        self._scrolled.scroll_lines(lines)
+
+    def scroll_page(self, step: int) -> None:
+        """By as much as it shows."""
+        pane = self._scrolled
+        pane.scroll_lines(step * max(5, pane.size.height - 2))
+
+    @property
+    def _scrolled(self) -> Lines[Any]:
+        body = self._panes.body(self.pane or "conversation")
+        return body if isinstance(body, Lines) else self._conversation
 
     @property
     def typing(self) -> bool:
-        return isinstance(self.focused, Ask)
+        return isinstance(self.focused, Input)
 
     def type(self) -> None:
         """Put the focus where one types."""
         self._ask.begin()
 
+    def show_keys(self) -> None:
+        """Other keys are in use."""
+        self._map.border_subtitle = Content(strings.MAP_KEYS.format(**self._keys))
+        self._timeline.tell(strings.BROWSE.format(**self._keys))
+        self.line.prompt()
+        self._entitle()
+
+    def reword(self) -> None:
+        """Words are in another language now."""
+        self._figures.border_title = strings.PANE_ROBOT
+        self.show_keys()
+        for pane in self.query(Lines):
+            pane.redraw()
+        for part in (self.line, self._floor, self._problem):
+            part.reword()
+        self._camera.refresh()
+        self._mic.refresh()
+        self._warn_if_tiny()
+
+    def _entitle(self) -> None:
+        self._panes.entitle(self._keys)
+
+    @property
+    def floor(self) -> FloorView:
+        """The map."""
+        return self._floor
+
+    @property
+    def line(self) -> Ask:
+        """Where requests are typed."""
+        return self._ask.line
+
+    async def cover(self, panel: Palette | Form) -> None:
+        """Show a panel over everything, which gets the keyboard before the next key is dealt out."""
+        await self.uncover()
+        self._over = panel
+        await self.mount(panel)
+        panel.begin()
+
+    async def uncover(self) -> bool:
+        """Take the panel away; False when there is none."""
+        panel, self._over = self._over, None
+        if panel is None or not panel.is_attached:
+            return False
+        self.set_focus(None)
+        await panel.remove()
+        return True
+
     def on_resize(self, event: events.Resize) -> None:
         layout = layout_for(*event.size)
-        for name in ("tiny", "compact", "wide"):
+        if self._over is not None and self._over.is_attached:
+            self._over.place()
+        for name in ("tiny", "narrow", "wide"):
             self.set_class(name == layout, f"-{name}")
+        self.set_class(layout in ("narrow", "compact"), "-compact")
         self.set_class(event.size.height < SHORT_ROWS, "-short")
-        if layout == "tiny":
-            text = too_small(*event.size, stop=self._keys["interrupt"], leave=self._keys["leave"])
+        self.set_class(event.size.height >= TALL_ROWS, "-tall")
+        self._panes.settle()
+        self._panes.share()
+        self._warn_if_tiny()
+
+    def _warn_if_tiny(self) -> None:
+        if self.has_class("-tiny"):
+            text = too_small(*self.size, stop=self._keys["interrupt"], leave=self._keys["leave"])
             self.query_one("#too-small", Static).update(text)
 
 
-def _titled(pane: Pane, title: str) -> Pane:
+def _titled(pane: Titled, title: str) -> Titled:
     pane.border_title = title
     return pane
 
 
 def _microphone(parts: Sequence[PartStatus], started: bool) -> tuple[str, bool]:
     """What the microphone's row says while nobody listens, and whether that is bad news."""
-    state = next((part.state for part in parts if part.name == "microphone"), "loading")
-    if not started or state == "loading":
+    part = next((part for part in parts if part.name == "microphone"), None)
+    if not started or part is None or part.state == "loading":
         return strings.MIC_LOADING, False
-    if state == "ready":
-        return strings.MIC_IDLE, False
+    if part.state == "ready" and any(ears.name == "recogniser" and ears.state == "loading" for ears in parts):
+        return f"{strings.LOADING} · {strings.PART_WORDS['recogniser']}", False  # a wake waits for it
+    if part.state == "ready":
+        return f"{strings.MIC_IDLE} · {told(part.detail)}" if part.detail else strings.MIC_IDLE, False
     return strings.NO_MICROPHONE, True

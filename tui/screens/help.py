@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
@@ -10,8 +10,9 @@ from textual.content import Content
 from textual.screen import Screen
 from textual.widgets import Static
 
-from tui import strings
-from tui.keys import KEYS
+from tui.keys.keys import KEYS, MAP_KEYS, SETTING_KEYS, TURN_KEYS, Key
+from tui.words import strings
+from tui.words.widths import right
 
 
 class HelpScreen(Screen[None]):
@@ -28,11 +29,34 @@ class HelpScreen(Screen[None]):
     def compose(self) -> ComposeResult:
         with VerticalScroll(id="page", can_focus=False) as page:
             page.border_title = f"{strings.NAME} · {strings.HELP_TITLE}"
-            page.border_subtitle = strings.HELP_LEAVE.format(help=self._keys["help"], stop=self._keys["interrupt"])
-            for key in KEYS:
-                gutter = Content.styled(f"{self._keys[key.id]:>10}  ", "bold $text-accent")
-                yield Static(gutter, classes="key", markup=False)
-                yield Static(key.about, classes="about", markup=False)
+            page.border_subtitle = Content(strings.HELP_LEAVE.format(**self._keys))
+            yield Static(right(strings.HELP_BEGIN, 10), classes="key", markup=False)
+            begin = "\n".join((strings.WELCOME, *strings.TOUR)).format(**self._keys)
+            yield Static(f"{begin}\n", classes="about", markup=False)
+            yield from self._listed(KEYS)
             signs = [part for sign, word in strings.SIGN_WORDS for part in ((f"{sign} ", "bold"), (f"{word}  ", ""))]
-            yield Static(strings.HELP_SIGNS.rjust(10), classes="key", markup=False)
+            yield Static(right(strings.HELP_SIGNS, 10), classes="key", markup=False)
             yield Static(Content.assemble(*signs), classes="about", markup=False)
+            for title, keys in (
+                (strings.HELP_MAP, MAP_KEYS),
+                (strings.HELP_TURN, TURN_KEYS),
+                (strings.HELP_SETTINGS, SETTING_KEYS),
+            ):
+                yield Static("", classes="key", markup=False)
+                yield Static(Content.styled(title, "bold $text-primary"), classes="about part", markup=False)
+                yield from self._listed(keys)
+
+    def _listed(self, keys: Sequence[Key]) -> ComposeResult:
+        for key in keys:
+            gutter = Content.styled(f"{right(self._keys[key.id], 10)}  ", "bold $text-accent")
+            yield Static(gutter, classes="key", markup=False)
+            yield Static(key.about, classes="about", markup=False)
+
+    def reword(self) -> None:
+        """Words are in another language now."""
+        self.refresh(recompose=True)
+
+    def scroll_page(self, step: int) -> None:
+        """Show what there is no room for."""
+        page = self.query_one("#page", VerticalScroll)
+        page.scroll_to(y=page.scroll_y + step * max(1, page.size.height - 2), animate=False)

@@ -1,7 +1,8 @@
-"""The line to type in, with the memory of a shell."""
+"""The line to type in, with the memory of a shell and a guess at what comes next."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from typing import ClassVar
 
 from textual import events
@@ -9,19 +10,24 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
 from textual.message import Message
+from textual.suggester import Suggester
 from textual.widgets import Input, Static
 
-from tui import strings
+from tui.widgets.completion import Completion
+from tui.words import strings
+from tui.words.hints import fitting
 
 _MAX_HISTORY = 200
 
 
 class Ask(Input):
-    """Sends what was typed; up and down recall it. Enter on an empty line leaves."""
+    """Sends what was typed; up and down recall it, right and tab take what is suggested. Enter on an empty line
+    leaves."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("up", "recall(-1)", show=False),
         Binding("down", "recall(1)", show=False),
+        Binding("tab", "complete", show=False),
     ]
 
     class Asked(Message):
@@ -31,12 +37,76 @@ class Ask(Input):
             super().__init__()
             self.text = text
 
-    def __init__(self) -> None:
-        super().__init__(placeholder=strings.PLACEHOLDER, compact=True, max_length=1000)
+    def __init__(self, keys: Mapping[str, str]) -> None:
+        """``keys`` are the keys in use by action id, as they are shown to people."""
+        super().__init__(
+            placeholder=strings.PLACEHOLDER.format(**keys),
+            compact=True,
+            max_length=1000,
+            suggester=Guess(lambda text: self._completion.rest(text, self._history)),
+        )
+        self._keys = keys
+        self._early = ""  # what has to be loaded before a request is begun
         self.cursor_blink = False  # a blinking cursor is traffic while nothing happens
         self._history: list[str] = []
         self._at = 0  # place in the history; its length stands for the line being written
         self._draft = ""
+        self._completion = Completion(phrases=strings.PHRASES)
+
+    @property
+    def history(self) -> Sequence[str]:
+        """What was sent, the newest last."""
+        return self._history
+
+    def remember(self, earlier: Sequence[str]) -> None:
+        """Put what was sent in earlier sessions before what was in this one."""
+        self._history = [*earlier, *self._history][-_MAX_HISTORY:]
+        self._at = len(self._history)
+
+    def know(self, names: Sequence[str]) -> None:
+        """Complete these names from now on."""
+        self._completion = Completion(tuple(names), strings.PHRASES)
+
+    def reword(self) -> None:
+        """Words are in another language now."""
+        self._completion = Completion(self._completion.names, strings.PHRASES)
+        self.prompt()
+
+    def wait_for(self, parts: str) -> None:
+        """A request waits until these have been loaded, for people; empty: for nothing."""
+        if parts != self._early:
+            self._early = parts
+            self.prompt()
+
+    def prompt(self, *, typing: bool | None = None) -> None:
+        """Say in the empty line what it is for; while somebody is in it (``typing``), what its keys do."""
+        if self.has_focus if typing is None else typing:
+            self.placeholder = fitting(strings.PLACEHOLDER_TYPING.format(**self._keys), self.size.width - 1)
+        elif self._early:
+            self.placeholder = strings.PLACEHOLDER_EARLY.format(**self._keys, parts=self._early)
+        else:
+            self.placeholder = strings.PLACEHOLDER.format(**self._keys)
+
+    def on_resize(self) -> None:
+        self.prompt()
+
+    def write(self, text: str) -> None:
+        """Put a request into the line, for somebody to send."""
+        self.value = text
+        self.cursor_position = len(text)
+
+    async def _on_key(self, event: events.Key) -> None:
+        """As Textual's, but no request begins with a slash: somebody pressed the key for typing once more."""
+        if event.character == "/" and not self.value:
+            event.stop()
+            event.prevent_default()
+            return
+        await super()._on_key(event)
+
+    def action_complete(self) -> None:
+        """Take what is suggested; a line is not left by this key."""
+        if self.cursor_at_end and self._suggestion:
+            self.action_cursor_right()
 
     async def action_submit(self) -> None:
         text = self.value.strip()
@@ -59,23 +129,40 @@ class Ask(Input):
 
     def _on_focus(self, event: events.Focus) -> None:
         super()._on_focus(event)
-        self.placeholder = strings.PLACEHOLDER_TYPING
+        self.prompt(typing=True)
 
     def _on_blur(self, event: events.Blur) -> None:
         super()._on_blur(event)
-        self.placeholder = strings.PLACEHOLDER
+        self.prompt(typing=False)
+
+
+class Guess(Suggester):
+    """Suggests how a line goes on, written behind it in grey."""
+
+    def __init__(self, rest: Callable[[str], str]) -> None:
+        super().__init__(use_cache=False, case_sensitive=True)
+        self._rest = rest
+
+    async def get_suggestion(self, value: str) -> str | None:
+        rest = self._rest(value)
+        return value + rest if rest else None
 
 
 class AskLine(Horizontal):
     """The prompt sign and the line."""
 
-    def __init__(self) -> None:
+    def __init__(self, keys: Mapping[str, str]) -> None:
         super().__init__()
-        self._ask = Ask()
+        self._ask = Ask(keys)
 
     def compose(self) -> ComposeResult:
         yield Static(" › ", id="prompt", markup=False)
         yield self._ask
+
+    @property
+    def line(self) -> Ask:
+        """What one types in."""
+        return self._ask
 
     def begin(self) -> None:
         """Put the focus where one types."""

@@ -2,53 +2,68 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
+from rich.cells import cell_len
 from textual.content import Content
 
-from tui import strings
-from tui.facts import Line
-from tui.model import ConsoleModel
+from tui.shown.facts import Line
+from tui.shown.model import ConsoleModel
 from tui.widgets.lines import Drawn, Lines
+from tui.words import strings
+from tui.words.language import told
+from tui.words.widths import left, right
 
 _GUTTER: Final = 7
 _STYLES: Final = {
-    "you": (f"{strings.YOU:>5}  ", "$text-primary", "$foreground"),
-    "robot": (f"{strings.ROBOT:>5}  ", "$text-success", "$foreground"),
-    "unheard": ("    ∅  ", "$foreground 60%", "italic $foreground 60%"),
-    "mark": ("    ■  ", "$text-warning", "$foreground 60%"),
-    "done": ("    ✓  ", "$text-success", "$foreground 60%"),
-    "problem": ("    ✗  ", "$text-error", "$foreground"),
-    "partial": (f"{strings.YOU:>5}  ", "$text-primary", "italic $foreground 60%"),
-    "hint": (" " * _GUTTER, "", "$foreground 60%"),
-    "welcome": ("    ○  ", "$text-primary", "$foreground"),
+    "you": ("", "$text-primary", "$foreground"),
+    "robot": ("", "$text-success", "$foreground"),
+    "unheard": ("∅", "$foreground 60%", "italic $foreground 60%"),
+    "mark": ("■", "$text-warning", "$foreground 60%"),
+    "done": ("✓", "$text-success", "$foreground 60%"),
+    "problem": ("✗", "$text-error", "$foreground"),
+    "partial": ("", "$text-primary", "italic $foreground 60%"),
+    "hint": (" ", "", "$foreground 60%"),
+    "welcome": ("○", "$text-primary", "$foreground"),
 }
 
 
 class Conversation(Lines[tuple[str, str, str]]):
-    """The transcript, oldest first; words still being heard stand last, in italics."""
+    """The transcript, oldest first; words still being heard stand last, those that may still change in italics."""
 
-    def update_from(self, model: ConsoleModel, welcome: str) -> None:
-        """Show the model's conversation, or ``welcome``, which says how to begin one."""
+    def update_from(self, model: ConsoleModel, welcome: Sequence[str]) -> None:
+        """Show the model's conversation, or the lines of ``welcome``, which say how to begin one."""
         items = [_item(line) for line in model.conversation]
         if model.partial:
-            items.append(("partial", model.partial + " …", ""))
-        if not items:
-            items = [("welcome", welcome, ""), ("hint", "", "")]
+            from engine.asr.agreement import first_words  # expressions that nothing needs before the first picture
+
+            certain = first_words(model.partial, model.stable) if model.stable else ""
+            items.append(("partial", certain, f"{model.partial.removeprefix(certain)} …"))
+        begun = model.partial or any(line.who != "mark" for line in model.conversation)
+        if not begun:  # whatever else has happened, somebody may sit here for the first time
+            items += [*(("welcome", line, "") for line in welcome), ("hint", "", "")]
             items += [
-                ("hint", f"{strings.TRY if not number else ' ' * len(strings.TRY)}  {example}", "")
+                ("hint", f"{strings.TRY if not number else ' ' * cell_len(strings.TRY)}  {example}", "")
                 for number, example in enumerate(strings.EXAMPLES)
             ]
-        self.show(items, matters=None if model.conversation or model.partial else 0)
+        self.show(items, matters=None if begun else len(model.conversation))
 
     def drawn(self, item: tuple[str, str, str]) -> Drawn:
         kind, text, note = item
-        gutter, sign_style, text_style = _STYLES[kind]
+        sign, sign_style, text_style = _STYLES[kind]
+        who = sign or (strings.ROBOT if kind == "robot" else strings.YOU)
+        gutter = left(right(who, _GUTTER - 2), _GUTTER)
+        if kind == "partial":
+            return Drawn(
+                Content.styled(gutter, sign_style), Content.assemble((text, "$foreground"), (note, text_style))
+            )
         body = Content.styled(text, text_style)
         if note:
-            body = Content.assemble(body, (f"  {note}", "$foreground 40%"))
+            body = Content.assemble(body, (f"  {note}", "$foreground 60%"))
         return Drawn(Content.styled(gutter, sign_style), body)
 
 
 def _item(line: Line) -> tuple[str, str, str]:
-    return line.who, line.text, line.note
+    ours = line.who in ("done", "problem")
+    return line.who, told(line.text) if ours else line.text, strings.REASONS.get(line.note, line.note)

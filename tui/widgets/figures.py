@@ -6,10 +6,15 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
+from rich.cells import cell_len
+from textual import events
 from textual.content import Content
 
-from tui import strings
+from tui.plan.chart import posture
+from tui.terminal.link import LinkFigures
 from tui.widgets.lines import Drawn, Lines
+from tui.words import strings
+from tui.words.language import told
 
 if TYPE_CHECKING:
     from engine.handle import PartStatus
@@ -17,12 +22,12 @@ if TYPE_CHECKING:
     from engine.robot.robot import RobotState
 
 _PART_SIGNS: Final = {
-    "ready": ("✓", "$text-success"),
-    "loading": ("◌", "$text-primary"),
-    "missing": ("–", "$text-warning"),
     "failed": ("✗", "$text-error"),
+    "missing": ("–", "$text-warning"),
+    "loading": ("◌", "$text-primary"),
+    "ready": ("✓", "$text-success"),
 }
-_WIDE: Final = 50
+WIDE: Final = 50
 """Columns from which all figures fit in two lines, and all parts in one."""
 
 Piece = tuple[str, str]
@@ -32,11 +37,28 @@ Piece = tuple[str, str]
 class Figures(Lines[tuple[Piece, ...]]):
     """Pose, speed and gripper, rounded to what can be read, and one line about the parts."""
 
+    _given: tuple[RobotState | None, Sequence[PartStatus], Thing | None] = (None, (), None)
+
     def update_from(self, robot: RobotState | None, parts: Sequence[PartStatus], held: Thing | None = None) -> None:
         """``held`` is what the gripper holds."""
-        wide = self.size.width >= _WIDE
+        self._given = robot, parts, held
+        self._arrange()
+
+    def on_resize(self, event: events.Resize) -> None:
+        self._arrange()
+        super().on_resize(event)
+
+    def _arrange(self) -> None:
+        robot, parts, held = self._given
+        wide = self.size.width >= WIDE
         lines = [((strings.NO_ROBOT, "$foreground 60%"),)] if robot is None else figure_lines(robot, wide, held)
-        self.show([*lines, part_line(parts, wide)], matters=0)
+        self.show([*lines, part_line(parts, wide, self.size.width)], matters=0)
+
+    def tell(self, link: LinkFigures | None) -> None:
+        """Say in the frame how good the line to the terminal is."""
+        subtitle = "" if link is None else link_words(link)
+        if subtitle != (self.border_subtitle or ""):
+            self.border_subtitle = subtitle
 
     def drawn(self, item: tuple[Piece, ...]) -> Drawn:
         return Drawn(Content(""), Content.assemble(*item), nowrap=True)
@@ -50,35 +72,57 @@ def figure_lines(robot: RobotState, wide: bool, held: Thing | None = None) -> li
     speed = _figure(strings.SPEED, f"{math.hypot(twist.vx, twist.vy):.2f} m/s")
     turning = _figure(strings.TURNING, f"{_plain(math.degrees(twist.wz), 0):>4}°/s")
     grip = strings.OPEN if robot.gripper > 0.8 else strings.CLOSED if robot.gripper < 0.1 else strings.HALF_OPEN
+    how = posture(robot)
+    arm = () if how == "folded" else _figure(strings.ARM, strings.ARM_WORDS[how])
     holding_back = robot.halted or robot.blocked
     if holding_back:
-        state: Piece = (f"▲ {holding_back}", "bold $text-warning")
+        state: Piece = (f"▲ {told(holding_back)}", "bold $text-warning")
     else:
         state = (
             (f"▸ {strings.MOVING}", "$text-success") if robot.moving else (f"○ {strings.AT_REST}", "$foreground 60%")
         )
-    gripper = _figure(strings.GRIPPER, grip) if held is None else ((f"◆ {held.name}", "$text-accent"),)
+    gripper = _figure(strings.GRIPPER, grip) if held is None else ((f"◆ {told(held.name)}", "$text-accent"),)
     if wide:
-        return [(*x, *y, *heading, *gripper), (*speed, *turning, state)]
-    return [(*x, *y), (*heading, *speed), (state,) if held is None else (state, ("  ", ""), *gripper)]
+        return [(*x, *y, *heading, *gripper), (*speed, *turning, *arm, state)]
+    doing = (state, ("  ", ""), *arm) if arm else (state,)
+    return [(*x, *y), (*heading, *speed), doing if held is None else (*doing, ("  ", ""), *gripper)]
 
 
-def part_line(parts: Sequence[PartStatus], wide: bool) -> tuple[Piece, ...]:
-    """How the engine's parts are: all of them, or on little space what is not ready."""
+def link_words(link: LinkFigures) -> str:
+    """The line in figures: how late, how much, how often."""
+    if not link.reports:
+        delay = strings.LINK_SILENT
+    else:
+        delay = strings.LINK_DELAY.format("–" if link.delay is None else round(1000 * link.delay))
+    return f"{delay} · " + strings.LINK_RATES.format(link.bytes_per_s / 1000, link.frames_per_s)
+
+
+def part_line(parts: Sequence[PartStatus], wide: bool, columns: int) -> tuple[Piece, ...]:
+    """How the engine's parts are: all of them, or on little space what is not ready. What is wrong comes first."""
     if not parts:
         return (("◌ ", "$text-primary"), (strings.ENGINE_STARTING, "$foreground 60%"))
+    telling = next((part for part in parts if part.state == "loading" and part.detail), None)
+    if telling is not None and all(part.state != "failed" for part in parts):  # how far it is, which may take minutes
+        sign, style = _PART_SIGNS["loading"]
+        return ((f"{sign} ", style), (_pair(strings.PART_WORDS[telling.name], told(telling.detail)), "$foreground 60%"))
     if wide:
         pieces: list[Piece] = []
-        for part in parts:
-            sign, style = _PART_SIGNS[part.state]
-            pieces += [(f"{sign} ", style), (f"{strings.PART_WORDS[part.name]}  ", "$foreground 60%")]
+        for state, (sign, style) in _PART_SIGNS.items():  # one sign for all that are alike: six names fill the line
+            if names := [strings.PART_WORDS[part.name] for part in parts if part.state == state]:
+                pieces += [(f"{sign} ", style), (f"{' '.join(names)}  ", "$foreground 60%")]
+        if pieces[-2][0] == "✓ " and sum(cell_len(text) for text, _ in pieces) > columns + 2:
+            pieces[-1] = (strings.OTHERS_READY if len(pieces) > 2 else strings.ALL_READY, "$foreground 60%")
         return tuple(pieces)
     for state, word in (("failed", strings.BROKEN.lower()), ("loading", strings.LOADING), ("missing", strings.MISSING)):
         names = [strings.PART_WORDS[part.name] for part in parts if part.state == state]
         if names:
             sign, style = _PART_SIGNS[state]
-            return ((f"{sign} ", style), (f"{word}: {', '.join(names)}", "$foreground 60%"))
+            return ((f"{sign} ", style), (_pair(word, strings.COMMA.join(names)), "$foreground 60%"))
     return (("✓ ", "$text-success"), (strings.ALL_READY, "$foreground 60%"))
+
+
+def _pair(what: str, how: str) -> str:
+    return f"{what}{strings.COLON}{how}"
 
 
 def _figure(name: str, value: str) -> tuple[Piece, Piece]:

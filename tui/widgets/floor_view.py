@@ -1,37 +1,55 @@
 """The map from above: the floor plan stays; the way, what was seen, and the robot move over it, and only their cells
-are redrawn."""
+are redrawn. Whoever has the focus here looks closer, points at something, and can send the robot there, which is asked
+once more: a slip of the finger moves nothing."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, ClassVar
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, ClassVar, Final
 
+from rich.color import Color, blend_rgb
 from rich.segment import Segment
 from rich.style import Style
 from textual import events
+from textual.binding import BindingType
+from textual.content import Content
 from textual.geometry import Region
+from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
-from tui import floor, strings
-from tui.floor import Cell, Frame
-from tui.themes import THING_COLOURS
+from tui.keys.bindings import MAP_BINDINGS
+from tui.looks.themes import THING_COLOURS
+from tui.plan import chart, floor
+from tui.plan.chart import Moving, Overlay, Spot
+from tui.plan.floor import Cell, Frame
+from tui.plan.targets import Target, pointed_at, targets
+from tui.plan.viewport import Viewport
+from tui.words import strings
+from tui.words.language import told
+from tui.words.widths import centred
 
 if TYPE_CHECKING:
     from config.schema import Place
-    from engine.perception.memory import Thing
-    from engine.robot.robot import FloorMap, Pose
+    from engine.robot.floor_map import FloorMap
+    from engine.robot.robot import Scan
 
-Overlay = dict[tuple[int, int], Cell]
-Sign = tuple[tuple[float, float], str, str]
-"""Where (map frame, m), which character, and the word for its colour."""
+SCAN_PERIOD_S: Final = 0.5
+"""Robot time between two scans that are shown: the walls that are lit change with each, and every change is sent."""
+_FADES: Final = (1.0, 0.8, 0.6, 0.45)
+"""How much of its colour a thing has left, by the steps that it has faded."""
+_GRASP: Final = 1.5
+"""Cells around the cursor within which a target is meant."""
 
 
-class FloorView(Widget, can_focus=False):
+class FloorView(Widget, can_focus=True):
     """Rooms, furniture, places, the planned way in braille, things that were seen in their own colours, and the robot
-    as an arrow that shows its heading."""
+    as an arrow that shows its heading. The last line belongs to the cursor while there is one."""
 
     ALLOW_SELECT = False
+    BINDINGS: ClassVar[list[BindingType]] = MAP_BINDINGS
     COMPONENT_CLASSES: ClassVar[set[str]] = {
         "floor--outside",
         "floor--floor",
@@ -40,75 +58,109 @@ class FloorView(Widget, can_focus=False):
         "floor--label",
         "floor--place",
         "floor--path",
+        "floor--trail",
+        "floor--scan",
+        "floor--seen",
         "floor--robot",
+        "floor--hand",
+        "floor--cursor",
         "floor--hint",
+        "floor--caption",
+        "floor--question",
     }
+
+    class Chosen(Message):
+        """Somebody wants the robot to go there, and has said so twice."""
+
+        def __init__(self, request: str) -> None:
+            super().__init__()
+            self.request = request
 
     def __init__(self) -> None:
         super().__init__()
         self._map: FloorMap | None = None
         self._places: Mapping[str, Place] = {}
-        self._pose: Pose | None = None
-        self._path: tuple[tuple[float, float], ...] = ()
-        self._signs: tuple[Sign, ...] = ()
+        self._moving = Moving()
+        self._scan: Scan | None = None
+        self._viewport = Viewport()
+        self._whole: Frame | None = None
         self._frame: Frame | None = None
         self._cells: list[list[Cell]] = []
         self._overlay: Overlay = {}
-        self._styles: dict[tuple[str, str], Style] = {}
+        self._styles: dict[tuple[str, str, int], Style] = {}
+        self._cursor: Spot | None = None
+        self._asked: Target | None = None  # where to go: the question that stands…
+        self._answering: Target | None = None  # …when the key that acts now was pressed
+
+    @property
+    def viewport(self) -> Viewport:
+        """Which part of the map is shown."""
+        return self._viewport
 
     def show_map(self, floor_map: FloorMap, places: Mapping[str, Place]) -> None:
         """Set what stays."""
         if floor_map is not self._map:
             self._map, self._places = floor_map, places
+            self._measure()
+
+    def show_moving(self, moving: Moving, scan: Scan | None = None) -> None:
+        """Set what moves; marks only the cells that differ. Scans are taken no oftener than they can be sent."""
+        (seen, loose), robot = (self._moving.seen, self._moving.loose), moving.robot
+        if robot is None or scan is None:
+            seen, loose = (), ()
+        elif self._map is not None and (self._scan is None or abs(scan.t - self._scan.t) >= SCAN_PERIOD_S):
+            self._scan, (seen, loose) = scan, chart.hits(scan, robot, self._map)
+        self._moving = replace(moving, seen=seen, loose=loose, cursor=self._cursor)
+        if self._viewport.follows and self._whole is not None and (here := self._robot_spot) is not None:
+            self._look(self._viewport.showing(here, self._whole))
+        self._update()
+
+    # Drawing
+
+    def _measure(self) -> None:
+        """Find the frame of the whole map for the present size, and draw."""
+        self._whole = None
+        if self._map is not None and self.size.width > 1 and self.size.height > 1:
+            self._whole = floor.fit(self._map, self.size.width, self.size.height)
+        self._redraw()
+
+    def _look(self, viewport: Viewport) -> None:
+        if viewport != self._viewport:
+            self._viewport = viewport
             self._redraw()
 
-    def show_robot(
-        self, pose: Pose | None, path: tuple[tuple[float, float], ...], things: Sequence[Thing] = (), now: float = 0.0
-    ) -> None:
-        """Set what moves, and what is remembered at robot time ``now``; marks only the cells that differ."""
-        self._pose, self._path = pose, path
-        self._signs = tuple((thing.position[:2], floor.thing_sign(thing, now), thing.colour) for thing in things)
-        overlay = self._overlaid()
-        old, self._overlay = self._overlay, overlay
-        for row, column in {at for at in old.keys() | overlay.keys() if old.get(at) != overlay.get(at)}:
-            self.refresh(Region(column, row, 1, 1))
-
     def _redraw(self) -> None:
-        """Draw the plan anew for the present size."""
+        """Draw the plan anew."""
         self._frame = None
-        if self._map is not None and self.size.width > 1 and self.size.height > 1:
-            self._frame = floor.fit(self._map, self.size.width, self.size.height)
+        if self._map is not None and self._whole is not None:
+            self._frame = self._viewport.within(self._whole)
             self._cells = floor.draw(self._map, self._places, self._frame)
         self._overlay = self._overlaid()
         self.refresh()
 
+    def _update(self) -> None:
+        """Mark the cells that differ from what is shown."""
+        overlay = self._overlaid()
+        old, self._overlay = self._overlay, overlay
+        for row, column in {at for at in old.keys() | overlay.keys() if old.get(at) != overlay.get(at)}:
+            plan = self._cells[row]
+            first = column if plan[column].char else column - 1  # a wide character changes as a whole
+            last = column if plan[column + 1 : column + 2] == [] or plan[column + 1].char else column + 1
+            self.refresh(Region(first, row, last - first + 1, 1))
+
     def _overlaid(self) -> Overlay:
-        frame = self._frame
-        if frame is None:
-            return {}
-        path = self._path if self._pose is None else floor.ahead(self._path, self._pose.x, self._pose.y)
-        overlay: Overlay = {}
-        for (row, column), char in floor.way(path, frame).items():
-            under = self._cells[row][column]
-            if under.ink != "place":
-                overlay[row, column] = Cell(char, "path", under.ground)
-        for (x, y), sign, colour in self._signs:
-            if (at := frame.cell(x, y)) is not None:
-                overlay[at] = Cell(sign, "thing", self._cells[at[0]][at[1]].ground, colour)
-        at = frame.cell(self._pose.x, self._pose.y) if self._pose is not None else None
-        if at is not None and self._pose is not None:
-            overlay[at] = Cell(floor.arrow(self._pose.yaw), "robot", "floor")
-        return overlay
+        return {} if self._frame is None else chart.overlay(self._moving, self._frame, self._cells)
 
     def render_line(self, y: int) -> Strip:
         width = self.size.width
         if self._frame is None or y >= len(self._cells):
-            text = strings.NO_MAP.center(width) if y == self.size.height // 2 else " " * width
-            return Strip([Segment(text[:width], self.get_component_rich_style("floor--hint"))], width)
+            text = centred(strings.NO_MAP, width) if y == self.size.height // 2 else " " * width
+            return Strip([Segment(text, self.get_component_rich_style("floor--hint"))], width)
+        if self._cursor is not None and y == self.size.height - 1:
+            return self._captioned(width)
         segments: list[Segment] = []
         text, style = "", Style.null()
-        for column, cell in enumerate(self._cells[y]):
-            cell = self._overlay.get((y, column), cell)
+        for cell in self._row(y):
             its_style = self._style(cell)
             if its_style is not style:
                 segments.append(Segment(text, style))
@@ -116,25 +168,54 @@ class FloorView(Widget, can_focus=False):
             text += cell.char
         return Strip([*segments, Segment(text, style)], width)
 
+    def _row(self, y: int) -> list[Cell]:
+        """The cells of a line as they are shown: of a wide character that is half covered, nothing is left."""
+        row = [self._overlay.get((y, column), cell) for column, cell in enumerate(self._cells[y])]
+        for column, cell in enumerate(self._cells[y]):
+            if not cell.char and len({(y, column - 1), (y, column)} & self._overlay.keys()) == 1:
+                left = column - 1 if (y, column) in self._overlay else column
+                row[left] = replace(row[left], char=" ")
+        return row
+
+    def _captioned(self, width: int) -> Strip:
+        """What the cursor points at, or the question whether to go there."""
+        kind, text = "caption", ""
+        if self._asked is not None:
+            kind, text = "question", strings.GO_THERE.format(told(self._asked.name))
+        elif (target := self.pointed) is not None:
+            text = f"{target.about}  {strings.ENTER_GOES if target.name else strings.NO_WAY_TO_SAY}"
+        style = self.get_component_rich_style(f"floor--{kind}")
+        return Strip([Segment(Content(f" {text}").truncate(width, ellipsis=True, pad=True).plain, style)], width)
+
     def _style(self, cell: Cell) -> Style:
         key = (
-            (cell.colour or cell.ink) if cell.char != " " else "label",
+            (cell.colour or cell.ink) if cell.char != " " or cell.ink == "cursor" else "label",
             cell.ground,
+            cell.fade,
         )  # blank cells join to one run, whatever their ink
         if key not in self._styles:
             ground = self.get_component_rich_style(f"floor--{cell.ground}")
             if cell.colour:
-                self._styles[key] = Style(color=THING_COLOURS.get(cell.colour, "#808080"), bgcolor=ground.bgcolor)
+                colour = Color.parse(THING_COLOURS.get(cell.colour, "#808080"))
+                assert colour.triplet is not None
+                if ground.bgcolor is not None and ground.bgcolor.triplet is not None:
+                    mixed = blend_rgb(ground.bgcolor.triplet, colour.triplet, _FADES[cell.fade])
+                    colour = Color.from_triplet(mixed)
+                self._styles[key] = Style(color=colour, bgcolor=ground.bgcolor)
                 return self._styles[key]
             ink = self.get_component_rich_style(f"floor--{key[0]}")
-            if key[0] == "robot":
+            if key[0] in ("robot", "cursor"):
                 self._styles[key] = ink
             else:
-                color = ink.bgcolor if key[0] in ("wall", "furniture") else ink.color
+                color = ink.bgcolor if key[0] in ("wall", "furniture", "seen") else ink.color
                 self._styles[key] = Style(color=color, bold=ink.bold, bgcolor=ground.bgcolor)
         return self._styles[key]
 
     def on_resize(self, event: events.Resize) -> None:
+        self._measure()
+
+    def reword(self) -> None:
+        """Names are in another language now."""
         self._redraw()
 
     def notify_style_update(self) -> None:
@@ -142,3 +223,128 @@ class FloorView(Widget, can_focus=False):
         super().notify_style_update()
         self._styles = {}
         self.refresh()
+
+    # Pointing
+
+    @property
+    def _robot_spot(self) -> Spot | None:
+        """Where the robot is, if it is anywhere."""
+        robot = self._moving.robot
+        if robot is None or not (math.isfinite(robot.pose.x) and math.isfinite(robot.pose.y)):
+            return None
+        return robot.pose.x, robot.pose.y
+
+    @property
+    def pointed(self) -> Target | None:
+        """What the cursor points at."""
+        if self._cursor is None or self._map is None or self._frame is None:
+            return None
+        reach = _GRASP * self._frame.cell_width
+        return pointed_at(*self._cursor, reach, self._known, self._map, self._places)
+
+    @property
+    def _known(self) -> tuple[Target, ...]:
+        return targets(self._places, self._moving.things, self._moving.now)
+
+    def _point(self, spot: Spot | None, *, asked: Target | None = None) -> None:
+        self._cursor, self._asked = spot, asked
+        self._moving = replace(self._moving, cursor=spot)
+        if spot is not None and self._whole is not None and self._frame is not None:
+            row = self._frame.at(*spot)[1]
+            if self._frame.cell(*spot) is None or row >= self._frame.rows - 1:  # the last line is the cursor's own
+                self._look(self._viewport.showing(spot, self._whole))
+        self._update()
+        self._refresh_caption()
+
+    def _refresh_caption(self) -> None:
+        self.refresh(Region(0, self.size.height - 1, self.size.width, 1))
+
+    def begin(self) -> None:
+        """There is a cursor from now on, where the robot is; before the next key, which may be there already."""
+        if self._cursor is None:
+            self._point(self._robot_spot or (0.0, 0.0))
+
+    def on_focus(self) -> None:
+        self.begin()
+
+    def on_blur(self) -> None:
+        self._point(None)
+
+    def on_key(self) -> None:
+        """Before the key acts: any of them takes the question back, unless it is the answer."""
+        self._answering, self._asked = self._asked, None
+        if self._answering is not None:
+            self._refresh_caption()
+
+    def action_map_cursor(self, right: int, up: int) -> None:
+        """Move the cursor by so many cells; it stays on the map."""
+        if self._cursor is None or self._frame is None or self._whole is None:
+            return
+        x, y = self._cursor[0] + right * self._frame.cell_width, self._cursor[1] + up * self._frame.cell_height
+        if self._whole.cell(x, y) is not None:
+            self._point((x, y))
+
+    def action_map_next(self, step: int) -> None:
+        """Point at the next place or thing, or at the one before."""
+        known = self._known
+        if not known or self._cursor is None:
+            return
+        at = next((n for n, target in enumerate(known) if (target.x, target.y) == self._cursor), None)
+        following = (0 if step > 0 else len(known) - 1) if at is None else (at + step) % len(known)
+        self._point((known[following].x, known[following].y))
+
+    def action_map_go(self) -> None:
+        """Ask whether to go where the cursor is; asked, go."""
+        if self._answering is not None:
+            self.post_message(self.Chosen(self._answering.request))
+        elif (target := self.pointed) is not None and target.name:
+            self._point(self._cursor, asked=target)
+
+    def action_map_zoom(self, steps: int) -> None:
+        """Look closer, or from farther away: at the cursor, or at the robot where that is followed."""
+        about = self._robot_spot if self._viewport.follows else self._cursor
+        self._look(self._viewport.nearer(steps, about))
+
+    def action_map_pan(self, right: int, up: int) -> None:
+        """Shift what is shown."""
+        if self._whole is not None:
+            self._look(self._viewport.shifted(right, up, self._whole))
+
+    def action_map_follow(self) -> None:
+        """Go along with the robot, or stay."""
+        self._look(self._viewport.following())
+        if self._viewport.follows and (here := self._robot_spot) is not None:
+            self._look(replace(self._viewport, centre=here))
+
+    def action_map_whole(self) -> None:
+        """Show the whole map again."""
+        self._look(Viewport())
+
+    # The mouse
+
+    def on_click(self, event: events.Click) -> None:
+        """Point there and ask; a click on the question is the yes."""
+        if self._frame is None:
+            return
+        self.on_key()
+        if event.y == self.size.height - 1 and self._answering is not None:
+            self.action_map_go()
+            return
+        self._answering = None
+        frame = self._frame
+        self._point((frame.left + (event.x + 0.5) * frame.cell_width, frame.top - (event.y + 0.5) * frame.cell_height))
+        self.action_map_go()
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        self._scrolled(1, event)
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        self._scrolled(-1, event)
+
+    def _scrolled(self, steps: int, event: events.MouseEvent) -> None:
+        """Zoom about what lies under the pointer."""
+        frame = self._frame
+        if frame is not None:
+            spot = (frame.left + event.x * frame.cell_width, frame.top - event.y * frame.cell_height)
+            self._look(self._viewport.nearer(steps, None if self._viewport.follows else spot))
+        event.stop()

@@ -119,14 +119,15 @@ class Lines(Widget, Generic[Item], can_focus=False):
         return strip if strip is not None else Strip.blank(self.size.width, self.rich_style)
 
     def on_resize(self, event: events.Resize) -> None:
-        self._redraw()
+        self.redraw()
 
     def notify_style_update(self) -> None:
         """Colours changed (another theme): what was drawn is stale."""
         super().notify_style_update()
-        self._redraw()
+        self.redraw()
 
-    def _redraw(self) -> None:
+    def redraw(self) -> None:
+        """What was drawn is stale."""
         self._cache = {}
         self._update()
         self.refresh()

@@ -6,9 +6,11 @@ from typing import Final
 
 from textual.content import Content
 
-from tui.facts import LogLine
-from tui.model import ConsoleModel
+from tui.shown.facts import LogLine
+from tui.shown.model import ConsoleModel
 from tui.widgets.lines import Drawn, Lines
+from tui.words import strings
+from tui.words.language import told
 
 _SIGNS: Final = {
     "debug": ("·", "$foreground 40%"),
@@ -26,6 +28,7 @@ class LogView(Lines[LogLine]):
 
     def drawn(self, item: LogLine) -> Drawn:
         sign, style = _SIGNS[item.level]
-        gutter = Content.assemble((f"{item.t:8.2f} ", "$foreground 40%"), (f"{sign} ", style))
-        body = Content.assemble((f"{item.source} ", "$foreground 60%"), (item.message, "$foreground 80%"))
+        gutter = Content.assemble((f"{item.t:8.2f} ", "$foreground 60%"), (f"{sign} ", style))
+        source = strings.SOURCES.get(item.source, item.source)
+        body = Content.assemble((f"{source} ", "$foreground 60%"), (told(item.message), "$foreground 80%"))
         return Drawn(gutter, body)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from textual.content import Content
 from textual.widgets import Static
 
-from tui.facts import Problem
+from tui.shown.facts import Problem
+from tui.words import strings
+from tui.words.language import told
 
 
 class ProblemPanel(Static):
@@ -24,6 +26,11 @@ class ProblemPanel(Static):
         self._problem = problem
         self.display = problem is not None
         if problem is not None:
-            self.border_title = Content(f"✗ {problem.title}")
-            hint = Content.assemble("\n", (problem.hint, "$foreground 60%")) if problem.hint else Content("")
-            self.update(Content.assemble((problem.message, "$foreground"), hint))
+            self.border_title = Content(f"✗ {problem.title or strings.SOMETHING_FAILED}")
+            hint = Content.assemble("\n", (told(problem.hint), "$foreground 60%")) if problem.hint else Content("")
+            self.update(Content.assemble((told(problem.message), "$foreground"), hint))
+
+    def reword(self) -> None:
+        """Words are in another language now."""
+        problem, self._problem = self._problem, None
+        self.update_from(problem)

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
+from rich.cells import cell_len
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Static
 
-from tui import strings
-from tui.model import ConsoleModel
-from tui.terminal import WIDE_COLUMNS
+from tui.shown.readiness import lost, named, waited_for
+from tui.terminal.terminal import WIDE_COLUMNS
+from tui.words import strings
+from tui.words.widths import left
+
+if TYPE_CHECKING:
+    from tui.shown.view import Hint, View
 
 _SIGNS: Final = {
     "IDLE": ("○", "$foreground on $panel"),
@@ -30,43 +34,39 @@ _SIGNS: Final = {
 _STARTING: Final = ("◌", "$foreground on $panel")
 _BROKEN: Final = ("✗", "bold $text on $error")
 _CHIP: Final = 16
-
-
-@dataclass(frozen=True, slots=True)
-class Hint:
-    """A key and its word in the status line."""
-
-    key: str
-    word: str
-    matters: bool
-    urgent: bool = False
-    """The key to reach for: set off by its colour when it matters."""
+_IMPORTANCE: Final = ("wake", "type", "end_task", "leave", "help")
+"""Of the keys by action: those that come last here go first where there is no room for all."""
 
 
 class StatusLine(Horizontal):
-    """Chip, task and keys. ``esc stop`` stands where it stood, whatever the rest says."""
+    """Chip, the key that stops, task, other keys. ``esc stop`` stands where it stood, whatever the rest says."""
 
     def __init__(self) -> None:
         super().__init__()
         self._chip_part = Static(id="chip", markup=False)
+        self._stop_part = Static(id="stop", markup=False)
         self._task_part = Static(id="task", markup=False)
         self._keys_part = Static(id="keys", markup=False)
 
     def compose(self) -> ComposeResult:
         yield self._chip_part
+        yield self._stop_part
         yield self._task_part
         yield self._keys_part
 
-    def update_from(self, model: ConsoleModel, *, started: bool, notice: str, hints: Sequence[Hint]) -> None:
-        """Show state and keys; a ``notice`` stands in the task's place."""
-        _put(self._chip_part, _chip(model, started))
-        _put(
-            self._task_part,
-            Content.styled(f" {notice}", "bold $text-warning")
-            if notice
-            else _task(model, self.size.width >= WIDE_COLUMNS),
-        )
-        _put(self._keys_part, _keys(hints))
+    def update_from(self, view: View) -> None:
+        """Show state and keys; a notice stands in the task's place, and goes before keys."""
+        columns = self.app.size.width  # our own is not known before the first layout
+        stop = _keys([hint for hint in view.hints if hint.urgent])
+        room = columns - _CHIP - stop.cell_length
+        notice = f" {view.notice} " if view.notice else ""
+        others = [hint for hint in view.hints if not hint.urgent]
+        keys = _keys(_fitting(others, room - cell_len(notice)))
+        _put(self._chip_part, _chip(view))
+        _put(self._stop_part, stop)
+        told = Content.styled(notice.rstrip(), "bold $text-warning") if notice else None
+        _put(self._task_part, told or _task(view, columns >= WIDE_COLUMNS, room - keys.cell_length))
+        _put(self._keys_part, keys)
 
 
 def _put(static: Static, content: Content) -> None:
@@ -77,32 +77,52 @@ def _put(static: Static, content: Content) -> None:
     static.update(content, layout=wider)  # a layout that nobody needs would repaint the whole line, and more
 
 
-def _chip(model: ConsoleModel, started: bool) -> Content:
+def _chip(view: View) -> Content:
+    model = view.model
     if model.problem is not None and model.problem.fatal:
         (sign, style), word = _BROKEN, strings.BROKEN
     elif model.ended is not None:
         (sign, style), word = _SIGNS["WAITING"], strings.ENDED
-    elif not started:
+    elif not view.started:
         (sign, style), word = _STARTING, strings.STARTING
+    elif model.state in ("IDLE", "WAITING") and lost(view.parts):
+        (sign, style), word = _BROKEN, strings.BROKEN
+    elif waited_for(model, view.parts):
+        (sign, style), word = _STARTING, strings.LOADS
     else:
-        (sign, style), word = _SIGNS[model.state], strings.STATE_WORDS[model.state]
-    return Content.styled(f" {sign} {word}".ljust(_CHIP), style)
+        thinks = model.state in ("IDLE", "WAITING") and model.plan is not None and model.plan.stage == "thinking"
+        state = "PLANNING" if thinks else model.state  # which the engine enters when it knows how it thinks
+        (sign, style), word = _SIGNS[state], strings.STATE_WORDS[state]
+    return Content.styled(left(f" {sign} {word}", _CHIP), style)
 
 
-def _task(model: ConsoleModel, with_goal: bool) -> Content:
-    parts: list[tuple[str, str]] = [(f" {strings.TASK} {model.cycle}", "$foreground 60%")]
-    if with_goal and model.plan is not None and model.plan.goal:
+def _task(view: View, wide: bool, columns: int) -> Content:
+    """Which task it is, or nothing where that would be cut; on a ``wide`` line also what for, or what it waits for."""
+    model, task = view.model, f" {strings.TASK} {view.model.cycle}"
+    parts: list[tuple[str, str]] = [(task, "$foreground 60%")] if cell_len(task) < columns else []
+    waits = waited_for(model, view.parts) if view.started and model.ended is None else ()
+    if wide and waits:
+        parts.append((f"  {strings.LOADS_PARTS.format(parts=named(waits))}", "$foreground 80%"))
+    elif wide and model.plan is not None and model.plan.goal:
         parts.append((f"  {model.plan.goal}", "$foreground"))
     return Content.assemble(*parts)
+
+
+def _fitting(hints: Sequence[Hint], columns: int) -> list[Hint]:
+    """As many as there is room for, in their order, each as a whole."""
+    there = list(hints)
+    while there and sum(cell_len(hint.text) for hint in there) > columns:
+        there.remove(max(there, key=lambda hint: _IMPORTANCE.index(hint.action)))
+    return there
 
 
 def _keys(hints: Sequence[Hint]) -> Content:
     parts: list[tuple[str, str]] = []
     for hint in hints:
         if not hint.matters:
-            parts.append((f" {hint.key} {hint.word} ", "$foreground 60%"))
+            parts.append((hint.text, "$foreground 60%"))
         elif hint.urgent:
-            parts.append((f" {hint.key} {hint.word} ", "bold $background on $error"))
+            parts.append((hint.text, "bold $background on $error"))
         else:
             parts += [(f" {hint.key}", "bold $text-accent"), (f" {hint.word} ", "$foreground")]
     return Content.assemble(*parts)

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from engine.robot.arm import ARM_JOINTS
 from engine.robot.envelope import clamp_joints
-from engine.robot.robot import ARM_JOINTS
 from engine.robot.sim.dimensions import FINGER_TRAVEL, JOINT_RANGES
 
 MAX_SPEED = 2.5

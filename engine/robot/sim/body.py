@@ -14,7 +14,8 @@ from typing import Any
 
 import mujoco
 
-from engine.robot.robot import ARM_INITIAL, ARM_JOINTS, Pose
+from engine.robot.arm import ARM_INITIAL, ARM_JOINTS
+from engine.robot.geometry import Pose
 from engine.robot.sim.colours import rgba
 from engine.robot.sim.dimensions import (
     CAMERA_OFFSET,

@@ -1,7 +1,8 @@
 """From a scene to a MuJoCo model: floors, walls, furniture, signs, loose objects, people, lights and the robot.
 
 Everything is addressed by name afterwards: a loose object is a body with the name it has in the scene file, a piece
-of furniture too. Geom groups (see ``body``) tell the lidar what it can meet.
+of furniture too. Geom groups (see ``body``) tell the lidar what it can meet. Who only moves things leaves out the
+pictures on them, which take longer to make than all the rest.
 """
 
 from __future__ import annotations
@@ -14,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.errors import SceneError
+from engine.robot.floor_map import Wall
 from engine.robot.sim.body import FIXED, LOOSE, UNSEEN, Node, add_robot
 from engine.robot.sim.colours import rgba
 from engine.robot.sim.dimensions import LIDAR_HEIGHT
-from engine.robot.sim.floor import WallPiece, door_leaf, wall_pieces
+from engine.robot.sim.floor import door_leaf, wall_pieces
 from engine.robot.sim.furniture import FLAT, Solid, solids
 from engine.robot.sim.person import add_person
 from engine.robot.sim.scene import Scene
@@ -33,16 +35,17 @@ _SHEET = 0.002  # m, half of the thickness of a sign
 _PATTERN_SIZE = 1.6  # m that one picture of a floor pattern covers
 
 
-def build(scene: Scene) -> Any:
+def build(scene: Scene, *, pictures: bool = True) -> Any:
     """Compile the scene with the robot in it; returns an ``mujoco.MjModel``. Raises :class:`SceneError`."""
     try:
-        return specify(scene).compile()
+        return specify(scene, pictures=pictures).compile()
     except ValueError as error:  # what MuJoCo's compiler raises
         raise SceneError(f"Scene {scene.name} cannot be built: {error}.") from error
 
 
-def specify(scene: Scene) -> Node:
-    """The scene as an ``MjSpec``, for tests and tools that want to add to it."""
+def specify(scene: Scene, *, pictures: bool = True) -> Node:
+    """The scene as an ``MjSpec``, for tests and tools that want to add to it. Without ``pictures`` nothing is painted
+    on surfaces (tags, codes, floors), and all else is the same: the geoms, their order, and how everything moves."""
     spec = mujoco.MjSpec()
     spec.modelname = scene.name
     spec.compiler.degree = False  # MjSpec reads degrees otherwise
@@ -53,7 +56,7 @@ def specify(scene: Scene) -> Node:
     option.impratio = 10  # grasping by friction slips without
     option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP  # what lies still costs nothing: 20 µs a step, not 75
     _light(spec, scene)
-    _floors(spec, scene)
+    _floors(spec, scene, pictures=pictures)
     for index, wall in enumerate(wall_pieces(scene)):
         _wall(spec, scene, f"wall {index}", wall)
     for door in scene.doors:
@@ -64,11 +67,18 @@ def specify(scene: Scene) -> Node:
     for name, line in scene.lines.items():
         _line(spec, name, line)
     for name, loose in scene.objects.items():
-        _object(spec, name, loose, scene.standing_height(loose) + (0.001 if loose.stands_on is not None else 0.0))
+        above = 0.001 if loose.stands_on is not None else 0.0
+        solid = _object(spec, name, loose, scene.standing_height(loose) + above)
+        if pictures and loose.tag is not None:
+            _paste(spec, solid, tag_cells(loose.tag))
     for mark in scene.landmarks:
-        _sign(spec, f"landmark {mark.id}", mark, tag_cells(mark.id), mark.size * TAG_CELLS / (TAG_CELLS - 2))
+        sheet = _sign(spec, f"landmark {mark.id}", mark, mark.size * TAG_CELLS / (TAG_CELLS - 2))
+        if pictures:
+            _paste(spec, sheet, tag_cells(mark.id))
     for index, poster in enumerate(scene.posters):
-        _sign(spec, f"poster {index}", poster, qr_cells(poster.text), poster.size)
+        sheet = _sign(spec, f"poster {index}", poster, poster.size)
+        if pictures:
+            _paste(spec, sheet, qr_cells(poster.text))
     for name, person in scene.people.items():
         add_person(spec, name, person)
     add_robot(spec)
@@ -99,7 +109,7 @@ def _for_the_eye(geom: Node) -> None:
     geom.group, geom.contype, geom.conaffinity, geom.mass = UNSEEN, 0, 0, 0.0
 
 
-def _floors(spec: Node, scene: Scene) -> None:
+def _floors(spec: Node, scene: Scene, *, pictures: bool) -> None:
     ground = spec.worldbody.add_geom(name="floor", type=_G.mjGEOM_PLANE, size=[12, 12, 0.1])
     ground.rgba, ground.friction = rgba("grey", shade=1.25), [0.9, 0.005, 0.0001]
     _fixed(ground)
@@ -110,7 +120,7 @@ def _floors(spec: Node, scene: Scene) -> None:
         geom = spec.worldbody.add_geom(name=f"{name} floor", type=_G.mjGEOM_PLANE, pos=centre, size=[*half, 0.1])
         _for_the_eye(geom)
         geom.rgba = rgba(room.colour)
-        picture = _floor_picture(room, index)
+        picture = _floor_picture(room, index) if pictures else None
         if picture is not None:
             material = _material(spec, f"{name} floor", picture, mujoco.mjtTexture.mjTEXTURE_2D)
             material.texuniform, material.texrepeat = True, [2 / _PATTERN_SIZE, 2 / _PATTERN_SIZE]
@@ -132,7 +142,12 @@ def _material(spec: Node, name: str, picture: NDArray[np.uint8], kind: Node) -> 
     return material
 
 
-def _wall(spec: Node, scene: Scene, name: str, area: WallPiece) -> None:
+def _paste(spec: Node, geom: Node, cells: NDArray[np.bool_]) -> None:
+    """Put a picture in black and white on all sides of a box."""
+    geom.material = _material(spec, geom.name, cube(cells), mujoco.mjtTexture.mjTEXTURE_CUBE).name
+
+
+def _wall(spec: Node, scene: Scene, name: str, area: Wall) -> None:
     x0, y0, x1, y1 = area.x_min, area.y_min, area.x_max, area.y_max
     height = scene.walls.height
     body = spec.worldbody.add_body(name=name, pos=[(x0 + x1) / 2, (y0 + y1) / 2, 0])
@@ -146,7 +161,7 @@ def _wall(spec: Node, scene: Scene, name: str, area: WallPiece) -> None:
         trim.rgba = rgba(scene.walls.colour, shade=shade)
 
 
-def _door(spec: Node, scene: Scene, name: str, area: WallPiece) -> None:
+def _door(spec: Node, scene: Scene, name: str, area: Wall) -> None:
     """A closed leaf, with a handle on either side."""
     x0, y0, x1, y1 = area.x_min, area.y_min, area.x_max, area.y_max
     height, along_x = 0.96 * scene.walls.height, x1 - x0 > y1 - y0
@@ -163,7 +178,7 @@ def _door(spec: Node, scene: Scene, name: str, area: WallPiece) -> None:
     _for_the_eye(handle)
 
 
-def _sign(spec: Node, name: str, sign: Sign, cells: NDArray[np.bool_], size: float) -> None:
+def _sign(spec: Node, name: str, sign: Sign, size: float) -> Node:
     """A thin sheet; a box, because those carry their picture for either renderer."""
     out = (math.cos(sign.yaw), math.sin(sign.yaw))
     sheet = spec.worldbody.add_geom(
@@ -173,8 +188,8 @@ def _sign(spec: Node, name: str, sign: Sign, cells: NDArray[np.bool_], size: flo
         size=[_SHEET, size / 2, size / 2],
         quat=[math.cos(sign.yaw / 2), 0, 0, math.sin(sign.yaw / 2)],
     )
-    sheet.material = _material(spec, name, cube(cells), mujoco.mjtTexture.mjTEXTURE_CUBE).name
     _for_the_eye(sheet)
+    return sheet
 
 
 def _furniture(spec: Node, name: str, piece: FurniturePiece) -> None:
@@ -219,8 +234,8 @@ def _line(spec: Node, name: str, line: FloorLine) -> None:
         _for_the_eye(disc)
 
 
-def _object(spec: Node, name: str, loose: LooseObject, z: float) -> None:
-    """A free body; its frame is at the middle of its bottom."""
+def _object(spec: Node, name: str, loose: LooseObject, z: float) -> Node:
+    """A free body; its frame is at the middle of its bottom. Returns its main geom."""
     turn = math.radians(loose.turn)
     body = spec.worldbody.add_body(
         name=name, pos=[*loose.at, z + 0.001], quat=[math.cos(turn / 2), 0, 0, math.sin(turn / 2)]
@@ -231,8 +246,7 @@ def _object(spec: Node, name: str, loose: LooseObject, z: float) -> None:
     if loose.kind in ("box", "tag_block"):
         solid = body.add_geom(type=_G.mjGEOM_BOX, pos=[0, 0, loose.tall / 2], size=[size / 2, size / 2, loose.tall / 2])
         if loose.tag is not None:
-            material = _material(spec, f"tag {name}", cube(tag_cells(loose.tag)), mujoco.mjtTexture.mjTEXTURE_CUBE)
-            solid.material, colour = material.name, (1.0, 1.0, 1.0, 1.0)
+            colour = (1.0, 1.0, 1.0, 1.0)
     elif loose.kind == "ball":
         solid = body.add_geom(type=_G.mjGEOM_SPHERE, pos=[0, 0, size / 2], size=[size / 2, 0, 0])
     else:
@@ -259,3 +273,4 @@ def _object(spec: Node, name: str, loose: LooseObject, z: float) -> None:
     solid.condim, solid.friction = 4, [0.9, 0.01, 0.0001]
     if loose.kind == "ball":
         solid.condim, solid.friction = 6, [0.8, 0.01, 0.002]  # rolling friction, or it never comes to rest
+    return solid

@@ -15,6 +15,7 @@ from engine.child import Child
 from engine.errors import CameraError, ProcessError
 from engine.robot.sim.film import Film
 from engine.robot.sim.memory import Memory
+from engine.robot.sim.process import LEAN
 
 START_LIMIT_S = 60.0
 """s until a camera process must be ready."""
@@ -43,7 +44,7 @@ class CameraProcess(Child):
                 "engine.robot.sim.imaging",
                 arguments,
                 shared=(memory.fd, film.fd),
-                environment={"MUJOCO_GL": library},
+                environment={"MUJOCO_GL": library, **LEAN},
             )
         except ProcessError as error:
             raise CameraError(error.message) from error

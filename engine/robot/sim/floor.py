@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from engine.errors import SceneError
-from engine.robot.robot import Doorway, FloorMap, Furniture, Landmark, Room, wrap
+from engine.robot.floor_map import Doorway, FloorMap, Furniture, Landmark, Room, Wall
+from engine.robot.geometry import wrap
 from engine.robot.sim.furniture import FLAT
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.scene_parts import Door, Span
@@ -27,17 +27,7 @@ _Line = tuple[Literal["x", "y"], float]
 """``("x", 1.8)`` is the line x = 1.8."""
 
 
-@dataclass(frozen=True, slots=True)
-class WallPiece:
-    """A stretch of wall as a rectangle on the floor, map frame, m."""
-
-    x_min: float
-    y_min: float
-    x_max: float
-    y_max: float
-
-
-def wall_pieces(scene: Scene) -> tuple[WallPiece, ...]:
+def wall_pieces(scene: Scene) -> tuple[Wall, ...]:
     """All walls with the doors cut out. Raises :class:`SceneError` for a door that no wall has."""
     lines: dict[_Line, list[Span]] = defaultdict(list)
     for room in scene.rooms.values():
@@ -55,9 +45,9 @@ def wall_pieces(scene: Scene) -> tuple[WallPiece, ...]:
         crossing = {c: _union(s) for (a, c), s in lines.items() if a != axis}
         for low, high in _without(_union(spans), sorted(gaps[axis, at]), half, axis, at, crossing):
             if axis == "x":
-                pieces.append(WallPiece(at - half, low, at + half, high))
+                pieces.append(Wall(at - half, low, at + half, high))
             else:
-                pieces.append(WallPiece(low, at - half, high, at + half))
+                pieces.append(Wall(low, at - half, high, at + half))
     return tuple(pieces)
 
 
@@ -80,7 +70,8 @@ def floor_map(scene: Scene) -> FloorMap:
         for name, piece in scene.furniture.items()
         if piece.mapped and piece.kind not in FLAT
     )
-    for wall in wall_pieces(scene):
+    walls = wall_pieces(scene)
+    for wall in walls:
         mark(wall.x_min, wall.y_min, wall.x_max, wall.y_max)
     for thing in furniture:
         mark(thing.x_min, thing.y_min, thing.x_max, thing.y_max)
@@ -88,16 +79,16 @@ def floor_map(scene: Scene) -> FloorMap:
     rooms = tuple(Room(name, r.x[0], r.y[0], r.x[1], r.y[1]) for name, r in scene.rooms.items())
     doors = tuple(_doorway(scene, door) for door in scene.doors)
     tags = tuple(Landmark(mark.id, *mark.at, mark.z, wrap(mark.yaw), mark.size) for mark in scene.landmarks)
-    return FloorMap(RESOLUTION, origin, occupied, rooms, furniture, doors, tags)
+    return FloorMap(RESOLUTION, origin, occupied, rooms, furniture, doors, tags, walls)
 
 
-def door_leaf(scene: Scene, door: Door) -> WallPiece:
+def door_leaf(scene: Scene, door: Door) -> Wall:
     """What fills the gap when the door is closed."""
     (axis, at), (low, high) = _gap(scene, door)
     half = scene.walls.thickness / 4
     if axis == "x":
-        return WallPiece(at - half, low, at + half, high)
-    return WallPiece(low, at - half, high, at + half)
+        return Wall(at - half, low, at + half, high)
+    return Wall(low, at - half, high, at + half)
 
 
 def _doorway(scene: Scene, door: Door) -> Doorway:

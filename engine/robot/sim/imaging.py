@@ -27,7 +27,8 @@ from engine.robot.sim.dimensions import CAMERA_VIEW
 from engine.robot.sim.film import Film
 from engine.robot.sim.memory import Memory, Record
 from engine.robot.sim.rays import Exposure, RayCamera
-from engine.robot.sim.scene import Scene, load_scene
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_file import load_scene
 
 PULSE_S = 0.05
 """Between two signs of life, s."""

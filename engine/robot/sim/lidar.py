@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.robot.robot import Pose
+from engine.robot.geometry import Pose
 from engine.robot.sim.body import UNSEEN
 from engine.robot.sim.dimensions import LIDAR_ANGLES, LIDAR_HEIGHT, LIDAR_RANGE, RAYS
 

@@ -20,6 +20,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.errors import RobotError
 from engine.robot.sim.dimensions import RAYS
 
 MAX_QPOS = 512
@@ -43,6 +44,8 @@ STATE = np.dtype(
         ("blocked", "S96"),
         ("halted", "S96"),
         ("halted_in", "i8"),  # epoch
+        ("paused", "i8"),  # 0 or 1
+        ("paused_s", "f8"),  # of ``t``
         ("true_pose", "f8", 3),  # without odometry noise, for tests and evaluation
         ("correction", "f8", 3),  # of odometry, in ``pose`` already
         ("qpos", "f8", MAX_QPOS),  # of the whole scene, for cameras
@@ -52,12 +55,14 @@ SCAN = np.dtype([("t", "f8"), ("ranges", "f8", RAYS)])
 DRIVE = np.dtype([("epoch", "i8"), ("twist", "f8", 3)])
 ARM = np.dtype([("epoch", "i8"), ("joints", "f8", 5), ("speed", "f8")])
 GRIPPER = np.dtype([("epoch", "i8"), ("opening", "f8")])
-SIGNAL = np.dtype([("epoch", "i8"), ("light", "i8", 3), ("beep", "f8")])
+LIGHT = np.dtype([("epoch", "i8"), ("light", "i8", 3)])
+BUZZER = np.dtype([("epoch", "i8"), ("seconds", "f8")])
 CORRECTION = np.dtype([("pose", "f8", 3)])  # of the frame in which odometry adds up, on the map
 LOOP = np.dtype([("late", "f4"), ("busy", "f4")])
 
 # Words of the engine.
-STOP_EPOCH, STOP_TIME, HEARTBEAT, WAITERS, QUIT = range(5)
+STOP_EPOCH, STOP_TIME, HEARTBEAT, WAITERS, QUIT, PAUSE, RESUME = range(7)
+"""PAUSE and RESUME hold tokens: the newest pause, and the newest that is over."""
 # Words of the robot process.
 READY, STOPPED_EPOCH, ZERO_TIME, REST_TIME, TICKS, ALIVE, OVERRUNS, STEPS, SCHEDULING = range(8, 17)
 _WORDS = 32
@@ -65,6 +70,16 @@ _WORDS = 32
 _SLOTS: Final = 4
 Record = Any
 """A record of one of the dtypes above; numpy has no static type for it."""
+
+
+def pause_token(epoch: int, number: int) -> int:
+    """The ``number``-th pause, which only holds in ``epoch``: one word, so that a pause is one store."""
+    return epoch << 24 | number & 0xFFFFFF
+
+
+def epoch_of(token: int) -> int:
+    """The epoch of a pause."""
+    return token >> 24
 
 
 class Mailbox:
@@ -129,13 +144,23 @@ class Memory:
         for dtype in _MAILBOXES:
             boxes.append(Mailbox(self._map, offset, dtype))
             offset += _aligned(Mailbox.size(dtype))
-        self.state, self.scan, self.drive, self.arm, self.gripper, self.signal, self.correction = boxes
+        self.state, self.scan, self.drive, self.arm, self.gripper, self.light, self.buzzer, self.correction = boxes
         self.loop: NDArray[Any] = np.ndarray((LOOP_SAMPLES,), LOOP, self._map, offset)
 
     @classmethod
     def create(cls) -> Memory:
-        """New, zeroed memory behind a file without a name. The caller closes ``fd``."""
-        memory = cls(unnamed_file("sayso-robot", _layout_size()))
+        """New, zeroed memory behind a file without a name. The caller closes ``fd``. Raises :class:`RobotError`."""
+        try:
+            fd = unnamed_file("sayso-robot", _layout_size())
+            try:
+                memory = cls(fd)
+            except BaseException:
+                os.close(fd)
+                raise
+        except OSError as error:
+            why = os.strerror(error.errno) if error.errno else str(error)
+            message = f"The memory that the engine and the robot share cannot be had: {why}."
+            raise RobotError(message, hint="Close other programs, or raise the limits (ulimit -n, -v).") from error
         memory.ints[STOP_EPOCH] = 1
         return memory
 
@@ -153,11 +178,15 @@ def unnamed_file(purpose: str, size: int) -> int:
     else:
         with tempfile.TemporaryFile() as file:
             fd = os.dup(file.fileno())
-    os.ftruncate(fd, size)
+    try:
+        os.ftruncate(fd, size)
+    except BaseException:
+        os.close(fd)
+        raise
     return fd
 
 
-_MAILBOXES = (STATE, SCAN, DRIVE, ARM, GRIPPER, SIGNAL, CORRECTION)
+_MAILBOXES = (STATE, SCAN, DRIVE, ARM, GRIPPER, LIGHT, BUZZER, CORRECTION)
 
 
 def _aligned(size: int) -> int:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from engine.robot.robot import Pose, wrap
+from engine.robot.geometry import Pose, wrap
 
 UNCORRECTED = Pose(0.0, 0.0, 0.0)
 

@@ -13,7 +13,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from engine.robot.robot import Pose, wrap
+from engine.robot.geometry import Pose, wrap
 from engine.robot.sim.body import LOOSE, UNSEEN, Node
 from engine.robot.sim.colours import rgba
 from engine.robot.sim.dimensions import LIDAR_HEIGHT
@@ -89,6 +89,10 @@ class Walkers:
         self._walkers = [_Walker(model, name, person) for name, person in people.items()]
         for walker in self._walkers:
             walker.begin(data, again=again)
+
+    def __bool__(self) -> bool:
+        """Whether there is anybody."""
+        return bool(self._walkers)
 
     def step(self, seconds: float, robot: Pose) -> None:
         """Everybody walks on for so long, unless the robot is in the way."""

@@ -5,9 +5,9 @@ second the heartbeat. At full speed it stands still until the engine asks for th
 time passes only while somebody waits for it.
 
 It stands by itself when the engine falls silent. An engine that was merely busy finds it ready to go on; one that was
-away for longer must not go on where it was: the robot has *halted*, and nothing moves it but a new epoch. When the
-socket closes, its parent is gone or it is told to end, it brings the robot to rest first and leaves a last state that
-says so.
+away for longer must not go on where it was: the robot has *halted*, and nothing moves it but a new epoch. A *pause*
+that nobody ends makes it halt as well. When the socket closes, its parent is gone or it is told to end, it brings the
+robot to rest first and leaves a last state that says so.
 
 Memory that holds a state already is that of a robot that was lost: it goes on from there.
 """
@@ -27,11 +27,12 @@ from types import FrameType
 
 from config.schema import Robot as RobotSettings
 from engine.errors import SaysoError
-from engine.robot.robot import Pose, Twist
+from engine.robot.geometry import Pose, Twist
+from engine.robot.robot import PAUSE_LIMIT_S, UNDECIDED
 from engine.robot.sim import memory as m
 from engine.robot.sim.build import TIMESTEP
 from engine.robot.sim.memory import Mailbox, Memory
-from engine.robot.sim.scene import load_scene
+from engine.robot.sim.scene_file import load_scene
 from engine.robot.sim.world import World
 from engine.scheduling import as_word, quiet_memory, raise_priority
 
@@ -60,8 +61,10 @@ class Firmware:
         self._halted = ""
         self._halted_in = 0  # the epoch that was in force when the robot halted
         self._braked = False  # the engine is late
+        self._paused_at: float | None = None  # since when somebody has it paused
+        self._paused_s = float(memory.state.get()["paused_s"]) if memory.state.count else 0.0
         self._stopping = False
-        self._seen = {box: box.count for box in (memory.drive, memory.arm, memory.gripper, memory.signal)}
+        self._seen = {box: box.count for box in (memory.drive, memory.arm, memory.gripper, memory.light, memory.buzzer)}
         self._seen[memory.correction] = 0  # what came while there was no robot process holds all the same
         self._scanned = -1.0
 
@@ -72,11 +75,12 @@ class Firmware:
         if epoch != self._epoch:
             self._world.stop()
             self._stamp_zero()
-            self._epoch = epoch
+            self._epoch, self._paused_at = epoch, None
             memory.ints[m.STOPPED_EPOCH] = epoch
             self.publish()
         self._watch(now, memory.times[m.HEARTBEAT])
-        if not (self._halted or self._braked):
+        self._heed_pause(now, memory.ints[m.PAUSE])
+        if not (self._halted or self._braked or self._paused_at is not None):
             self._take_motions()
         self._take_signals()
         self._take_correction()
@@ -98,6 +102,7 @@ class Firmware:
         world.fill(box.scratch)
         box.scratch["epoch"] = self._epoch
         box.scratch["halted"], box.scratch["halted_in"] = self._halted.encode(), self._halted_in
+        box.scratch["paused"], box.scratch["paused_s"] = self._paused_at is not None, self._paused_s
         box.put()
         if world.scan_time != self._scanned:
             self._scanned = world.scan_time
@@ -119,8 +124,27 @@ class Firmware:
             if late:
                 self._world.pause()
                 self._stamp_zero()
-            else:
+            elif self._paused_at is None:
                 self._world.resume()
+
+    def _heed_pause(self, now: float, token: int) -> None:
+        """Rest while a pause of this epoch lasts; halt when nobody ends it."""
+        lasts = token != self._memory.ints[m.RESUME] and m.epoch_of(token) == self._epoch and not self._halted
+        if not lasts:
+            if self._paused_at is not None:
+                self._paused_at = None
+                self._seen[self._memory.drive] = self._memory.drive.count  # that was for then
+                if not self._braked:
+                    self._world.resume()
+                self.publish()
+        elif self._paused_at is None:
+            self._paused_at = now
+            self._world.rest()
+            self.publish()
+        elif now - self._paused_at > PAUSE_LIMIT_S:
+            self._halt(UNDECIDED)
+        else:
+            self._paused_s += TIMESTEP
 
     def _halt(self, why: str) -> None:
         self._halted, self._halted_in = why, self._epoch
@@ -158,11 +182,16 @@ class Firmware:
 
     def _take_signals(self) -> None:
         """Light and sound move nothing: a robot that stands may use them."""
-        if (box := self._memory.signal).count != self._seen[box]:
+        memory, world = self._memory, self._world
+        if (box := memory.light).count != self._seen[box]:
             record = box.get()
             if self._is_ours(box, record):
                 red, green, blue = record["light"].tolist()
-                self._world.signal((red, green, blue), float(record["beep"]))
+                world.shine((red, green, blue))
+        if (box := memory.buzzer).count != self._seen[box]:
+            record = box.get()
+            if self._is_ours(box, record):
+                world.beep(float(record["seconds"]))
 
     def _take_correction(self) -> None:
         """Where the robot is on the map is so in every epoch."""
@@ -269,7 +298,8 @@ def main(argv: list[str]) -> int:
 
     signal.signal(signal.SIGTERM, terminate)
     try:
-        world = World(load_scene(args.scene), settings, memory.state.get() if memory.state.count else None)
+        last = memory.state.get() if memory.state.count else None
+        world = World(load_scene(args.scene), settings, last, pictures=False)
     except SaysoError as error:
         print(error, file=sys.stderr)  # noqa: T201 - SimRobot puts our stderr into its own error
         return int(error.exit_code)

@@ -15,6 +15,8 @@ from engine.errors import ProcessError, RobotError
 from engine.robot.sim import memory as m
 from engine.robot.sim.memory import Memory
 
+LEAN = {"PYDANTIC_DISABLE_PLUGINS": "__all__"}
+"""Environment of the simulation's processes: looking for plugins, of which there are none, takes as long as a scene."""
 START_LIMIT = 60.0
 """s until the robot process must have built its world."""
 
@@ -27,7 +29,13 @@ class RobotProcess(Child):
         self._memory = memory
         arguments = [f"--memory={memory.fd}", f"--scene={scene}", f"--settings={settings.model_dump_json()}"]
         try:
-            super().__init__("robot", "engine.robot.sim.physics", arguments, shared=(memory.fd,))
+            super().__init__(
+                "robot",
+                "engine.robot.sim.physics",
+                arguments,
+                shared=(memory.fd,),
+                environment={"MUJOCO_GL": "disable", **LEAN},  # it shows nothing
+            )
         except ProcessError as error:
             raise RobotError(error.message) from error
 

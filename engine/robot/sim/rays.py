@@ -23,7 +23,8 @@ from engine.robot.sim.textures import UPRIGHT_FACE
 CAMERA_RANGE = 12.0
 """m, along a ray."""
 SKY = (196, 206, 220)
-_OUT_OF_VIEW = 5  # a geom group that no scene uses
+OUT_OF_VIEW = 5
+"""A geom group that no scene uses, and no camera sees."""
 _GROUPS = np.array([1, 1, 1, 1, 1, 0], dtype=np.uint8)  # which ones the rays meet
 
 
@@ -34,6 +35,30 @@ class Exposure:
     rgb: NDArray[np.uint8]
     depth: NDArray[np.float32]
     labels: NDArray[np.int32] | None  # geom ids, −1 for none
+
+
+class View:
+    """Keeps a camera from what cannot be in its picture: most of a house, which takes most of the time."""
+
+    def __init__(self, model: Any, lens: Lens) -> None:
+        self._model = model
+        self._edges = np.array([lens.width / 2 / lens.fx, lens.height / 2 / lens.fy])
+        # A plane has no radius: it may be anywhere.
+        self._radii = np.where(model.geom_rbound > 0, model.geom_rbound, np.inf)
+        self._groups = model.geom_group.copy()
+
+    def narrow(self, data: Any, position: NDArray[np.float64], axes: NDArray[np.float64]) -> None:
+        """Put into the group ``OUT_OF_VIEW`` all whose sphere does not meet the pyramid of sight; ``axes`` are those of
+        the camera, which looks along −z."""
+        middles = (data.geom_xpos - position) @ axes
+        ahead = -middles[:, 2]
+        aside = (np.abs(middles[:, :2]) - self._edges * ahead[:, None]) / np.sqrt(1 + self._edges**2)
+        in_view = (ahead > -self._radii) & (aside < self._radii[:, None]).all(axis=1)
+        self._model.geom_group[:] = np.where(in_view, self._groups, OUT_OF_VIEW)
+
+    def widen(self) -> None:
+        """Put everything back into its group."""
+        self._model.geom_group[:] = self._groups
 
 
 class RayCamera:
@@ -51,25 +76,21 @@ class RayCamera:
         self._distances = np.empty(self._count)
         self._normals = np.empty((self._count, 3))
         self._second = ThreadPoolExecutor(1, thread_name_prefix="rays")
-        self._edges = np.array([lens.width / 2 / lens.fx, lens.height / 2 / lens.fy])
-        # A plane has no radius: it may be anywhere.
-        self._radii = np.where(model.geom_rbound > 0, model.geom_rbound, np.inf)
-        self._groups = model.geom_group.copy()
+        self._view = View(model, lens)
         self._colours = _colours(model)
         self._textures = _textures(model)
 
     def take(self, data: Any, *, labels: bool = True) -> Exposure:
         """A picture of ``data``, whose positions must be up to date (``mj_kinematics``, ``mj_camlight``)."""
-        model, lens = self._model, self._lens
+        lens = self._lens
         position, axes = data.cam_xpos[self._camera], data.cam_xmat[self._camera].reshape(3, 3)
         directions = self._rays @ axes.T
-        in_view = self._may_be_in_view((data.geom_xpos - position) @ axes)
-        model.geom_group[:] = np.where(in_view, self._groups, _OUT_OF_VIEW)
+        self._view.narrow(data, position, axes)
         half = self._count // 2
         other = self._second.submit(self._cast, data, position, directions, slice(0, half))
         self._cast(data, position, directions, slice(half, self._count))
         other.result()
-        model.geom_group[:] = self._groups
+        self._view.widen()
         # The rays have z = 1, so the distance in lengths of the ray is the depth along the line of sight.
         hit = self._geoms >= 0
         depth = np.where(hit, self._distances, np.inf)
@@ -99,13 +120,6 @@ class RayCamera:
             part.stop - part.start,
             CAMERA_RANGE,
         )
-
-    def _may_be_in_view(self, middles: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Whose sphere meets the pyramid of sight; ``middles`` are in the camera's frame (it looks along −z)."""
-        ahead = -middles[:, 2]
-        aside = (np.abs(middles[:, :2]) - self._edges * ahead[:, None]) / np.sqrt(1 + self._edges**2)
-        found: NDArray[np.bool_] = (ahead > -self._radii) & (aside < self._radii[:, None]).all(axis=1)
-        return found
 
     def _light(self, towards_lamp: NDArray[np.float64]) -> NDArray[np.float64]:
         """What falls on every pixel, by colour: ambient light, the lamp on the camera and the scene's own lights, which

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from engine.robot.camera import Lens
 from engine.robot.sim.body import CAMERA
-from engine.robot.sim.rays import CAMERA_RANGE, Exposure
+from engine.robot.sim.rays import CAMERA_RANGE, OUT_OF_VIEW, Exposure, View
 
 _MAX_GEOMS = 4000
 _OFF = (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION)
@@ -31,6 +31,7 @@ class GlCamera:
         self._lens = lens
         model.vis.global_.offwidth, model.vis.global_.offheight = lens.width, lens.height
         model.vis.quality.offsamples = 0  # several samples a pixel would each have a depth of their own
+        model.vis.quality.numquads = 1  # lights that shine in one direction make a flat side the same all over
         self._gl = GLContext(lens.width, lens.height)
         self._gl.make_current()
         self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
@@ -40,6 +41,8 @@ class GlCamera:
         for flag in _OFF:
             self._scene.flags[flag] = False
         self._options = mujoco.MjvOption()
+        self._options.geomgroup[OUT_OF_VIEW] = False
+        self._in_view = View(model, lens)
         self._view = mujoco.MjvCamera()
         self._view.type = mujoco.mjtCamera.mjCAMERA_FIXED
         self._view.fixedcamid = model.camera(CAMERA).id
@@ -52,7 +55,8 @@ class GlCamera:
 
     def take(self, data: Any, *, labels: bool) -> Exposure:
         """A picture of ``data``, whose positions must be up to date (``mj_kinematics``, ``mj_camlight``)."""
-        everything = mujoco.mjtCatBit.mjCAT_ALL
+        everything, camera = mujoco.mjtCatBit.mjCAT_ALL, self._view.fixedcamid
+        self._in_view.narrow(data, data.cam_xpos[camera], data.cam_xmat[camera].reshape(3, 3))
         mujoco.mjv_updateScene(self._model, data, self._options, None, self._view, everything, self._scene)
         self._render(self._depth)
         rgb = np.flipud(self._rgb).copy()  # OpenGL counts rows from the bottom
@@ -84,5 +88,6 @@ class GlCamera:
         for geom in self._scene.geoms[: self._scene.ngeom]:
             if geom.segid >= 0 and geom.objtype == mujoco.mjtObj.mjOBJ_GEOM:
                 geoms[geom.segid + 1] = geom.objid
-        found: NDArray[np.int32] = np.where(np.isfinite(depth), geoms[numbers], -1).astype(np.int32)
+        shown = np.isfinite(depth) & (numbers < len(geoms))  # the sky has a colour that is no number
+        found: NDArray[np.int32] = np.where(shown, geoms[np.where(shown, numbers, 0)], -1).astype(np.int32)
         return found

@@ -11,6 +11,7 @@ and what was commanded before moves nothing. The camera has a process of its own
 from __future__ import annotations
 
 import asyncio
+import itertools
 import math
 import os
 import threading
@@ -22,7 +23,9 @@ from engine.errors import RobotError
 from engine.robot.arm import ArmModel
 from engine.robot.camera import Picture
 from engine.robot.camera_news import CameraNews, TellOfCamera
-from engine.robot.robot import Capability, FloorMap, Footprint, Pose, RobotState, Scan, Twist
+from engine.robot.floor_map import FloorMap
+from engine.robot.geometry import Pose, Twist
+from engine.robot.robot import Capability, Footprint, RobotState, Scan
 from engine.robot.sim import memory as m
 from engine.robot.sim.camera import SimCamera
 from engine.robot.sim.dimensions import ARM, FOOTPRINT, LIDAR_ANGLES
@@ -30,7 +33,7 @@ from engine.robot.sim.floor import floor_map
 from engine.robot.sim.memory import Memory, Record
 from engine.robot.sim.odometry import believed, compose, inverse
 from engine.robot.sim.process import RobotProcess
-from engine.robot.sim.scene import load_scene, scene_path
+from engine.robot.sim.scene_file import load_scene, scene_path
 
 ANSWER_LIMIT = 2.5
 """s of silence after which a robot process that has not ended counts as lost."""
@@ -65,7 +68,9 @@ class SimRobot:
         self._on_camera = on_camera
         self._camera: SimCamera | None = None
         self._looking = 0  # who waits for a picture
+        self._pauses = itertools.count(1)
         self._alive = self._alive_since = self._beaten = 0.0
+        self._read: tuple[tuple[int, int], RobotState] | None = None  # the newest state that was asked for
 
     @property
     def name(self) -> str:
@@ -145,6 +150,7 @@ class SimRobot:
         if camera is not None:
             await camera.close()
         memory, self._memory = self._memory, None
+        self._read = None
         if memory is not None:
             os.close(memory.fd)
 
@@ -164,13 +170,23 @@ class SimRobot:
         finally:
             process.release()
 
-    # Commands. A stop is two stores into shared memory: it takes no lock and meets no queue.
+    # Commands. A stop is two stores into shared memory, a pause is one: they take no lock and meet no queue.
 
     def stop(self, epoch: int) -> None:
         memory = self._memory  # also while there is no process: the next one obeys it
         if memory is not None:
             memory.times[m.STOP_TIME] = time.monotonic()
             memory.ints[m.STOP_EPOCH] = epoch
+
+    def pause(self, epoch: int) -> int:
+        token = m.pause_token(epoch, next(self._pauses))
+        if (memory := self._memory) is not None:
+            memory.ints[m.PAUSE] = token
+        return token
+
+    def resume(self, token: int) -> None:
+        if (memory := self._memory) is not None:
+            memory.ints[m.RESUME] = token
 
     def heartbeat(self) -> None:
         memory, loop = self._memory, self._loop
@@ -208,15 +224,15 @@ class SimRobot:
             box.put()
 
     def set_light(self, rgb: tuple[int, int, int], epoch: int) -> None:
-        box = self._running(*rgb).signal
+        box = self._running(*rgb).light
         with self._writing:
-            box.scratch["epoch"], box.scratch["light"], box.scratch["beep"] = epoch, rgb, 0.0
+            box.scratch["epoch"], box.scratch["light"] = epoch, rgb
             box.put()
 
     def beep(self, seconds: float, epoch: int) -> None:
-        box = self._running(seconds).signal
+        box = self._running(seconds).buzzer
         with self._writing:
-            box.scratch["epoch"], box.scratch["beep"] = epoch, seconds
+            box.scratch["epoch"], box.scratch["seconds"] = epoch, seconds
             box.put()
 
     def relocate(self, believed: Pose, true: Pose) -> None:
@@ -232,8 +248,13 @@ class SimRobot:
 
     def state(self) -> RobotState:
         memory = self._running()
+        newest = (memory.state.count, memory.correction.count)
+        if (read := self._read) is not None and read[0] == newest:
+            return read[1]  # in one tick many ask
         record = memory.state.get()
-        return _state(record, believed(record, memory.correction.scratch))
+        state = _state(record, believed(record, memory.correction.scratch))
+        self._read = (newest, state)
+        return state
 
     def scan(self) -> Scan:
         record = self._running().scan.get()
@@ -256,6 +277,11 @@ class SimRobot:
         return self._camera
 
     async def tick(self) -> RobotState:
+        while (state := await self._next_tick()).paused:
+            pass
+        return state
+
+    async def _next_tick(self) -> RobotState:
         memory, loop = self._running(), asyncio.get_running_loop()
         waiter: asyncio.Future[None] = loop.create_future()
         self._waiters[waiter] = memory.ints[m.TICKS]
@@ -368,4 +394,6 @@ def _state(record: Record, pose: Pose) -> RobotState:
         blocked=record["blocked"].item().decode() or None,
         halted=halted,
         halted_in=int(record["halted_in"]) if halted else None,
+        paused=bool(record["paused"]),
+        paused_s=float(record["paused_s"]),
     )

@@ -1,8 +1,8 @@
-"""Scene files: a dwelling described in YAML that a person can read and change.
+"""A scene: a dwelling as a whole, in which everything that is named exists and stands where it can.
 
 Rooms are rectangles; walls stand on their edges, with doors as gaps between two rooms. Furniture and loose objects
-are placed by name, and an object may stand on a piece of furniture or on another object. Lengths are metres in the map
-frame, angles degrees, because people write degrees. A mistake raises :class:`SceneError` naming the file and the key.
+are placed by name, and an object may stand on a piece of furniture or on another object. Its parts are in
+:mod:`engine.robot.sim.scene_parts`; a fault is told with the key that it is in.
 
 The robot knows the house as it was mapped. A scene may differ from that: furniture that was ``moved`` or is not
 ``mapped``, a door that is ``closed``, people who walk about.
@@ -12,17 +12,12 @@ from __future__ import annotations
 
 import difflib
 import math
-import re
 import string
-from importlib import resources
-from pathlib import Path
 from typing import Any, Self
 
-import yaml
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from config.schema import Place, Position, Quaternion
-from engine.errors import SceneError
 from engine.robot.sim.scene_parts import (
     Area,
     Door,
@@ -39,8 +34,6 @@ from engine.robot.sim.scene_parts import (
     Start,
     Walls,
 )
-
-_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # the one in C is ten times as fast, where it was built
 
 
 class Scene(Part):
@@ -141,69 +134,3 @@ def _must_know(name: str, known: dict[str, Any], key: str, what: str) -> None:
         near = difflib.get_close_matches(name, known, 1, 0.5)
         ask = f"; did you mean {near[0]}?" if near else f"; there are {', '.join(known) or 'none'}"
         raise ValueError(f"{key}: no {what} is called {name!r}{ask}")
-
-
-CLUTTER = re.compile(r"clutter-(\d{1,9})")
-"""Names of scenes that are made up from a seed: ``clutter-7``."""
-
-
-def scene_names() -> tuple[str, ...]:
-    """Names of the scenes that come with sayso as files."""
-    return tuple(sorted(path.stem for path in _folder().glob("*.yaml")))
-
-
-def scene_path(name: str) -> Path:
-    """Where a scene is: the name of one that comes with sayso, or a path. One that is made up has its name for a path.
-    Raises :class:`SceneError`."""
-    if CLUTTER.fullmatch(name):
-        return Path(name)
-    if name.endswith((".yaml", ".yml")) or "/" in name:
-        path = Path(name).expanduser()
-        if not path.is_file():
-            raise SceneError(f"There is no scene file {path}.", hint="Check robot.scene in your configuration.")
-        return path.resolve()
-    path = _folder() / f"{name}.yaml"
-    if not path.is_file():
-        known = (*scene_names(), "clutter-SEED")
-        near = difflib.get_close_matches(name, known, 1, 0.5)
-        raise SceneError(
-            f"There is no scene called {name!r}.",
-            hint=f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}.",
-        )
-    return path
-
-
-def _folder() -> Path:
-    return Path(str(resources.files("assets") / "scenes"))
-
-
-def load_scene(path: Path) -> Scene:
-    """Read the scene that :func:`scene_path` found. Raises :class:`SceneError` that names the file and the key."""
-    if made_up := CLUTTER.fullmatch(str(path)):
-        from engine.robot.sim.clutter import clutter  # which makes a Scene, so it needs this module first
-
-        return clutter(int(made_up[1]))
-    try:
-        raw = yaml.load(path.read_text(encoding="utf-8"), _Loader)  # noqa: S506 - both are safe loaders
-    except (OSError, UnicodeDecodeError) as error:
-        raise SceneError(f"The scene {path} cannot be read: {error}.") from error
-    except yaml.YAMLError as error:
-        raise SceneError(f"The scene {path} is not YAML: {error}.") from error
-    try:
-        return Scene.model_validate(raw)
-    except ValidationError as error:
-        raise SceneError(f"The scene {path} is wrong: {_first_fault(error)}.", hint=_more(error)) from error
-
-
-def _first_fault(error: ValidationError) -> str:
-    fault = error.errors()[0]
-    key = ".".join(str(part) for part in fault["loc"])
-    text = fault["msg"].removeprefix("Value error, ")
-    if fault["type"] == "extra_forbidden":
-        text = "this key means nothing here"
-    return f"{key}: {text}" if key else text
-
-
-def _more(error: ValidationError) -> str:
-    rest = error.error_count() - 1
-    return f"And {rest} more." if rest else ""

@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from engine.robot.robot import Pose
+from engine.robot.geometry import Pose
 from engine.robot.sim.colours import Colour
 
 Span = tuple[float, float]
@@ -52,6 +52,7 @@ class RoomArea(Area):
 
     colour: Colour = "birch"
     floor: Literal["planks", "tiles", "plain"] = "planks"
+    aliases: tuple[str, ...] = ()  # other names
 
 
 class Walls(Part):
@@ -83,6 +84,7 @@ class FurniturePiece(Part):
     accent: Colour = "linen"
     moved: Point | None = None
     mapped: bool = True
+    aliases: tuple[str, ...] = ()  # other names
 
     @property
     def stands(self) -> Point:

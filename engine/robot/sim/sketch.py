@@ -16,9 +16,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.robot.floor_map import Wall
 from engine.robot.sim.colours import rgba
 from engine.robot.sim.dimensions import FOOTPRINT
-from engine.robot.sim.floor import WallPiece, door_leaf, wall_pieces
+from engine.robot.sim.floor import door_leaf, wall_pieces
 from engine.robot.sim.furniture import FLAT, Solid, solids
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.scene_parts import FurniturePiece, LandmarkTag, LooseObject, Point, Poster
@@ -220,7 +221,7 @@ class _Draughtsman:
         if ink:
             cv2.circle(self.picture, centre, size, _INK, max(1, round(0.01 * self._scale)), cv2.LINE_AA, _SHIFT)
 
-    def _wall(self, wall: WallPiece, colour: _Colour) -> None:
+    def _wall(self, wall: Wall, colour: _Colour) -> None:
         self._rectangle((wall.x_min, wall.y_min, wall.x_max, wall.y_max), colour)
 
     def _solid(self, piece: FurniturePiece, part: Solid) -> None:

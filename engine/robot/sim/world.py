@@ -19,7 +19,7 @@ from config.schema import Robot as RobotSettings
 from engine.errors import SceneError
 from engine.robot.clearance import Points
 from engine.robot.envelope import SCAN_LIFETIME, Envelope, fence, into_base_frame, into_map_frame
-from engine.robot.robot import ZERO, Pose, Twist, wrap
+from engine.robot.geometry import ZERO, Pose, Twist, wrap
 from engine.robot.sim.arm import Arm
 from engine.robot.sim.body import BASE_JOINTS, LIGHT_GEOM, initial_qpos
 from engine.robot.sim.build import TIMESTEP, build
@@ -41,9 +41,12 @@ _REST_SPEED, _REST_TURN = 0.003, 0.01  # m/s, rad/s: what RobotState.moving coun
 class World:
     """The scene, the robot and its controllers."""
 
-    def __init__(self, scene: Scene, settings: RobotSettings, last: Record | None = None) -> None:
-        """``last`` is the state to go on from, in a robot that stands still; without one it begins at the start."""
-        self.model: Any = build(scene)
+    def __init__(
+        self, scene: Scene, settings: RobotSettings, last: Record | None = None, *, pictures: bool = True
+    ) -> None:
+        """``last`` is the state to go on from, in a robot that stands still; without one it begins at the start.
+        ``pictures`` is for whoever takes pictures of it, see :func:`engine.robot.sim.build.build`."""
+        self.model: Any = build(scene, pictures=pictures)
         if self.model.nq > MAX_QPOS:
             raise SceneError(
                 f"Scene {scene.name} has {self.model.nq} coordinates; {MAX_QPOS} are the most.",
@@ -56,9 +59,10 @@ class World:
             self.data.qpos[:] = last["qpos"][: self.model.nq]
         self._walkers = Walkers(self.model, self.data, scene.people, again=last is not None)
         mujoco.mj_forward(self.model, self.data)
-        self._base_qpos = np.array([self.model.joint(name).qposadr[0] for name in BASE_JOINTS])
-        self._base_dofs = np.array([self.model.joint(name).dofadr[0] for name in BASE_JOINTS])
-        self._motors = np.array([self.model.actuator(name).id for name in BASE_JOINTS])
+        # Views of the simulation's own numbers: they are read and written in every step.
+        self._base = _consecutive(self.data.qpos, [self.model.joint(name).qposadr[0] for name in BASE_JOINTS])
+        self._base_speed = _consecutive(self.data.qvel, [self.model.joint(name).dofadr[0] for name in BASE_JOINTS])
+        self._motors = _consecutive(self.data.ctrl, [self.model.actuator(name).id for name in BASE_JOINTS])
         self._light = self.model.geom(LIGHT_GEOM).id
         self._envelope = Envelope(settings.limits, FOOTPRINT)
         self._odometry = Odometry(scene.start.pose, noise=settings.odometry_noise, seed=settings.seed)
@@ -71,6 +75,9 @@ class World:
         self._steps = 0
         self._told = ZERO
         self._seen: Points = np.empty((0, 2))  # by the lidar, map frame
+        self._around: Points = np.empty((0, 2))  # that and the fence, as far as it can matter before the next scan
+        moved = math.sqrt(2) * settings.limits.linear_speed * SCAN_LIFETIME
+        self._near = self._envelope.reach + moved
         self._blocked: str | None = None
         self._light_rgb = (0, 0, 0)
         self._buzzer_until = 0.0
@@ -78,7 +85,7 @@ class World:
             self._odometry.resume(self.true_pose, Pose(*last["pose"].tolist()), Pose(*last["correction"].tolist()))
             self.arm.resume_grip(float(last["grip"]))
             red, green, blue = last["light"].tolist()
-            self.signal((red, green, blue), 0.0)
+            self.shine((red, green, blue))
             self._buzzer_until = float(last["buzzer_until"])
         self._scan()
 
@@ -94,18 +101,21 @@ class World:
     def grip(self, opening: float) -> bool:
         return self.arm.grip(opening)
 
-    def signal(self, rgb: tuple[int, int, int], beep: float) -> None:
-        """Set the light, and sound the buzzer for ``beep`` seconds."""
+    def shine(self, rgb: tuple[int, int, int]) -> None:
+        """Set the light."""
         self._light_rgb = rgb
         self.model.geom_rgba[self._light] = [*(v / 255 for v in rgb), 1.0] if any(rgb) else [0.95, 0.95, 0.93, 1]
-        if beep > 0:
-            self._buzzer_until = self.t + min(beep, 5.0)
+
+    def beep(self, seconds: float) -> None:
+        """Sound the buzzer."""
+        self._buzzer_until = self.t + min(seconds, 5.0)
 
     def correct(self, correction: Pose) -> None:
         """Believe from now on to be where odometry is after this rigid motion of the map; nothing moves."""
         before = self._odometry.pose
         # What was seen stays where it is around the robot.
         self._seen = into_map_frame(into_base_frame(self._seen, before), self._odometry.correct(correction))
+        self._look_around()
 
     def stop(self) -> None:
         """Base to zero velocity now, arm where it is, gripper as it grips."""
@@ -118,6 +128,11 @@ class World:
         self._envelope.halt()
         self._blocked = None
         self._tell(ZERO)
+        self.arm.paused = True
+
+    def rest(self) -> None:
+        """The same, but the base comes to rest as gently as it drives."""
+        self._envelope.command(ZERO, self.t)
         self.arm.paused = True
 
     def resume(self) -> None:
@@ -139,34 +154,40 @@ class World:
             self._control()
         self._tell(self._told)
         self.arm.step(TIMESTEP)
-        self._walkers.step(TIMESTEP, self.true_pose)
+        if self._walkers:
+            self._walkers.step(TIMESTEP, self.true_pose)
         mujoco.mj_step(self.model, self.data)
         self._steps += 1
+        if self._steps % CONTROL_STEPS == 0:
+            self._odometry.update(self.true_pose)  # here, so that who reads the state next reads where it is now
 
     def _control(self) -> None:
-        pose = self._odometry.update(self.true_pose)
-        shaped = self._envelope.shape(self.t, CONTROL_STEPS * TIMESTEP, self._obstacles(pose))
+        obstacles = None if self._envelope.idle else self._obstacles(self._odometry.pose)
+        shaped = self._envelope.shape(self.t, CONTROL_STEPS * TIMESTEP, obstacles)
         self._told, self._blocked = shaped.twist, shaped.blocked
 
     def _tell(self, twist: Twist) -> None:
         """Command the motors, which push along the map's axes, in the direction the base looks now."""
         self._told = twist
-        yaw = float(self.data.qpos[self._base_qpos[2]])
+        if twist.is_zero:
+            self._motors[:] = 0.0
+            return
+        yaw = float(self._base[2])
         c, s = math.cos(yaw), math.sin(yaw)
-        self.data.ctrl[self._motors] = (c * twist.vx - s * twist.vy, s * twist.vx + c * twist.vy, twist.wz)
+        self._motors[:] = (c * twist.vx - s * twist.vy, s * twist.vx + c * twist.vy, twist.wz)
 
     # Readings
 
     @property
     def true_pose(self) -> Pose:
-        x, y, yaw = self.data.qpos[self._base_qpos].tolist()
+        x, y, yaw = self._base.tolist()
         return Pose(x, y, wrap(yaw))
 
     @property
     def twist(self) -> Twist:
         """Measured velocity, base frame."""
-        vx, vy, wz = self.data.qvel[self._base_dofs].tolist()
-        yaw = float(self.data.qpos[self._base_qpos[2]])
+        vx, vy, wz = self._base_speed.tolist()
+        yaw = float(self._base[2])
         c, s = math.cos(yaw), math.sin(yaw)
         return Twist(c * vx + s * vy, c * vy - s * vx, wz)
 
@@ -228,9 +249,23 @@ class World:
         self._ranges = self._lidar.ranges(self.true_pose)
         self._scan_time = self.t
         self._seen = into_map_frame(points(self._ranges), self._odometry.pose)
+        self._look_around()
+
+    def _look_around(self) -> None:
+        pose = self._odometry.pose
+        everything = np.concatenate((self._seen, self._fence))
+        apart = everything - (pose.x, pose.y)
+        self._around = everything[np.einsum("ij,ij->i", apart, apart) < self._near**2]
 
     def _obstacles(self, pose: Pose) -> Points | None:
         """What must not be driven into, base frame: the newest scan and the edges of the workspace."""
         if self.t - self._scan_time > SCAN_LIFETIME:
             return None
-        return into_base_frame(np.concatenate((self._seen, self._fence)), pose)
+        return into_base_frame(self._around, pose)
+
+
+def _consecutive(values: NDArray[np.float64], at: Sequence[int]) -> NDArray[np.float64]:
+    """A view of the values at these places, which follow one another."""
+    first = int(at[0])
+    assert [int(place) for place in at] == list(range(first, first + len(at))), "the base was added in one go"
+    return values[first : first + len(at)]

@@ -19,7 +19,7 @@ async def apriltag_follow(context: SkillContext, tag: float = -1) -> Result:
     """Follow the tag of this number; a negative one stands for any. Ends only when it is lost."""
     number = round(tag) if tag >= 0 else None
     name = "the tag" if number is None else f"tag {number}"
-    return await follow(context, Target(name, tag_finder(number, context.robot.floor_map)), keep=KEEP)
+    return await follow(context, Target(name, tag_finder(number, context.robot.floor_map), {"tags"}), keep=KEEP)
 
 
 if __name__ == "__main__":

@@ -14,19 +14,9 @@ from config.schema import Place, Position, Quaternion
 from engine.events import Value
 from engine.robot.arm import ArmModel
 from engine.robot.camera import Lens, Mount, Picture
-from engine.robot.robot import (
-    Capability,
-    Doorway,
-    FloorMap,
-    Footprint,
-    Furniture,
-    Landmark,
-    Pose,
-    RobotState,
-    Room,
-    Scan,
-    Twist,
-)
+from engine.robot.floor_map import Doorway, FloorMap, Furniture, Landmark, Room, Wall
+from engine.robot.geometry import Pose, Twist
+from engine.robot.robot import Capability, Footprint, RobotState, Scan
 from engine.skills.context import SkillContext
 from engine.skills.places import ZERO_SYMBOL, Places
 
@@ -68,6 +58,7 @@ def state_facts(state: RobotState) -> Facts:
         "light": list(state.light),
         "blocked": state.blocked,
         "halted": state.halted,
+        "paused_s": state.paused_s,
     }
 
 
@@ -86,6 +77,7 @@ def state_of(facts: Facts, epoch: int) -> RobotState:
         light=tuple(facts["light"]),
         blocked=facts["blocked"],
         halted=facts["halted"],
+        paused_s=facts["paused_s"],
     )
 
 
@@ -140,6 +132,7 @@ def map_of(facts: Facts) -> FloorMap:
         furniture=tuple(Furniture(**thing) for thing in facts["furniture"]),
         doors=tuple(Doorway(**{**door, "between": tuple(door["between"])}) for door in facts["doors"]),
         tags=tuple(Landmark(**tag) for tag in facts["tags"]),
+        walls=tuple(Wall(**wall) for wall in facts["walls"]),
     )
 
 
@@ -183,6 +176,7 @@ def map_facts(floor: FloorMap) -> Facts:
         "furniture": [asdict(thing) for thing in floor.furniture],
         "doors": [asdict(door) for door in floor.doors],
         "tags": [asdict(tag) for tag in floor.tags],
+        "walls": [asdict(wall) for wall in floor.walls],
     }
 
 

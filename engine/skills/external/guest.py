@@ -18,14 +18,16 @@ import asyncio
 import json
 import os
 import sys
-from collections.abc import Callable, Coroutine, Sequence
+from collections.abc import Callable, Collection, Coroutine, Sequence
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from engine.perception.memory import WorldMemory
-from engine.perception.sighting import Sight
+from engine.perception.sighting import EVERYTHING, Part, Sight
 from engine.robot.arm import ArmModel
 from engine.robot.camera import Picture
-from engine.robot.robot import ZERO, Capability, FloorMap, Footprint, Pose, RobotState, Scan, Twist
+from engine.robot.floor_map import FloorMap
+from engine.robot.geometry import ZERO, Pose, Twist
+from engine.robot.robot import Capability, Footprint, RobotState, Scan
 from engine.skills.context import SkillContext
 from engine.skills.external.facts import (
     arm_of,
@@ -96,12 +98,12 @@ def _context(wire: Wire, start: dict[str, Any]) -> SkillContext:
     robot, world = GuestRobot(wire, start), WorldMemory()
     eyes: Eyes | None = None
 
-    async def see() -> Sight:
+    async def see(parts: Collection[Part] = EVERYTHING) -> Sight:
         from engine.perception.eyes import Eyes  # slow to import, and not every program sees
 
         nonlocal eyes
         eyes = eyes or Eyes(robot, world)
-        return await eyes.see()
+        return await eyes.see(parts)
 
     return SkillContext(
         robot=robot,
@@ -156,6 +158,14 @@ class GuestRobot:
     def stop(self, epoch: int) -> None:
         """Epochs are the engine's; here it only stands still."""
         self.drive(ZERO, epoch)
+
+    def pause(self, epoch: int) -> int:
+        """Pauses are the engine's: no tick comes meanwhile."""
+        del epoch
+        return 0
+
+    def resume(self, token: int) -> None:
+        """The same."""
 
     def heartbeat(self) -> None:
         """The engine's own is what counts."""

@@ -23,7 +23,7 @@ from config.schema import ExternalParameter, ExternalSkill
 from engine.errors import ProcessError, RobotError
 from engine.events import Value
 from engine.process import ProcessTree
-from engine.robot.robot import ZERO
+from engine.robot.geometry import ZERO
 from engine.skills.context import SkillContext
 from engine.skills.external.facts import picture_facts, scan_facts, start_facts, state_facts
 from engine.skills.external.protocol import (

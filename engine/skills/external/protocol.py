@@ -6,7 +6,8 @@ The engine begins, once::
       "width"}, "arm": {"shoulder", "upper", "fore", "hand", "jaw", "ranges", "eye"}}, "places": {SYMBOL: {"names":
       [NAME, …], "x", "y", "yaw"}}, "map": {"resolution", "origin": [x, y], "rows": ["#..#", …], "rooms": [{"name",
       "x_min", "y_min", "x_max", "y_max"}], "furniture": [the same, and "height", "kind"], "doors": [{"between":
-      [ROOM, ROOM], "x", "y", "width"}], "tags": [{"id", "x", "y", "z", "yaw", "size"}]}, "state": STATE}}
+      [ROOM, ROOM], "x", "y", "width"}], "tags": [{"id", "x", "y", "z", "yaw", "size"}], "walls": [{"x_min", "y_min",
+      "x_max", "y_max"}]}, "state": STATE}}
 
 and then answers: ``{"state": STATE}`` to each tick, ``{"scan": {"t", "angles", "ranges"}}`` to each wish for a scan,
 ``{"picture": {"t", "pose", "lens": {"width", "height", "fx", "fy", "cx", "cy"}, "mount": {"rotation": [3 rows],
@@ -15,9 +16,9 @@ bytes of colour, and two of depth, little-endian, in mm along the line of sight 
 the optical frame (x right, y down, z ahead) to the base frame. Capabilities are those that the program occupies; tags
 are AprilTags 36h11 that hang in the house.
 STATE is ``{"t", "pose": [x, y, yaw], "twist": [vx, vy, wz], "command": [vx, vy, wz], "joints": [5], "joint_targets":
-[5], "gripper", "grip", "light": [r, g, b], "blocked", "halted"}``. Everything is in SI units and radians, poses in
-the map frame, twists in the base frame; row 0 of the map is the southernmost, "#" is occupied, a range of null hit
-nothing.
+[5], "gripper", "grip", "light": [r, g, b], "blocked", "halted", "paused_s"}``. Everything is in SI units and radians,
+poses in the map frame, twists in the base frame; row 0 of the map is the southernmost, "#" is occupied, a range of null
+hit nothing. While the robot is paused no tick comes; ``paused_s`` is how much of ``t`` that was.
 
 The program may say, one or several in an object:
 
@@ -50,7 +51,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from engine.robot.robot import Capability, Joints, Pose, Twist, wrap
+from engine.robot.arm import Joints
+from engine.robot.geometry import Pose, Twist, wrap
+from engine.robot.robot import Capability
 from engine.skills.outcome import ErrorCode, Result, fail
 
 MAX_WORDS = 1000

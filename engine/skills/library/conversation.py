@@ -13,15 +13,13 @@ from engine.skills.registry import Word, skill
 async def say(context: SkillContext, text: Annotated[str, Word("sentence")]) -> Result:
     """Say a sentence."""
     await context.say(text)
-    return ok(f"Said: {text}")
+    return ok(f"Said: “{text}”.")
 
 
 @skill(occupies=["voice"])
 async def list_skills(context: SkillContext) -> Result:
     """Say what the robot can do."""
-    text = context.describe_skills()
-    await context.say(text)
-    return ok(text)
+    return ok(context.describe_skills())
 
 
 @skill()
@@ -35,4 +33,4 @@ async def finishtask(context: SkillContext) -> Result:
 async def finish_dialogue(context: SkillContext) -> Result:
     """End the conversation: stop, put the arm to its initial pose, forget the history, begin anew."""
     del context  # the session does this when the plan is done: a skill cannot end the scope that it runs in
-    return ok("The conversation is finished.")
+    return ok()  # the plan says goodbye, if anybody does

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Annotated, cast
+from typing import Annotated, Final, cast
 
 import numpy as np
 
@@ -14,9 +14,9 @@ from engine.events import Value
 from engine.perception.depth import distance_at, thing_in_box
 from engine.perception.naming import Wanted
 from engine.perception.qr import find_qr
-from engine.perception.sighting import Colour, PixelBox, Sight, Sighting
-from engine.robot.arm import Point
-from engine.robot.robot import FloorMap, Pose, wrap
+from engine.perception.sighting import EVERYTHING, Colour, Part, PixelBox, Sight, Sighting
+from engine.robot.floor_map import FloorMap
+from engine.robot.geometry import Point, Pose, wrap
 from engine.skills.context import SkillContext
 from engine.skills.grasp import pick
 from engine.skills.outcome import Result, fail, ok
@@ -37,6 +37,8 @@ KEEP_THING = 0.6
 KEEP_PERSON = 1.2
 """People like it so."""
 KEEP_CODE = 1.0
+_THINGS: Final[frozenset[Part]] = frozenset({"things", "people"})
+"""Shoes and hands are no things, so that people have to be seen as well."""
 MOST_CLEARED = 10
 """Things that one errand along a line puts aside."""
 
@@ -45,13 +47,13 @@ MOST_CLEARED = 10
 async def color_follow(context: SkillContext, color: ThingColour) -> Result:
     """Follow the nearest thing of a colour at a distance of 0.6 m, until told otherwise."""
     wanted = Wanted(colour=cast(Colour, color))
-    return await follow(context, Target(f"the {color} thing", _things(wanted)), keep=KEEP_THING)
+    return await follow(context, Target(f"the {color} thing", _things(wanted), _THINGS), keep=KEEP_THING)
 
 
 @skill(occupies=["base", "arm", "camera"], endless=True)
 async def person_follow(context: SkillContext) -> Result:
     """Follow a person at a distance of 1.2 m, until told otherwise."""
-    return await follow(context, Target("the person", _things(Wanted("person"))), keep=KEEP_PERSON)
+    return await follow(context, Target("the person", _things(Wanted("person")), {"people"}), keep=KEEP_PERSON)
 
 
 @skill(occupies=["base", "arm", "camera"], endless=True)
@@ -61,7 +63,7 @@ async def qr_follow(context: SkillContext) -> Result:
     def find(sight: Sight, near: Point | None) -> Point | None:
         return nearest((code.position for code in find_qr(sight.picture)), near, sight)
 
-    return await follow(context, Target("the QR code", find), keep=KEEP_CODE)
+    return await follow(context, Target("the QR code", find, set()), keep=KEEP_CODE)
 
 
 @skill(occupies=["base", "arm", "camera"], endless=True)
@@ -112,11 +114,12 @@ def _in_box(sight: Sight, box: PixelBox, floor: FloorMap) -> Target | None:
     for tag in sight.tags:
         column, row = tag.corners.mean(axis=0)
         if left <= column < right and top <= row < bottom:
-            return Target(f"tag {tag.id}", tag_finder(tag.id, floor))
+            return Target(f"tag {tag.id}", tag_finder(tag.id, floor), {"tags"})
     thing = thing_in_box(sight, *box)
     if thing is None:
         return None
-    return Target(f"the {thing.name}", _things(Wanted(thing.kind, thing.colour, thing.tag)))
+    parts = _THINGS if thing.tag is None else EVERYTHING
+    return Target(f"the {thing.name}", _things(Wanted(thing.kind, thing.colour, thing.tag)), parts)
 
 
 @skill(occupies=["base", "arm", "camera"])

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from engine.robot.robot import ARM_INITIAL, Joints, Twist
+from engine.robot.arm import ARM_INITIAL, Joints
+from engine.robot.geometry import Twist
 from engine.skills.context import SkillContext
 from engine.skills.drive import settle, why_held
 from engine.skills.hand import move_to
@@ -26,7 +27,7 @@ async def _poses(context: SkillContext, poses: Sequence[Joints], done: str, *, s
 
 @skill(occupies=["arm"])
 async def arm_up(context: SkillContext) -> Result:
-    """Raise the arm."""
+    """Raise (lift) the arm."""
     return await _poses(context, [UP], "The arm is up.")
 
 
@@ -54,7 +55,7 @@ async def arm_shake(context: SkillContext) -> Result:
 
 @skill(occupies=["arm"])
 async def arm_applaud(context: SkillContext) -> Result:
-    """Applaud by opening and closing the gripper."""
+    """Applaud (clap) by opening and closing the gripper."""
     before = context.robot.state()
     if not await move_to(context, (0.0, 0.2, 0.4, 0.4, 0.0)):
         return fail("no_progress", "The arm stopped before it was raised.")
@@ -98,8 +99,8 @@ async def drift(context: SkillContext) -> Result:
 async def _sway(context: SkillContext, twist: Twist, seconds: float) -> Result | None:
     """Drive ``twist`` for a time; a failure when something holds the robot back."""
     state = context.robot.state()
-    begin = state.t
-    while state.t - begin < seconds - 1e-9:
+    begin = state.work_t
+    while state.work_t - begin < seconds - 1e-9:
         context.drive(twist)
         state = await context.robot.tick()
         if state.halted or (state.blocked and state.command.is_zero):

@@ -9,11 +9,20 @@ from typing import Annotated, Final
 
 from engine.perception.memory import Thing
 from engine.perception.naming import Wanted, wanted
-from engine.robot.robot import Furniture, Room
+from engine.robot.floor_map import Furniture, Room
 from engine.skills.context import SkillContext
-from engine.skills.find import furniture_called, listing, nearest_bin, room_called, things_in
+from engine.skills.find import (
+    by_distance,
+    find,
+    furniture_called,
+    listing,
+    nearest_bin,
+    room_called,
+    things_in,
+    whereabouts,
+)
 from engine.skills.grasp import lost, pick
-from engine.skills.hand import still_held
+from engine.skills.hand import grip_again, still_held
 from engine.skills.library.manipulation import fetch
 from engine.skills.library.navigation import PlaceName
 from engine.skills.library.searching import ObjectName, RoomName
@@ -38,25 +47,35 @@ PutAway = Callable[[], Awaitable[Result]]
 async def carry(
     context: SkillContext, object: ObjectName, place: PlaceName, source: Annotated[str, Word("surface")] = ""
 ) -> Result:
-    """Bring something to a place: find it (on or in ``source`` if that is given), pick it up, drive there, put it
+    """Bring something to a place: find it (on or in ``source`` first if that is given), pick it up, drive there, put it
     down on the floor."""
     goal, name = context.places.pose(place), context.places.name(place)
     if goal is None:
         return fail("unknown_place", "I have not been told to remember a place yet.")
-    held = context.world.held
+    held, elsewhere = context.world.held, ""
     if held is None or not wanted(object).fits(held.kind, held.colour, held.tag):
-        picked = await fetch(context, wanted(object), _rooms_of(context, source))
+        rooms = _rooms_of(context, source)
+        picked = await fetch(context, wanted(object), rooms)
+        if picked.error_code == "object_not_found" and rooms is not None:  # people err about where they left things
+            others = tuple(room for room in by_distance(context.robot.floor_map, context.pose) if room not in rooms)
+            context.progress(None, f"no {object} in the {source}, looking elsewhere")
+            found = await find(context, wanted(object), rooms=others)
+            if isinstance(found, Thing):
+                where = whereabouts(found, context.robot.floor_map)
+                elsewhere = f" It was not where you said but {where}."
+                picked = await fetch(context, wanted(object), others)
         if not picked.ok:
             return picked
         if (held := context.world.held) is None:
             return fail("dropped", f"I have lost the {object}.")
+    await grip_again(context)
     went = await go_to(context, goal, name)
     if not still_held(context):
         return lost(context, held)
     if not went.ok:
         return fail(went.error_code or "path_blocked", f"{went.message} I still hold the {held.name}.")
     put = await put_on_floor(context)
-    return ok(f"I brought the {held.name} to {name}.") if put.ok else put
+    return ok(f"I brought the {held.name} to {name}.{elsewhere}") if put.ok else put
 
 
 @skill(occupies=["base", "arm", "camera"])

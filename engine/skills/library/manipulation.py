@@ -9,11 +9,11 @@ from engine.errors import PlanError
 from engine.perception.memory import Thing
 from engine.perception.naming import Wanted, wanted
 from engine.perception.sighting import PixelBox, Sight
-from engine.robot.robot import Room
+from engine.robot.floor_map import Room
 from engine.skills.context import SkillContext
 from engine.skills.find import find, furniture_called
 from engine.skills.grasp import lost, pick
-from engine.skills.hand import close_fingers, gap, move_to, open_fingers, presses, still_held
+from engine.skills.hand import TOUCHING, close_fingers, gap, grip_again, move_to, open_fingers, presses, still_held
 from engine.skills.library.searching import ObjectName
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.put import put_in, put_on, put_on_floor
@@ -76,6 +76,7 @@ async def place_object(context: SkillContext, surface: SurfaceName) -> Result:
     goal = context.places.pose(symbol)
     if goal is None:
         return fail("unknown_place", "I have not been told to remember a place yet.")
+    await grip_again(context)
     went = await go_to(context, goal, context.places.name(symbol))
     if not still_held(context):
         return lost(context, held)
@@ -108,7 +109,7 @@ async def open_gripper(context: SkillContext) -> Result:
     try:
         await open_fingers(context, context.robot.arm.jaw)
     finally:
-        if held is not None and not presses(context):
+        if held is not None and not presses(context, least=TOUCHING):
             context.world.put(None, context.robot.state().t)
     return ok("The gripper is open." if held is None else f"The gripper is open; I have let go of the {held.name}.")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated
 
-from engine.robot.robot import Twist
+from engine.robot.geometry import Twist
 from engine.skills.context import SkillContext
 from engine.skills.drive import Axis, Driven, drive_straight, settle, turn, why_held
 from engine.skills.outcome import Result, fail, ok
@@ -24,29 +24,29 @@ async def set_cmdvel(
     linear_x is forward, linear_y to the left, angular_z counter-clockwise.
     """
     state = context.robot.state()
-    start, begin = state.pose, state.t
+    start, begin = state.pose, state.work_t
     twist = Twist(linear_x, linear_y, angular_z)
     held = None
-    while state.t - begin < duration - 1e-9:
+    while state.work_t - begin < duration - 1e-9:
         context.drive(twist)
         state = await context.robot.tick()
-        context.progress(min(1.0, (state.t - begin) / duration), f"{state.t - begin:.1f} of {duration:g} s")
+        context.progress(min(1.0, (state.work_t - begin) / duration), f"{state.work_t - begin:.1f} of {duration:g} s")
         held = why_held(state) if state.halted or (state.blocked and state.command.is_zero) else None
-        if held and state.t - begin > 0.2 and not twist.is_zero:
+        if held and state.work_t - begin > 0.2 and not twist.is_zero:
             break
     state = await settle(context)
     moved = start.distance_to(state.pose)
     if held:
         code, reason = held
         return fail(
-            code, f"I drove {moved:.2f} m in {state.t - begin:.1f} of {duration:g} s, then: {reason}.", moved=moved
+            code, f"I drove {moved:.2f} m in {state.work_t - begin:.1f} of {duration:g} s, then: {reason}.", moved=moved
         )
     return ok(f"Drove for {duration:g} s and moved {moved:.2f} m.", moved=moved)
 
 
 @skill(occupies=["base"])
 async def stop(context: SkillContext) -> Result:
-    """Stand still."""
+    """Stand still, hold it."""
     await settle(context)
     return ok("Stopped.")
 

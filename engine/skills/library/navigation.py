@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated
 
-from engine.robot.robot import Pose
+from engine.robot.geometry import Pose
 from engine.skills.context import SkillContext
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.registry import Word, skill
@@ -25,7 +25,7 @@ async def navigation(context: SkillContext, place: PlaceName) -> Result:
 
 @skill()
 async def get_current_pose(context: SkillContext) -> Result:
-    """Remember where the robot stands as the place zero."""
+    """Remember (memorise) where the robot stands as the place zero."""
     pose = context.pose
     context.places.remember(pose)
     return ok(f"I will remember this place. {_words(pose)}", x=pose.x, y=pose.y, yaw=pose.yaw)
@@ -33,7 +33,7 @@ async def get_current_pose(context: SkillContext) -> Result:
 
 @skill()
 async def report_pose(context: SkillContext) -> Result:
-    """Say where the robot is."""
+    """Say where the robot is (whereabouts)."""
     pose = context.pose
     room = next((room.name for room in context.robot.floor_map.rooms if room.holds(pose.x, pose.y)), None)
     where = f"I am in the {room}. " if room else ""

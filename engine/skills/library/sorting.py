@@ -13,7 +13,8 @@ from typing import Annotated, Final
 from engine.perception.looking import LOOK_POSES
 from engine.perception.memory import Thing
 from engine.perception.naming import Wanted
-from engine.robot.robot import Furniture, Pose, wrap
+from engine.robot.floor_map import Furniture
+from engine.robot.geometry import Pose, wrap
 from engine.skills.aim import top_of
 from engine.skills.context import SkillContext
 from engine.skills.grasp import pick

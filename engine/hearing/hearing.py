@@ -1,0 +1,403 @@
+"""Hearing: from sound to a transcript. Joins a source, voice activity, endpointing and a recogniser.
+
+A live source is read all the time, so that the moment before the wake is not lost and the level meter lives; other
+sources are read only while somebody listens, and go on where they stopped. What a live source hears is decoded ahead
+(``engine.hearing.ahead``), so that the transcript is ready as soon as the speaker is.
+
+    async with Hearing(...) as hearing:
+        heard = await hearing.listen(emit)
+        if isinstance(heard, Utterance):
+            transcript = await hearing.transcribe(heard, emit)
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Callable, Sequence
+from contextlib import AsyncExitStack
+from dataclasses import dataclass, replace
+from types import TracebackType
+from typing import Literal, Protocol
+
+import numpy as np
+
+from config.schema import Endpoint
+from engine import events
+from engine.asr.recogniser import Recogniser, Rejected, Transcript
+from engine.audio.echo import EchoCanceller
+from engine.audio.endpoint import Ended, Endpointer, Utterance
+from engine.audio.gain import Gain
+from engine.audio.level import SILENT, Meter, loudness
+from engine.audio.ring import Ring
+from engine.audio.source import FRAME_S, Frame, Samples, Source
+from engine.audio.vad import VoiceActivity
+from engine.bus import Emit
+from engine.errors import DeviceError, SaysoError
+from engine.hearing.ahead import Decoding, DecodingAhead
+from engine.hearing.going_on import GOES_ON_S, GoingOn, joined, may_have_no_end
+from engine.hearing.overhearing import Alert, Overhearing
+from engine.hearing.readings import Judge
+from engine.hearing.transcriber import Transcriber, as_event
+
+
+@dataclass(frozen=True, slots=True)
+class NothingHeard:
+    """Listening ended without an utterance."""
+
+    reason: Literal["no_speech", "source_ended"]
+    message: str  # a sentence for people
+
+
+class HearingFault(SaysoError):
+    """A fault of ours while a live source was read; opened again, it may be heard again."""
+
+    code = "internal"
+
+
+class Listener(Protocol):
+    """Somebody who listens to all that a live source hears; in the loop's thread, which must not be held up."""
+
+    def push(self, samples: Samples) -> None:
+        """The next sound: mono, 16 kHz."""
+        ...
+
+    def reset(self) -> None:
+        """Another source begins."""
+        ...
+
+
+class Hearing:
+    """The robot's ears. One listener and one transcription at a time; everything but :meth:`mark` and :attr:`level`
+    belongs to the loop's thread.
+
+    ``open_source`` makes the source to begin with; :meth:`hear` puts another in its place. ``vocabulary``: nouns and
+    names to expect. ``gain_db`` (a number or "auto") is applied before anything else. ``on_end`` is called, in the
+    loop's thread, when a live source has ended or is lost. ``judge`` is asked, in the recogniser's thread, whether
+    somebody who pauses has said all; ``partials``: words are recognised while somebody talks. ``alert`` is told of a
+    stop that is overheard (see :meth:`overhear`). ``listener`` gets all that a live source hears. ``echo``
+    takes the robot's own voice out of what a source hears that hears its loudspeaker. ``on_going_on`` is told, in the
+    loop's thread, that somebody goes on whose turn was ended in the middle of a sentence, and how long ago (s, up to
+    1): whoever marks that moment and listens hears both pieces as one. Leaving closes the source and the recogniser,
+    whatever it is doing.
+    """
+
+    def __init__(
+        self,
+        open_source: Callable[[], Source],
+        vad: VoiceActivity,
+        endpoint: Endpoint,
+        recogniser: Recogniser,
+        *,
+        vocabulary: Sequence[str] = (),
+        gain_db: float | Literal["auto"] = 0.0,
+        on_end: Callable[[SaysoError | None], None] = lambda error: None,
+        judge: Judge = lambda text: "unknown",
+        partials: bool = True,
+        alert: Alert | None = None,
+        listener: Listener | None = None,
+        echo: EchoCanceller | None = None,
+        on_going_on: Callable[[float], None] | None = None,
+    ) -> None:
+        self.level = SILENT
+        """Newest loudness, for idle display; a frozen value that is replaced, so any thread may read it."""
+        self.vad_name = vad.name
+        self._open_source = open_source
+        self._vad = vad
+        self._endpoint = endpoint
+        self._recogniser = recogniser
+        self._gain = Gain(gain_db)
+        self._transcriber = Transcriber(recogniser, vocabulary, judge)
+        self._open = AsyncExitStack()
+        self._source: Source | None = None
+        self._missing: SaysoError | None = None  # why there is no source
+        self._told: set[str] = set()
+        self._pump: asyncio.Task[None] | None = None
+        self._ring = Ring(math.ceil(endpoint.pre_roll_s / FRAME_S))
+        self._on_end = on_end
+        self._overhearing = Overhearing(alert, recogniser, self._transcriber.thread)
+        self._listener = listener
+        self._echo = echo
+        self._judge = judge
+        self._partials = partials
+        self._on_going_on = on_going_on
+        self._after: GoingOn | None = None  # the last utterance of a live source
+        self._begun: Utterance | None = None  # by whoever goes on now
+        self._ahead: tuple[Utterance, Decoding] | None = None  # the last utterance, if it is being recognised already
+
+    async def __aenter__(self) -> Hearing:
+        """Open the source. Raises ``DeviceError`` or ``AudioFormatError``; :meth:`hear` can still be called then."""
+        try:
+            await self.hear(self._open_source())
+        except SaysoError as error:
+            self._missing = error
+            raise
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._overhearing.drop()
+        self._transcriber.close()
+        await self._close_source()
+        self._ring.end(None)
+
+    @property
+    def recogniser_name(self) -> str:
+        """The recogniser, for people."""
+        return self._recogniser.name
+
+    @property
+    def source_name(self) -> str:
+        """The source, for people."""
+        return self._source.name if self._source is not None else "no sound source"
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the source tolerated so far."""
+        return self._source.warnings if self._source is not None else ()
+
+    async def hear(self, source: Source) -> None:
+        """From now on hear ``source``, which is opened here, in the place of the one before, which is closed. Somebody
+        who listens goes on listening. Raises what opening it raises; then all stays as it was."""
+        opened = AsyncExitStack()
+        await opened.enter_async_context(source)
+        try:
+            await self._close_source()
+        except BaseException:
+            await opened.aclose()
+            raise
+        self._open, self._source, self._missing, self._after = opened, source, None, None
+        self._told.clear()
+        if source.live:
+            self._ring.restart()
+            if self._listener is not None:
+                self._listener.reset()
+            if self._echo is not None:
+                self._echo.reset()
+            self._pump = asyncio.create_task(self._keep_reading(source), name="hearing")
+
+    async def load(self) -> None:
+        """Load the recogniser in its thread. Raises ``ModelError``; :meth:`transcribe` would raise the same."""
+        await self._transcriber.load()
+
+    def mark(self, ago_s: float | None = None) -> None:
+        """The wake is now: the next :meth:`listen` of a live source begins here, less the pre-roll, or ``ago_s`` (up to
+        1 s) ago, however long it takes until it is called (up to 10 s). Thread-safe, returns at once."""
+        self._begun = None
+        self._ring.mark(None if ago_s is None else int(ago_s / FRAME_S))  # rather too little than some of a word
+
+    def overhear(self, on: bool) -> None:
+        """From now on, or not any more, a stop that a live source hears is told to the ``alert``, in the recogniser's
+        thread and without anybody listening. All else that is overheard is forgotten."""
+        self._overhearing.switch(on)
+
+    @property
+    def overhears(self) -> bool:
+        """A stop would be told now. Any thread."""
+        return self._overhearing.usable
+
+    @property
+    def without_own_voice(self) -> bool:
+        """What the robot says is taken out of what is heard now, as far as anybody can tell. Any thread."""
+        return self._echo is not None and self._echo.knows
+
+    @property
+    def hears_itself(self) -> bool:
+        """A word that was heard just now was the robot's own. Any thread."""
+        return self._echo is not None and self._echo.alone
+
+    def suspect(self, phrase: str, settled: Callable[[], None], *, sure: bool) -> None:
+        """``phrase`` seems to have been said just now: see :meth:`engine.hearing.overhearing.Overhearing.suspect`."""
+        self._overhearing.suspect(phrase, settled, sure=sure)
+
+    async def listen(self, emit: Emit, *, restarted: bool = False) -> Utterance | NothingHeard:
+        """Hear one utterance, publishing ``listen.started``, ``listen.level``, ``listen.ended`` and what the source
+        tolerated.
+
+        ``listen.ended`` comes exactly once, also when this is cancelled or the device is lost (raises
+        ``DeviceError``).
+        """
+        self._overhearing.drop()  # the recogniser is for who is listened to
+        self._drop_ahead()
+        self._after = None
+        begun, self._begun = self._begun, None
+        source = self._source
+        if source is None or self._missing is not None or self._ring.error is not None:
+            raise self._missing or self._ring.error or DeviceError("There is nothing to hear with.")
+        self._ring.listen()
+        emit(events.ListenStarted(source.name, restarted))
+        ended = events.ListenEnded("cancelled", 0.0, 0.0)
+        try:
+            end = await self._find_utterance(source, emit, begun)
+            heard = end.utterance
+            ended = events.ListenEnded(
+                end.reason, heard.duration if heard is not None else 0.0, heard.speech_s if heard is not None else 0.0
+            )
+        except SaysoError:
+            ended = events.ListenEnded("device_lost", 0.0, 0.0)
+            raise
+        finally:
+            self._ring.release()
+            emit(ended)
+            self._warn(emit)
+        if heard is not None:
+            return heard
+        if end.reason == "source_ended":
+            return NothingHeard("source_ended", f"The sound of {source.name} ended and nobody spoke.")
+        return NothingHeard("no_speech", f"Nobody spoke for {self._endpoint.no_speech_s:g} s.")
+
+    async def transcribe(self, utterance: Utterance, emit: Emit) -> events.TranscriptFinal | events.TranscriptRejected:
+        """Recognise an utterance; the result is published and returned. Raises ``ModelError``.
+
+        Cancelling returns at once; what is found after that is published as ``transcript.rejected`` with the reason
+        ``late``.
+        """
+        self._overhearing.drop()
+        ahead, self._ahead = self._ahead, None
+        begun = ahead[1] if ahead is not None and ahead[0] is utterance else None
+        result = as_event(await self._transcriber.transcribe(utterance.samples, emit, begun))
+        emit(result)
+        self._await_more(utterance, result)
+        if isinstance(result, events.TranscriptFinal) and self._gain.learn(utterance.samples):
+            emit(events.Log("debug", "microphone", f"The gain is {self._gain.db:g} dB from now on."))
+        return result
+
+    def lose(self, error: SaysoError) -> None:
+        """There is no source any more: that is what whoever listens from now on is told."""
+        self._missing = error
+
+    def _await_more(self, utterance: Utterance, result: events.TranscriptFinal | events.TranscriptRejected) -> None:
+        """What was said has no end: its speaker may still go on."""
+        after = self._after
+        self._after = None
+        if after is not None and after.utterance is utterance and may_have_no_end(result, self._judge):
+            after.awaited = True
+            self._after = after
+
+    def _follow(self, frame: Frame) -> None:
+        """A frame of a live source to which nobody listens."""
+        if (after := self._after) is None or self._on_going_on is None:
+            return
+        after.push(frame)
+        if after.ago_s is not None or after.is_over:
+            self._after = None
+        if after.ago_s is not None and not self.hears_itself:
+            self._on_going_on(min(1.0, after.ago_s))
+            self._begun = after.utterance
+
+    def _warn(self, emit: Emit) -> None:
+        """Tell what the source tolerated and nobody has been told yet: its counters grow, but nothing is repeated."""
+        for warning in self.warnings:
+            if warning not in self._told:
+                self._told.add(warning)
+                emit(events.Log("warning", "microphone", warning))
+
+    async def _find_utterance(self, source: Source, emit: Emit, begun: Utterance | None) -> Ended:
+        """Feed frames to the endpointer until it has an end; what was ``begun`` comes before it. Raises what the source
+        raises."""
+        self._vad.reset()
+        patience = {} if begun is None else {"no_speech_s": GOES_ON_S}  # it may have been no voice that went on
+        endpointer = Endpointer(self._endpoint.model_copy(update=patience))
+        meter = Meter()
+        work = self._transcriber
+
+        def recognise(samples: Samples, cancelled: Callable[[], bool], quick: bool) -> Transcript | Rejected:
+            whole = samples if begun is None else np.concatenate((begun.samples, samples))
+            return work.recognise(whole, cancelled, quick)
+
+        ahead = DecodingAhead(recognise, work.start, self._endpoint, self._judge, emit, partials=self._partials)
+        try:
+            while (frame := await self._next_frame(source)) is not None:
+                vad = self._vad.process(frame)
+                ahead.advise(endpointer)
+                found = endpointer.push(frame, vad)
+                if (level := meter.add(frame, vad, in_speech=endpointer.in_speech)) is not None:
+                    emit(level)
+                if isinstance(found, Ended):
+                    break
+                if source.live:  # any other comes faster than it could be recognised
+                    ahead.follow(endpointer)
+            else:
+                found = endpointer.finish()
+            if begun is not None:  # if that was only noise, it is still what was said
+                heard = begun if found.utterance is None else joined(begun, found.utterance)
+                found = replace(found, utterance=heard)
+            decoding = ahead.end()
+            if found.utterance is not None and decoding is not None:
+                self._ahead = found.utterance, decoding
+            if found.utterance is not None and begun is None and source.live:
+                self._after = GoingOn(found.utterance, self._vad)
+            return found
+        finally:
+            ahead.drop()
+
+    def _drop_ahead(self) -> None:
+        """Nobody has asked for the transcript of the last utterance, and nobody will."""
+        ahead, self._ahead = self._ahead, None
+        if ahead is not None:
+            ahead[1].transcription.cancel()
+
+    async def _next_frame(self, source: Source) -> Frame | None:
+        """The next frame, or None at the end: of the source, or of patience with a live one that delivers nothing."""
+        if source.live:
+            try:
+                async with asyncio.timeout(self._endpoint.no_speech_s):
+                    return await self._ring.get()
+            except TimeoutError:
+                return None
+        frame = await anext(source, None)
+        return self._taken(frame) if frame is not None else None
+
+    def _taken(self, frame: Frame) -> Frame:
+        """Every frame passes here once: gain and level."""
+        frame = self._gain.apply(frame)
+        self.level = loudness([frame])
+        return frame
+
+    def _without_echo(self, frame: Frame) -> tuple[Frame, Frame]:
+        """The frame less what the robot itself says, for whoever knows what to listen for; and for whoever takes all
+        that sounds like speech for somebody's, with what is left of that faded out."""
+        if self._echo is None or frame.at is None:
+            return frame, frame
+        cleaned = self._echo.clean(frame.samples, frame.at)
+        if cleaned is None:
+            return frame, frame
+        return replace(frame, samples=cleaned.left), replace(frame, samples=cleaned.others)
+
+    async def _close_source(self) -> None:
+        pump, self._pump, self._source = self._pump, None, None
+        outcome: object = None
+        if pump is not None:
+            pump.cancel()
+            (outcome,) = await asyncio.gather(pump, return_exceptions=True)
+        await self._open.aclose()
+        if isinstance(outcome, Exception):  # a fault of ours, not of the device: those went to the listener
+            raise outcome
+
+    async def _keep_reading(self, source: Source) -> None:
+        """The task that reads a live source until it ends, is lost, or another one takes its place."""
+        error: SaysoError | None = None
+        try:
+            async for frame in source:
+                left, others = self._without_echo(frame)
+                taken = self._taken(others)
+                plain = taken if left is others else self._gain.apply(left)
+                self._ring.put(taken)
+                self._follow(taken)
+                if self._listener is not None:
+                    self._listener.push(plain.samples)
+                self._overhearing.push(plain, taken)
+        except SaysoError as lost:
+            error = lost
+        except Exception as fault:  # noqa: BLE001 - nobody waits for this task: whoever opens sources is told
+            error = HearingFault(f"Hearing failed: {fault!r}.", hint="Please report it.")
+        except asyncio.CancelledError:  # whoever listens goes on with the next source
+            self.level = SILENT
+            raise
+        except BaseException:
+            self._ring.end(None)
+            raise
+        self.level = SILENT
+        self._ring.end(error)
+        self._on_end(error)

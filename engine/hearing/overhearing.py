@@ -1,0 +1,300 @@
+"""Overhearing: a stop that is said without a wake, while the robot moves or speaks.
+
+What a live source hears is watched for speech. As soon as somebody has said as much as a stop, at the first short
+pause, and every half second while they talk on, the newest stretch is recognised in one quick pass, and a stop in it is
+told at once in the recogniser's thread, so that stopping waits for no loop. Everything else that people around the
+robot say is forgotten: it is neither published nor logged.
+
+Whoever spots words (``engine.wake``) may *suspect* a stop: then the newest stretch is recognised at once, and this once
+the recogniser is told which word to expect. That makes it hear the word in noise, but also where it is not, which is
+why it never is without a suspicion.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from engine.asr.recogniser import Recogniser, Rejected, Transcript
+from engine.audio.source import FRAME_S, Frame, Samples
+from engine.audio.vad import VoiceActivity
+from engine.errors import SaysoError
+
+START_FRAMES = 3
+"""Frames of speech in a row (0.1 s) that are no click."""
+
+PAUSE_FRAMES = 2
+"""Frames without speech (64 ms) after which a word has ended, as far as one can tell without waiting."""
+
+END_FRAMES = 16
+"""Frames without speech (0.5 s) after which what was said before is no context any more."""
+
+FIRST_FRAMES = 11
+"""Frames of speech (0.35 s) that are enough for a stop: a pause behind it is noticed 0.1 s later."""
+
+TALKING_FRAMES = 16
+"""How often (0.5 s) somebody who talks on is listened to again."""
+
+PRE_ROLL_FRAMES = 10
+"""0.3 s from before the first frame of speech: a detector misses soft onsets, and a stop begins with one."""
+
+TALKING_S = 3.0
+"""How much of what somebody says who talks on is recognised, s: more takes longer and holds no newer word."""
+
+LONGEST_S = 8.0
+"""How much is recognised at a pause, s: the whole sentence, so that "don't stop" is no stop."""
+
+SUSPECTED_S = 1.5
+"""How much is recognised on a suspicion, s: the word, and what makes it another one."""
+
+SECOND_FRAMES = 9
+"""Frames after a suspicion (0.3 s) until somebody who talks on is listened to a second and last time."""
+
+SURE_LOGPROB = -1.0
+"""A stop that was expected counts from this mean log-probability on when the spotter was sure…"""
+
+DOUBTFUL_LOGPROB = -0.6
+"""…and from this one when it was not. Of those that somebody said most do, in noise too; of other words, few."""
+
+Verdict = Literal["stop", "none", "unknown"]
+"""What a stretch of sound held; unknown: nobody listened to it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Alert:
+    """What is listened for without a wake, and who is told. ``is_stop`` and ``on_words`` are called in the recogniser's
+    thread."""
+
+    vad: VoiceActivity  # of its own: a detector remembers what it heard
+    is_stop: Callable[[str], bool]
+    on_words: Callable[[str], None]  # told of the words that hold a stop, as they were recognised
+
+
+@dataclass(slots=True)
+class _Suspicion:
+    """That somebody has just said one of ``phrases``."""
+
+    phrases: list[str]
+    sure: bool
+    settled: Callable[[], None]
+    looks: set[asyncio.Future[Verdict]] = field(default_factory=set)  # that are not over
+    looked: int = 0  # looks that are
+    frames: int = 0  # that have come since
+
+
+class Overhearing:
+    """Recognises what is said while it is on; never, where there is nobody to alert. Belongs to the loop's thread.
+
+    ``worker`` is the one thread in which ``recogniser`` works: what waits there is replaced by what is newer, and
+    :meth:`drop` takes it out, so that it never delays anything else by more than the decoding that is running.
+    """
+
+    def __init__(self, alert: Alert | None, recogniser: Recogniser, worker: Executor) -> None:
+        self._alert = alert
+        self._recogniser = recogniser
+        self._worker = worker
+        self._on = False
+        self._period = object()  # replaced whenever what was heard before is to be forgotten; in any thread
+        self._watched: object = None  # the period that the watch belongs to
+        self._watch = SpeechWatch()
+        self._works: set[asyncio.Future[Verdict]] = set()
+        self._newest: deque[Frame] = deque(maxlen=_frames(SUSPECTED_S))
+        self._suspicion: _Suspicion | None = None
+
+    @property
+    def usable(self) -> bool:
+        """There is somebody to alert, and it is on. Any thread."""
+        return self._on and self._alert is not None
+
+    @property
+    def busy(self) -> bool:
+        """Something is being recognised, or waits for that."""
+        return bool(self._works)
+
+    def switch(self, on: bool) -> None:
+        """Listen from now on, or not any more; either way, what was heard before does not count."""
+        if on != self._on:
+            self._on = on
+            self.drop()
+
+    def drop(self) -> None:
+        """Forget what was heard and is not told yet."""
+        self._period = object()
+        for work in tuple(self._works):
+            work.cancel()
+        self._settle()
+
+    def suspect(self, phrase: str, settled: Callable[[], None], *, sure: bool) -> None:
+        """Somebody has just said ``phrase``, it seems, or it is even ``sure``: find out at once. ``settled`` is called
+        when that is known, after whoever is to be alerted was; never, where the recogniser fails or no sound comes any
+        more."""
+        if not self.usable:
+            settled()
+            return
+        if (before := self._suspicion) is not None:  # the same, or another one: one answer is enough
+            before.looked, before.frames = 0, 0
+            before.sure |= sure
+            if phrase not in before.phrases:
+                before.phrases.append(phrase)
+        else:
+            self._suspicion = _Suspicion([phrase], sure, settled)
+        self._look()
+
+    def push(self, frame: Frame, others: Frame | None = None) -> None:
+        """Take the next frame of a live source. ``others``: the same, with the robot's own voice faded out, to tell
+        whether anybody speaks; what is recognised is ``frame``, which was only subtracted from."""
+        alert = self._alert
+        if not self._on or alert is None:
+            return
+        period = self._period
+        if self._watched is not period:
+            self._watched, self._watch = period, SpeechWatch()
+            self._newest.clear()
+            alert.vad.reset()
+        self._newest.append(frame)
+        sound = self._watch.push(frame, alert.vad.process(others or frame).speech)
+        if sound is not None:
+            self._ask(alert, sound)
+        if (suspicion := self._suspicion) is not None:
+            suspicion.frames += 1
+            if not suspicion.looks and (sound is not None or suspicion.frames >= SECOND_FRAMES):
+                self._look()
+
+    def _look(self) -> None:
+        """Recognise the newest stretch with the suspicion in mind."""
+        suspicion = self._suspicion
+        if self._alert is None or suspicion is None or not self._newest:
+            return
+        sound = np.concatenate([frame.samples for frame in self._newest])
+        logprob = SURE_LOGPROB if suspicion.sure else DOUBTFUL_LOGPROB
+        suspicion.looks.add(self._ask(self._alert, sound, tuple(suspicion.phrases), logprob))
+
+    def _ask(
+        self, alert: Alert, sound: Samples, expected: Sequence[str] = (), logprob: float = 0.0
+    ) -> asyncio.Future[Verdict]:
+        looks = self._suspicion.looks if self._suspicion is not None else set()
+        for waiting in tuple(looks) if expected else self._works - looks:
+            waiting.cancel()  # of no effect on one that is running
+        loop, period = asyncio.get_running_loop(), self._period
+        work = loop.run_in_executor(self._worker, self._recognise, alert, sound, period, expected, logprob)
+        self._works.add(work)
+        work.add_done_callback(self._over)
+        return work
+
+    def _over(self, work: asyncio.Future[Verdict]) -> None:
+        """One look or another is over, or was replaced by a newer one."""
+        self._works.discard(work)
+        suspicion = self._suspicion
+        if suspicion is None:
+            return
+        looked = work in suspicion.looks
+        suspicion.looks.discard(work)
+        if work.cancelled():
+            return
+        verdict = work.result()
+        if verdict == "unknown":
+            self._suspicion = None  # and nobody will ever know
+            return
+        suspicion.looked += looked
+        enough = suspicion.looked >= (2 if self._watch.talking else 1)
+        if verdict == "stop" or (enough and not self._works):
+            self._settle()
+
+    def _settle(self) -> None:
+        suspicion, self._suspicion = self._suspicion, None
+        if suspicion is not None:
+            suspicion.settled()
+
+    def _recognise(
+        self, alert: Alert, sound: Samples, period: object, expected: Sequence[str], logprob: float
+    ) -> Verdict:
+        """In the recogniser's thread. ``logprob``: how sure it has to be of what was expected."""
+
+        def dropped() -> bool:
+            return self._period is not period
+
+        if dropped():
+            return "none"
+        try:
+            # no vocabulary but that: a prompt makes a recogniser hear in noise what it was prompted with
+            found = self._recogniser.transcribe(sound * np.float32(1 / 32768), expected, dropped, quick=True)
+        except SaysoError:
+            return "unknown"  # whoever wants to be understood next is told the same
+        counts = _is_likely(found, logprob) if expected else _is_speech(found)
+        if not counts or not alert.is_stop(found.text) or dropped():
+            return "none"
+        self._period = object()  # the same word is not told twice
+        alert.on_words(found.text)
+        return "stop"
+
+
+class SpeechWatch:
+    """When to recognise what: a pure state machine over frames and whether there is speech in them."""
+
+    def __init__(self) -> None:
+        self._frames: deque[Frame] = deque(maxlen=_frames(LONGEST_S))  # the pre-roll, and the speech so far
+        self._speech = 0  # frames of speech in a row, until speech has begun
+        self._begun = False
+        self._quiet = 0  # frames since the last one with speech
+        self._next = 0  # frames until something is to be recognised though there is no pause
+        self._said = False  # whether there was speech since the last pause
+
+    @property
+    def talking(self) -> bool:
+        """Somebody talks, or ended less than a pause ago."""
+        return self._begun and self._quiet < PAUSE_FRAMES
+
+    def push(self, frame: Frame, speech: bool) -> Samples | None:
+        """Take the next frame; gives the sound to recognise when it is time to."""
+        self._frames.append(frame)
+        if not self._begun:
+            self._wait_for_speech(speech)
+            return None
+        self._next -= 1
+        if speech:
+            self._quiet, self._said = 0, True
+            return self._ask(TALKING_S) if self._next <= 0 else None
+        self._quiet += 1
+        if self._quiet >= END_FRAMES:
+            self._begun, self._speech = False, 0
+            self._keep(PRE_ROLL_FRAMES)
+        elif self._quiet >= PAUSE_FRAMES and self._said:
+            self._said = False
+            return self._ask(LONGEST_S)
+        return None
+
+    def _wait_for_speech(self, speech: bool) -> None:
+        self._speech = self._speech + 1 if speech else 0
+        self._keep(PRE_ROLL_FRAMES + self._speech)
+        if self._speech >= START_FRAMES:
+            self._begun, self._said = True, True
+            self._quiet, self._next = 0, FIRST_FRAMES - self._speech
+
+    def _keep(self, frames: int) -> None:
+        while len(self._frames) > frames:
+            self._frames.popleft()
+
+    def _ask(self, longest_s: float) -> Samples:
+        self._next = TALKING_FRAMES
+        newest = list(self._frames)[-_frames(longest_s) :]
+        return np.concatenate([frame.samples for frame in newest])
+
+
+def _is_speech(found: Transcript | Rejected) -> bool:
+    """A doubtful stop is a stop; sound that is no speech is none."""
+    return isinstance(found, Transcript) or found.reason == "low_confidence"
+
+
+def _is_likely(found: Transcript | Rejected, logprob: float) -> bool:
+    """Whether what was expected was said, and not only not excluded."""
+    return isinstance(found, Transcript) and found.decoding.avg_logprob >= logprob
+
+
+def _frames(seconds: float) -> int:
+    return round(seconds / FRAME_S)

@@ -1,0 +1,120 @@
+"""The one thread in which a recogniser works, and what becomes of its work when whoever waited for it no longer does.
+
+Loading and decoding queue up in that thread (an engine's recogniser decodes in a process of its own, and the thread
+waits for it). A transcription that nobody waits for any more ends as ``transcript.rejected`` with the reason ``late``,
+in the turn and epoch that it belonged to.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from engine import events
+from engine.asr.recogniser import Recogniser, Rejected, Transcript
+from engine.asr.transcription import Found, Transcription
+from engine.audio.source import Samples
+from engine.bus import Emit
+from engine.errors import ModelError, SaysoError
+from engine.hearing.ahead import Decoding
+from engine.hearing.near_sounding import heard_as_command
+from engine.hearing.readings import Judge, sensible
+
+
+class Transcriber:
+    """Belongs to the loop's thread, but for :meth:`recognise`. ``vocabulary``: nouns and names to expect. ``judge`` is
+    asked, in the recogniser's thread, which of several readings can be meant."""
+
+    def __init__(self, recogniser: Recogniser, vocabulary: Sequence[str], judge: Judge) -> None:
+        self.thread = ThreadPoolExecutor(1, thread_name_prefix="recogniser")
+        self._recogniser = recogniser
+        self._vocabulary = tuple(vocabulary)
+        self._judge = judge
+        self._pending: set[asyncio.Future[Found]] = set()
+        self._closed = False
+
+    async def load(self) -> None:
+        """Load the recogniser. Raises ``ModelError``; :meth:`transcribe` would raise the same."""
+        await asyncio.get_running_loop().run_in_executor(self.thread, self._recogniser.load)
+
+    def close(self) -> None:
+        """End what runs, and publish nothing of it."""
+        self._closed = True
+        for work in tuple(self._pending):
+            work.cancel()  # or its end would be reported to a loop that may be closed by then
+        self.thread.shutdown(wait=False, cancel_futures=True)
+        self._recogniser.close()  # the thread comes back by that
+
+    def recognise(self, samples: Samples, cancelled: Callable[[], bool], quick: bool = False) -> Transcript | Rejected:
+        """In the recogniser's thread. What only a quick look was taken at is left as it was found."""
+        sound = samples * np.float32(1 / 32768)
+        found = self._recogniser.transcribe(sound, self._vocabulary, cancelled, quick=quick)
+        if quick or cancelled():
+            return found
+        return heard_as_command(sensible(found, self._judge), self._judge, self._vocabulary)
+
+    def start(self, transcription: Transcription) -> asyncio.Future[Found]:
+        """Have it run in the recogniser's thread, after what waits there."""
+        if self._closed:  # while somebody still listened
+            closed: asyncio.Future[Found] = asyncio.get_running_loop().create_future()
+            closed.set_result(ModelError("The recogniser has been closed."))
+            return closed
+        work = asyncio.get_running_loop().run_in_executor(self.thread, transcription.run)
+        self._pending.add(work)
+        work.add_done_callback(self._pending.discard)
+        return work
+
+    async def transcribe(self, samples: Samples, emit: Emit, begun: Decoding | None) -> Transcript | Rejected:
+        """Recognise an utterance, or wait for whoever has ``begun`` with it. Raises ``ModelError``.
+
+        Cancelling returns at once. The recogniser stops at the next stretch of work, and what it found by then is
+        published as late.
+        """
+        if begun is not None and begun.future is not None:
+            found = await self._awaited(begun.transcription, begun.future, emit)
+            if not begun.is_doubtful:
+                return _used(found)
+        transcription = Transcription(lambda cancelled: self.recognise(samples, cancelled))
+        return _used(await self._awaited(transcription, self.start(transcription), emit))
+
+    async def _awaited(self, transcription: Transcription, work: asyncio.Future[Found], emit: Emit) -> Found:
+        try:
+            return await asyncio.shield(work)  # the work goes on; only the wait for it can be cancelled
+        except asyncio.CancelledError:
+            transcription.cancel(lambda late: self._report_late(late, emit))
+            raise
+
+    def _report_late(self, found: Found, emit: Emit) -> None:
+        """A transcription came to its end after it was cancelled; called in any thread."""
+        if self._closed:
+            return
+        if isinstance(found, SaysoError):
+            emit(events.TranscriptRejected("late", f"The transcription was cancelled and failed: {found}"))
+        else:
+            emit(events.TranscriptRejected("late", "The transcription was cancelled before it ended.", found.text))
+
+
+def as_event(found: Transcript | Rejected) -> events.TranscriptFinal | events.TranscriptRejected:
+    """How a result is published."""
+    if isinstance(found, Rejected):
+        return events.TranscriptRejected(found.reason, found.detail, found.text)
+    decoding = found.decoding
+    return events.TranscriptFinal(
+        text=found.text,
+        source="speech",
+        language=decoding.language,
+        confidence=found.confidence,
+        avg_logprob=decoding.avg_logprob,
+        no_speech_probability=decoding.no_speech_probability,
+        audio_s=decoding.audio_s,
+        decode_s=decoding.decode_s,
+    )
+
+
+def _used(found: Found) -> Transcript | Rejected:
+    if isinstance(found, SaysoError):
+        raise found
+    return found

@@ -1,0 +1,119 @@
+"""What a planner is asked, and what comes of it: the vocabulary of planning."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+from engine.errors import ExitCode
+from engine.events import ClarificationAsked, ModelAsked, PlanRejected, PlanSource, RefusalMade
+from engine.plan import Plan
+from engine.planner.text.counts import Count
+
+Language = Literal["en", "zh"]
+
+
+@dataclass(frozen=True, slots=True)
+class NoPlan:
+    """Nothing will move. ``answer`` is what the robot says; ``exit_code`` tells a failure from a question (5) and a
+    refusal (6)."""
+
+    text: str
+    code: str
+    answer: str
+    exit_code: ExitCode = ExitCode.FAILED
+    suggestions: tuple[str, ...] = ()
+
+    @property
+    def nothing_new(self) -> bool:
+        """It says nothing about what became of a plan."""
+        return not self.answer or self.code.startswith("model_")
+
+    def as_written(self) -> str:
+        """The same as a model would write it."""
+        key = {ExitCode.CLARIFY: "clarification", ExitCode.FAILED: "impossible"}.get(self.exit_code, "response")
+        return json.dumps({key: self.answer}, ensure_ascii=False)
+
+    def as_event(self) -> PlanRejected | RefusalMade | ClarificationAsked:
+        if self.exit_code is ExitCode.REFUSED:
+            return RefusalMade(self.answer, self.text)
+        if self.exit_code is ExitCode.CLARIFY:
+            return ClarificationAsked(self.answer, self.text)
+        return PlanRejected(self.text, self.answer, self.code, self.suggestions)
+
+
+@dataclass(frozen=True, slots=True)
+class Exchange:
+    """Something that was said or done earlier in this task, as a planner is told it."""
+
+    who: Literal["user", "robot", "feedback"]
+    """robot: the plan that was made then, in the form in which models write plans; feedback: what became of it."""
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class PlanRequest:
+    """What a planner is asked."""
+
+    text: str
+    """What the user said; empty when the planner is to go on after feedback."""
+    exchanges: tuple[Exchange, ...] = ()
+    """What happened in this task until now, oldest first."""
+    cycle: str = ""
+    """Names the task: requests with the same one belong together."""
+    language: Language | None = None
+    """What the recogniser heard; None: to be seen from the text."""
+    spent: frozenset[str] = frozenset()
+    """Actions, as they are written, that have failed too often in this request to be tried again."""
+    holding: str = ""
+    """The thing in the gripper."""
+    seen: tuple[str, ...] = ()
+    """Things that the robot has seen and where, a sentence each."""
+    sees: Callable[[str], bool] | None = None
+    """Whether such a thing (``red box``) has been seen since the request was made."""
+    picture: bytes | None = None
+    """What the camera shows after a look, as a PNG file; only models that see get it."""
+    enter: Callable[[Literal["DECIDING", "PLANNING"]], None] = lambda stage: None
+    """To be called when a stage of planning begins that takes its time."""
+    decide: Callable[[tuple[str, ...], PlanSource], None] = lambda steps, source: None
+    """To be called with the decision layer's steps in words."""
+    warn: Callable[[str], None] = lambda message: None
+    """To be called with what the user should know of the planning itself."""
+    record: Callable[[ModelAsked], object] = lambda call: None
+    """To be called with each call of a large model when it is over, also when nobody waits for it any more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conditional:
+    """A request with a condition, in the words of the speaker."""
+
+    before: str
+    """What to do first ("go to the bedroom"); may be empty."""
+    thing: str
+    """What to look for, without its article ("red apple"); ``thing`` for anything at all."""
+    where: str
+    """On, in or at what, without the preposition ("the table"); may be empty."""
+    negated: bool
+    """Whether ``then`` is for when the thing is not there."""
+    then: str
+    """A request of its own: "bring the apple to the kitchen"."""
+    otherwise: str
+    """A request of its own; may be empty."""
+    count: Count | None = None
+    """How many there have to be; None: any."""
+
+
+class Plans(Protocol):
+    """Whatever makes plans for a session."""
+
+    @property
+    def understood(self) -> str:
+        """A sentence with examples of what can be said."""
+        ...
+
+    async def plan(self, request: PlanRequest) -> Plan | NoPlan:
+        """Plan it, or say why not. Every action of a plan has been through the skill registry. Raises ``SaysoError``
+        where a model or a service fails. May be cancelled; a plan that comes after that is dropped."""
+        ...

@@ -1,0 +1,191 @@
+"""What large models are told: the skills, the house, examples, and the conversation so far.
+
+A prompt has a fixed head (rules, skills, examples), which is the same for every house, so that a local model can keep
+what it computed for it; then the house; then what was said and done in this task, oldest first; the newest request
+last. The texts are in ``assets/prompts/``. Few skills are left out: what a model that sees no picture cannot use.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from importlib.resources import files
+from typing import Any, Final
+
+import yaml
+
+from engine.llm.chat import Message
+from engine.planner.request import Exchange, Language
+from engine.planner.text.measures import in_figures
+from engine.skills.registry import Parameter, Skill
+
+_FOLDER: Final = files("assets") / "prompts"
+_BY_PICTURE: Final = frozenset({"grasp_obj", "track", "get_dist"})
+"""Skills that want pixels of a picture."""
+_OF_PEOPLE: Final = frozenset({"stop", "finish_dialogue", "list_skills", "ask_user"})
+"""Skills that a planner has other ways for."""
+_OF_FEEDBACK: Final = frozenset({"finishtask"})
+"""A model that is held to the brief form is not asked whether it is done."""
+MAX_EXCHANGES: Final = 24
+"""Earlier exchanges that a model is told, the newest ones."""
+MAX_SEEN: Final = 12
+
+
+@dataclass(frozen=True, slots=True)
+class HouseWords:
+    """What the house is called by: names as a planner may use them."""
+
+    places: tuple[str, ...]
+    surfaces: tuple[str, ...]
+    things: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Now:
+    """The newest message: a request, or (where ``text`` is empty) feedback that is to be thought over."""
+
+    text: str
+    steps: tuple[str, ...] = ()
+    known: tuple[str, ...] = ()
+    holding: str = ""
+    seen: tuple[str, ...] = ()
+    conditional: bool = False
+
+
+class Prompts:
+    """The prompts of one language. ``brief`` is the form for models that a grammar holds to it: one key an answer;
+    ``sees`` is for those that are shown pictures."""
+
+    def __init__(
+        self, language: Language, skills: Iterable[Skill], house: HouseWords, *, brief: bool, sees: bool
+    ) -> None:
+        self.language = language
+        hidden = _OF_PEOPLE | (frozenset() if sees else _BY_PICTURE) | (_OF_FEEDBACK if brief else frozenset())
+        self._skills = tuple(skill for skill in skills if skill.name not in hidden)
+        self._house = house
+        self._brief = brief
+        self._words: Mapping[str, str] = _read("words.yaml")[language]
+
+    def execution(self, exchanges: Sequence[Exchange], now: Now) -> tuple[Message, ...]:
+        """The messages for an execution layer."""
+        return (*self.head, *self._conversation(exchanges, self._newest(now)))
+
+    def decision(self, text: str, known: Sequence[str]) -> tuple[Message, ...]:
+        """The messages for a decision layer."""
+        abilities = "\n".join(f"- {skill.summary}" for skill in self._skills)
+        head = _text(f"decision.{self.language}.md").format(skills=abilities, form=self._words["steps"])
+        said = [*self._of_the_house, *self._known(known), self._word("request", text)]
+        return (Message("system", head), Message("user", "\n".join(said)))
+
+    def wrong(self, answer: str, why: str) -> tuple[Message, Message]:
+        """To be put after the others when an answer was no good."""
+        return Message("assistant", answer), Message("user", self._word("wrong", why))
+
+    def grammar(self, *, talks: bool) -> str:
+        """GBNF of the brief form; only one who ``talks`` may answer with mere words."""
+        calls = " | ".join(_rule(skill) for skill in self._skills)
+        talk = r' | "{\"response\": " text "}"' if talks else ""
+        return "\n".join(
+            (
+                r'root ::= "{\"action\": [" call (", " call){0,14} "]}" | "{\"" reason "\": " text "}"' + talk,
+                r'reason ::= "impossible" | "refuse"',
+                rf'call ::= "\"" ({calls}) "\""',
+                r'number ::= "?" | "-"? [0-9]{1,4} ("." [0-9]{1,3})?',
+                r'words ::= "?" | [a-zA-Z0-9\u4e00-\u9fff] [a-zA-Z0-9 \u4e00-\u9fff]{0,39}',
+                r"""sentence ::= "'" [^'"\\\x00-\x1f]{1,120} "'" """.rstrip(),
+                r'text ::= "\"" [^"\\\x00-\x1f]{1,200} "\""',
+            )
+        )
+
+    @cached_property
+    def head(self) -> tuple[Message, ...]:
+        """What every question to an execution layer begins with; the house comes last, so that another one changes the
+        end only."""
+        house = Message("user", "\n".join(self._of_the_house))
+        return (*self._rules, house, Message("assistant", self._as_answer({"response": self._words["at_home"]})))
+
+    @cached_property
+    def _rules(self) -> tuple[Message, ...]:
+        skills = "\n".join(f"{skill.signature}: {skill.summary}" for skill in self._skills)
+        form = self._words["brief" if self._brief else "full"]
+        told = [Message("system", _text(f"execution.{self.language}.md").format(skills=skills, form=form))]
+        for example in _read(f"examples.{self.language}.yaml"):
+            told.append(Message("user", self._word("request", example["user"])))
+            told.append(Message("assistant", self._as_answer(example)))
+        return tuple(told)
+
+    def _as_answer(self, found: Mapping[str, str]) -> str:
+        """An example's answer, in the form that models are to write."""
+        actions = found["action"].split("; ") if "action" in found else []
+        answer: dict[str, object] = {"action": actions} if actions else {}
+        if not self._brief:
+            answer = {"action": actions, "response": "", "clarification": None, "impossible": None, "refuse": None}
+        told = {key: value for key, value in found.items() if key not in ("user", "action")}
+        return json.dumps({**answer, **told}, ensure_ascii=False)
+
+    @cached_property
+    def _of_the_house(self) -> tuple[str, ...]:
+        lists = (("places", self._house.places), ("surfaces", self._house.surfaces), ("things", self._house.things))
+        return tuple(self._word(key, ", ".join(names) or self._words["nothing"]) for key, names in lists)
+
+    def _conversation(self, exchanges: Sequence[Exchange], newest: str) -> tuple[Message, ...]:
+        """Earlier exchanges as turns of a chat; several that are not the robot's are one turn."""
+        turns: list[Message] = []
+        said: list[str] = []
+        for exchange in exchanges[-MAX_EXCHANGES:]:
+            if exchange.who == "robot":
+                turns += (Message("user", "\n".join(said)), Message("assistant", exchange.text))
+                said = []
+            else:
+                asked = exchange.who == "user"
+                text = in_figures(exchange.text) if asked else exchange.text
+                said.append(self._word("request" if asked else "feedback", text))
+        said.append(newest)
+        return (*turns, Message("user", "\n".join(filter(None, said))))
+
+    def _newest(self, now: Now) -> str:
+        lines = list(self._known(now.known))
+        if now.holding:
+            lines.append(self._word("holding", now.holding))
+        if now.seen:
+            lines.append(self._word("seen", " ".join(now.seen[-MAX_SEEN:])))
+        if now.text:
+            lines.append(self._word("request", in_figures(now.text)))
+        if now.steps:
+            lines.append(self._word("steps_told", "; ".join(now.steps)))
+        if now.conditional:
+            lines.append(self._words["conditional"])
+        return "\n".join(lines)
+
+    def _known(self, facts: Sequence[str]) -> tuple[str, ...]:
+        return (self._word("known", " ".join(facts)),) if facts else ()
+
+    def _word(self, key: str, value: str) -> str:
+        return self._words[key].replace("{}", value)
+
+
+def _rule(skill: Skill) -> str:
+    """GBNF of one call."""
+    rule = ""
+    for parameter in reversed(skill.parameters):
+        joint = "" if parameter is skill.parameters[0] else '", " '
+        rule = f"{joint}{_kind(parameter)} {rule}".strip()
+        if parameter.default is not None:
+            rule = f"({rule})?"
+    return f'"{skill.name}(" {rule} ")"' if rule else f'"{skill.name}()"'
+
+
+def _kind(parameter: Parameter) -> str:
+    return "number" if parameter.type == "number" else "sentence" if parameter.word == "sentence" else "words"
+
+
+@lru_cache
+def _text(name: str) -> str:
+    return (_FOLDER / name).read_text("utf-8").rstrip()
+
+
+@lru_cache
+def _read(name: str) -> Any:
+    return yaml.safe_load(_text(name))

@@ -1,0 +1,40 @@
+"""Journeys to places that the map does not have: what is asked or told about them.
+
+A name may mean several pieces of furniture, or one that is no place of its own but stands in a room that is.
+"""
+
+from __future__ import annotations
+
+from engine.errors import ExitCode, PlanError
+from engine.planner.phrases.phrases import UnknownPlace
+from engine.planner.request import Language, NoPlan
+from engine.planner.sentences import SAID
+from engine.skills.vocabulary import Ambiguous, Vocabulary
+
+
+def unknown(text: str, place: UnknownPlace, language: Language) -> NoPlan:
+    """That nobody knows it, and which places there are."""
+    answer = SAID[language]["unknown_place"].format(name=place.name, known=", ".join(place.known))
+    return NoPlan(text, "unknown_place", answer, suggestions=place.known)
+
+
+def which_place(text: str, place: UnknownPlace, vocabulary: Vocabulary) -> NoPlan | None:
+    """The question which one it is; None where the name does not mean several pieces of furniture."""
+    try:
+        vocabulary.surface(place.name)
+    except Ambiguous as several:
+        return NoPlan(text, "ambiguous", several.message, ExitCode.CLARIFY)
+    except PlanError:
+        pass
+    return None
+
+
+def room_instead(text: str, place: UnknownPlace, vocabulary: Vocabulary, language: Language) -> NoPlan | None:
+    """The offer to go to the room in which that piece of furniture stands; None where it is none."""
+    symbol = vocabulary.room_of(place.name)
+    words = vocabulary.words_for(symbol) if symbol else ()
+    room = next((word for word in words if word.isascii() == (language == "en")), "")
+    if not room:
+        return None
+    question = SAID[language]["no_place_there"].format(name=place.name, room=room)
+    return NoPlan(text, "no_place_there", question, ExitCode.CLARIFY)

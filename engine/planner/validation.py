@@ -1,0 +1,72 @@
+"""From actions that phrases have named to a validated plan, or to the reason why there is none.
+
+Only the skill registry makes a plan of them: one wrong action and nothing of it runs. Where several things are called
+the same, the one that has been seen is meant; else it is asked which one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+from engine.errors import ExitCode, PlanError
+from engine.plan import Action, ActionCall, Plan
+from engine.planner.gaps.kinds import Kinds, Known
+from engine.planner.phrases.phrases import Matched
+from engine.planner.request import Language, NoPlan, PlanRequest
+from engine.planner.sentences import SAID
+from engine.skills.registry import SkillRegistry, any_of
+from engine.skills.vocabulary import Vocabulary
+
+_TAKES: Final = frozenset({"pick_object", "carry"})
+"""Skills for which it matters which one of several things is meant."""
+
+
+def which_of(text: str, names: Sequence[str], language: Language) -> NoPlan:
+    """The question which of several things is meant."""
+    told = SAID[language]
+    listed = told["or"].join((", the ".join(names[:-1]), names[-1]))
+    return NoPlan(text, "ambiguous", told["which_of"].format(names=listed), ExitCode.CLARIFY)
+
+
+class Validation:
+    """What the skills and the words of one house allow."""
+
+    def __init__(self, registry: SkillRegistry, vocabulary: Vocabulary, max_actions: int) -> None:
+        self._registry = registry
+        self._vocabulary = vocabulary
+        self._kinds = Kinds(vocabulary)
+        self._max_actions = max_actions
+
+    def plan(self, text: str, told: Matched) -> Plan | NoPlan:
+        """The plan of what was understood of ``text``."""
+        return self.of(text, told.calls, told.steps, told.response)
+
+    def of(self, text: str, calls: Sequence[ActionCall], steps: tuple[str, ...], response: str) -> Plan | NoPlan:
+        """The plan of ``calls``, told as ``steps`` and ``response``."""
+        try:
+            if len(calls) > self._max_actions:
+                raise PlanError(f"That is {len(calls)} actions; a plan has {self._max_actions} at most.")
+            actions = tuple(self._registry.resolve(call, text) for call in calls)
+        except PlanError as error:
+            return NoPlan(text, error.code, str(error), ExitCode(error.exit_code))
+        return Plan(goal=text, actions=actions, response=response, source="phrases", steps=steps)
+
+    def one_of(self, found: Plan | NoPlan, request: PlanRequest, language: Language) -> Plan | NoPlan:
+        """With the one thing that can be meant, where several are called so and only one of them has been seen; the
+        question which one it is, where that is open."""
+        if isinstance(found, NoPlan):
+            return found
+        actions: list[Action] = []
+        for action in found.actions:
+            words = str(action.args.get("object", ""))
+            several = self._vocabulary.fitting(words) if action.name in _TAKES else ()
+            if len(several) > 1 and not any_of(words, request.text):
+                several = self._kinds.meant(several, request.text, Known(seen=request.seen))
+                seen = [name for name in several if any(name in told for told in request.seen)]
+                if len(seen) != 1:
+                    return which_of(found.goal, several, language)
+                action = replace(action, args={**action.args, "object": self._vocabulary.object(seen[0])})
+            actions.append(action)
+        return replace(found, actions=tuple(actions))

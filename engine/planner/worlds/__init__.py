@@ -1,0 +1,1 @@
+"""What can be named: the configured house, and worlds of others."""

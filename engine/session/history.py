@@ -1,0 +1,143 @@
+"""What happened in a task cycle, in the order it happened: the memory that the planner is told, and the truth.
+
+An entry is written when the thing has happened, never before, and never changed afterwards.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from ulid import ULID
+
+from engine.events import Scope
+from engine.plan import Action
+from engine.planner.request import Exchange
+from engine.session.dispatch import Ran
+
+MAX_ENTRIES: Final = 500
+"""Entries of one task cycle that are kept, the newest: somebody may never end a task."""
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """Somebody asked for something."""
+
+    turn: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """The planner answered: a plan that was begun, a question or a reason, in the form in which models write it."""
+
+    turn: str
+    written: str
+
+
+@dataclass(frozen=True, slots=True)
+class Acted:
+    """An action ran, and how it ended."""
+
+    turn: str
+    ran: Ran
+
+
+@dataclass(frozen=True, slots=True)
+class NeverStarted:
+    """What was left of a plan when it ended."""
+
+    turn: str
+    actions: tuple[Action, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Answered:
+    """The robot said ``text``; ``heard`` is what could be heard of it, up to the last word that was played."""
+
+    turn: str
+    text: str
+    heard: str
+
+
+@dataclass(frozen=True, slots=True)
+class Interrupted:
+    """The turn was interrupted."""
+
+    turn: str
+    scope: Scope
+
+
+Entry = Said | Planned | Acted | NeverStarted | Answered | Interrupted
+
+
+@dataclass(slots=True)
+class TaskCycle:
+    """One conversation, from the first request to the end of the task."""
+
+    number: int
+    name: str = field(default_factory=lambda: str(ULID()))
+    """Unlike that of any other cycle of any session."""
+    entries: deque[Entry] = field(default_factory=lambda: deque(maxlen=MAX_ENTRIES))
+
+    @property
+    def last_said(self) -> str:
+        """What somebody asked for last."""
+        return next((entry.text for entry in reversed(self.entries) if isinstance(entry, Said)), "")
+
+    def as_json(self) -> list[dict[str, Any]]:
+        """For snapshots."""
+        return [_as_json(entry) for entry in self.entries]
+
+    def as_exchanges(self) -> tuple[Exchange, ...]:
+        """For a planner: what was said, what was planned, what was done and how it ended, what was cut and where that
+        left the robot, and what never started; oldest first."""
+        return tuple(filter(None, map(_as_exchange, self.entries)))
+
+
+def _as_json(entry: Entry) -> dict[str, Any]:
+    match entry:
+        case Said(turn, text):
+            return {"turn": turn, "said": text}
+        case Planned(turn, written):
+            return {"turn": turn, "planned": written}
+        case Answered(turn, text, heard):
+            return {"turn": turn, "answered": heard, "cut_off": heard != text}
+        case Interrupted(turn, scope):
+            return {"turn": turn, "interrupted": scope}
+        case Acted(turn, ran):
+            result = ran.result
+            return {"turn": turn, "action": str(ran.action), "outcome": result.outcome, "message": result.message}
+        case NeverStarted(turn, actions):
+            return {"turn": turn, "never_started": [str(action) for action in actions]}
+
+
+def _as_exchange(entry: Entry) -> Exchange | None:
+    match entry:
+        case Said(_, text):
+            return Exchange("user", text)
+        case Planned(_, written):
+            return Exchange("robot", written)
+        case Answered(_, text, heard) if heard == text:
+            return None  # it is in the plan, or in the feedback
+        case Answered(_, _, heard):
+            heard = heard or "(nothing that could be heard)"
+            return Exchange("feedback", f"The robot said, before it was cut off: {heard}")
+        case Interrupted(_, scope):
+            return Exchange("feedback", f"Interruption: {_BY[scope]}.")
+        case Acted(_, ran):
+            return Exchange("feedback", f"{ran.action} {ran.result.outcome}. {ran.result.message}".rstrip())
+        case NeverStarted(_, actions):
+            return Exchange("feedback", f"Never started: {', '.join(map(str, actions))}.")
+
+
+_BY: dict[Scope, str] = {
+    "stop": "the user said stop",
+    "interrupt": "the user interrupted",
+    "wake": "the user called the robot",
+    "end_task": "the user ended the task",
+    "replaced": "the user gave another command",
+    "halted": "the robot stopped by itself",
+    "shutdown": "the session ended",
+}

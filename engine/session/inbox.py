@@ -1,0 +1,118 @@
+"""What comes to a session: the first of the two steps of an interruption, and the queue to the second.
+
+:meth:`Inbox.request` is called in the thread of whoever asks: the key handler, a reader of the network, the recogniser.
+It decides what the request interrupts, from the command alone, and advances the epoch there and then, which stops the
+robot before the call returns. The session's loop takes the request from the queue later. Of several people who
+interrupt at once only the newest counts; a robot that stopped by itself overtakes nobody.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, Generic, Literal, TypeVar
+
+from engine.commands import Command, EndTask, Halted, Heard, Interrupt, Quit, Say, Wake
+from engine.epoch import Epoch
+from engine.events import Scope, State
+from engine.planner.phrases.stopping import is_end_task, is_stop
+from engine.states import EXPRESSING
+
+T = TypeVar("T")
+
+LASTING: Final[frozenset[Scope]] = frozenset({"end_task", "halted", "shutdown"})
+"""Interruptions that do more than end a turn: they take place even when a newer one has come in the meantime."""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A command, the epoch it was given in, and the interruption that it raised, if any."""
+
+    command: Command
+    epoch: int
+    scope: Scope | None
+
+
+class Inbox(Generic[T]):
+    """Requests from any thread, and news of type ``T`` from the loop itself, in one order. Made in the loop.
+
+    ``busy`` is what a new command does while one runs; ``state`` tells where the session is; ``mark_wake`` is told of a
+    wake at once, and how long ago the request began, so that nothing said after it is lost.
+    """
+
+    def __init__(
+        self,
+        epoch: Epoch,
+        busy: Literal["interrupt", "queue", "reject"],
+        state: Callable[[], State],
+        mark_wake: Callable[[float | None], None],
+    ) -> None:
+        self._epoch = epoch
+        self._busy = busy
+        self._state = state
+        self._mark_wake = mark_wake
+        self._loop = asyncio.get_running_loop()
+        self._queue: asyncio.Queue[Request | T] = asyncio.Queue()
+        self._order = threading.Lock()
+        self._newest = epoch.current  # of the newest interruption by somebody, not by the robot itself
+
+    def request(self, command: Command) -> None:
+        """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot."""
+        with self._order:
+            scope = self._scope_of(command)
+            epoch = self._epoch.current if scope is None else self._epoch.advance()
+            if scope not in (None, "halted"):
+                self._newest = epoch
+        if isinstance(command, Wake):
+            self._mark_wake(command.ago_s)
+        with contextlib.suppress(RuntimeError):  # the loop has ended: there is nothing left to ask, and it stands
+            self._loop.call_soon_threadsafe(self._queue.put_nowait, Request(command, epoch, scope))
+
+    def _scope_of(self, command: Command) -> Scope | None:
+        match command:
+            case Quit(drain):
+                return None if drain else "shutdown"
+            case EndTask():
+                return "end_task"
+            case Interrupt():
+                return "interrupt"
+            case Wake():
+                return "wake"
+            case Halted(lost=lost, epoch=epoch):
+                return "halted" if lost or self._epoch.is_current(epoch) else None  # else it is over already
+            case Heard(text):
+                return "stop" if self._state() in EXPRESSING and is_stop(text) else None
+            case Say(text) if is_stop(text):
+                return "stop"
+            case Say(text) if is_end_task(text):
+                return "end_task"
+            case Say() if self._busy == "interrupt":
+                return "replaced"
+        return None
+
+    # In the loop
+
+    async def get(self) -> Request | T:
+        """What came next."""
+        return await self._queue.get()
+
+    def is_empty(self) -> bool:
+        """Whether nothing has come that was not taken yet."""
+        return self._queue.empty()
+
+    def put(self, news: T) -> None:
+        """Add something that needs no other thread."""
+        self._queue.put_nowait(news)
+
+    def is_overtaken(self, request: Request) -> bool:
+        """Whether somebody has interrupted since, so that the request is over before it began."""
+        return request.scope is not None and request.scope not in LASTING and request.epoch < self._newest
+
+    def epoch_for(self, epoch: int) -> int:
+        """The epoch in which work of ``epoch`` that has not moved anything yet may go on: the present one, unless
+        somebody has interrupted since. Then it stays what it was, and is over."""
+        with self._order:
+            return self._epoch.current if epoch >= self._newest else epoch

@@ -1,0 +1,62 @@
+"""What the robot knows of the things around it, in words for a planner."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+from engine.errors import PlanError, RobotError
+from engine.perception.asking import as_png
+from engine.perception.memory import WorldMemory
+from engine.perception.naming import wanted
+from engine.robot.floor_map import FloorMap
+from engine.robot.robot import Robot
+from engine.skills.find import whereabouts
+
+MOST_TOLD = 12
+"""Things that are told, those that were seen last."""
+
+
+class Recall:
+    """The memory of one robot."""
+
+    def __init__(self, robot: Robot, memory: WorldMemory) -> None:
+        self._robot = robot
+        self._memory = memory
+
+    def holding(self) -> str:
+        """The name of what the gripper holds; empty for nothing."""
+        held = self._memory.held
+        return held.name if held is not None else ""
+
+    def seen(self) -> tuple[str, ...]:
+        """What was seen and where, a sentence each, the newest last."""
+        floor_map: FloorMap = self._robot.floor_map
+        things = self._memory.things[:MOST_TOLD]
+        return tuple(f"The {thing.name} is {whereabouts(thing, floor_map)}." for thing in reversed(things))
+
+    def since(self, t: float) -> Callable[[str], bool]:
+        """Whether a thing of a description has been seen after ``t`` (robot time, s), or is held."""
+
+        def sees(words: str) -> bool:
+            try:
+                what = wanted(words)
+            except PlanError:
+                return False
+            held = self._memory.held
+            if held is not None and what.fits(held.kind, held.colour, held.tag):
+                return True
+            return any(thing.seen_at >= t for thing in self._memory.find(what))
+
+        return sees
+
+    async def picture(self) -> bytes | None:
+        """What the camera shows now, as a PNG file; None where there is no picture to be had."""
+        try:
+            return await asyncio.to_thread(as_png, await self._robot.look())
+        except RobotError:
+            return None
+
+    def now(self) -> float:
+        """Robot time, s."""
+        return self._robot.state().t

@@ -1,0 +1,341 @@
+"""The session: who may do what when, in a conversation with a robot.
+
+A *session* is a row of *task cycles*, a cycle is a row of *turns* (``engine.session.turn``); each is a task group, and
+nothing outlives its scope. One asyncio task, :meth:`Session.run`, owns all state and takes what happens one thing at a
+time: a request from outside, or the end of a turn. The states, and what each interruption does, are in
+``engine.states``.
+
+Interruptions take two steps. The first, in ``engine.session.inbox``, stops the robot in the thread of whoever asks.
+Here is the second: the loop learns of it, ends the turn, and goes on as the kind of interruption says. A request that
+is overtaken by a newer one before the loop sees it has no effect but an acknowledgement that says so.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections import deque
+from collections.abc import Awaitable, Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from config.schema import Session as SessionSettings
+from engine import events
+from engine.bus import Bus
+from engine.commands import COMMANDS, Audio, Command, EndTask, Halted, Heard, Interrupt, Quit, Say, Snapshot, Wake
+from engine.epoch import Epoch
+from engine.errors import ExitCode, RobotError, SaysoError
+from engine.events import Scope, State, TurnResult
+from engine.planner.text.language import language_of
+from engine.robot.arm import ARM_INITIAL
+from engine.session.history import Interrupted, TaskCycle
+from engine.session.inbox import Inbox, Request
+from engine.session.turn import Needs, Overtaken, Turn
+from engine.skills.outcome import ErrorCode
+from engine.states import EFFECTS, EXPRESSING, NEXT
+
+ARM_RETURN_SPEED = 0.5  # rad/s: after an interruption the arm goes home slowly, it may hold something
+
+
+@dataclass(frozen=True, slots=True)
+class TurnOver:
+    """A turn has ended by itself."""
+
+    turn: Turn
+
+
+class Session:
+    """One conversation with one robot. Create it in the engine's loop, then ``await run()``.
+
+    ``hear_audio`` takes sound that comes as commands and says whether it did; ``mark_wake`` is told of a wake in the
+    thread it comes from, so that nothing said after it is lost.
+    """
+
+    def __init__(
+        self,
+        settings: SessionSettings,
+        bus: Bus,
+        epoch: Epoch,
+        needs: Needs,
+        *,
+        hear_audio: Callable[[bytes], bool] = lambda pcm: False,
+        mark_wake: Callable[[float | None], None] = lambda ago_s: None,
+    ) -> None:
+        self._settings = settings
+        self._bus = bus
+        self._epoch = epoch
+        self._needs = needs
+        self._hear_audio = hear_audio
+        self._loop = asyncio.get_running_loop()
+        self._inbox: Inbox[TurnOver] = Inbox(epoch, settings.busy, lambda: self._state, mark_wake)
+        self._state: State = "IDLE"
+        self._cycle = TaskCycle(1)
+        self._turn: Turn | None = None
+        self._turns: asyncio.TaskGroup | None = None  # of the present cycle
+        self._waiting: deque[Request] = deque()  # what waits for the running turn to end, in the order it was asked in
+        self._postponed: Request | None = None  # what the next cycle begins with
+        self._again = False  # the wake that is being handled came while listening
+        self._quit: Request | None = None
+
+    @property
+    def state(self) -> State:
+        """Where the session is; safe to read from any thread."""
+        return self._state
+
+    def request(self, command: Command) -> None:
+        """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot."""
+        self._inbox.request(command)
+
+    # The loop
+
+    async def run(self) -> None:
+        """Go through task cycles until :class:`Quit`. However it ends, the running turn is ended and on record."""
+        try:
+            while self._quit is None:
+                await self._run_cycle(self._cycle)
+            self._ack(self._quit, "The session ends.")
+        except BaseExceptionGroup as group:
+            raise group.exceptions[0] from None  # the scope of a cycle wraps what went wrong in it
+        finally:
+            self._epoch.advance()
+
+    async def _run_cycle(self, cycle: TaskCycle) -> None:
+        """Take what happens until the cycle ends. Leaving the scope ends the turn that still runs in it."""
+        async with asyncio.TaskGroup() as self._turns:
+            if (postponed := self._postponed) is not None:
+                self._postponed = None
+                self._carry_out(postponed)
+            while self._cycle is cycle and self._quit is None:
+                if self._turn is None and self._waiting and self._inbox.is_empty():  # nobody has anything against it
+                    self._carry_out(self._waiting.popleft())
+                    continue
+                match await self._inbox.get():
+                    case TurnOver(turn):
+                        if turn is self._turn:  # else it was interrupted in the moment in which it ended
+                            self._close(turn)
+                            if turn.ends_cycle:
+                                self._arm_home()
+                    case Request() as request:
+                        if not await self._admit(request):
+                            continue
+                        if self._cycle is cycle:
+                            self._carry_out(request)
+                        else:  # the turn that it interrupted had finished the dialogue
+                            self._postponed = request
+
+    async def _admit(self, request: Request) -> bool:
+        """Let a request interrupt what it interrupts; whether it is to be carried out now."""
+        command, scope = request.command, request.scope
+        if self._inbox.is_overtaken(request):
+            stopped = scope == "interrupt"  # which is all it was to do
+            self._ack(request, "A newer request replaced this one.", ok=stopped)
+            return False
+        if isinstance(command, Wake):
+            self._bus.publish(events.WakeHeard(command.source, command.phrase, command.angle_deg), epoch=request.epoch)
+            self._again = self._state == "LISTENING"
+        if isinstance(command, Halted):
+            await self._halt(request, command)
+        elif scope is not None:
+            await self._interrupt(scope, request)
+        elif self._turn is not None and isinstance(command, Say) and self._settings.busy == "reject":
+            self._ack(request, "Busy: the command was not taken (session.busy is reject).", ok=False)
+            return False
+        elif (self._turn is not None or self._waiting) and isinstance(command, Say | Quit):
+            self._waiting.append(request)
+            return False
+        return True
+
+    def _carry_out(self, request: Request) -> None:
+        """Do what a request asks for; nothing is running that it has to wait for."""
+        match request.command:
+            case Snapshot():
+                self._ack(request, snapshot=self._snapshot())
+            case Audio(pcm):
+                taken = self._hear_audio(pcm)
+                self._ack(request, "" if taken else "Sound comes from elsewhere; try --source none.", ok=taken)
+            case Interrupt():
+                self._ack(request)
+            case Wake():
+                again = self._again
+                self._start(request, lambda turn: turn.listen(restarted=again))
+            case Say(text) if request.scope == "stop":
+                self._start(request, Turn.stopped).take(text, "text")
+            case Heard(text) if request.scope == "stop":
+                self._start(request, Turn.stopped).take(text, "overheard")
+            case Say() | EndTask() if request.scope == "end_task":
+                self._ack(request)
+                said = request.command.text if isinstance(request.command, Say) else self._cycle.last_said
+                self._new_cycle("asked")
+                self._arm_home()
+                message = self._needs.wording.worded("The task is ended.", language_of(said))
+                result = TurnResult(ExitCode.DONE, "done", message)
+                self._enter("IDLE", "the task was ended", None, result)
+            case Say(text):
+                self._start(request, Turn.do).take(text, "text")
+            case Quit():
+                self._quit = request
+
+    async def _halt(self, request: Request, halted: Halted) -> None:
+        """The robot has stopped by itself. What moves or speaks is over; what only listens or thinks goes on, in the
+        epoch in which the robot can move again."""
+        message = halted.reason if halted.lost else f"I stopped by myself: {halted.reason}."
+        code: ErrorCode = "robot_lost" if halted.lost else "robot_halted"
+        turn = self._turn
+        concerned = turn is not None and turn.epoch < request.epoch and self._state in EXPRESSING
+        if not halted.lost:  # whoever lost it has said so
+            said: events.Body = events.Log("warning", "robot", message)
+            if concerned:
+                said = events.ErrorRaised(code, message, "Say it again to go on.")
+            self._bus.publish(said, epoch=request.epoch)
+        if turn is None or turn.epoch >= request.epoch:
+            return
+        if concerned:
+            exit_code = ExitCode.MISSING if halted.lost else ExitCode.FAILED
+            await self._interrupt("halted", request, TurnResult(exit_code, "failed", message), code)
+            return
+        turn.move_on(self._inbox.epoch_for(turn.epoch))
+
+    def _new_cycle(self, reason: str) -> None:
+        self._bus.publish(events.TaskEnded(reason), epoch=self._epoch.current)
+        self._cycle = TaskCycle(self._cycle.number + 1)
+
+    # Turns
+
+    def _start(self, request: Request, work: Callable[[Turn], Awaitable[TurnResult]]) -> Turn:
+        """Begin the next turn; its work begins when the caller lets the loop turn."""
+        assert self._turn is None, "one turn at a time"
+        assert self._turns is not None, "requests are handled within a cycle"
+
+        def enter(state: State, reason: str) -> None:
+            self._enter(state, reason, turn)
+
+        number = self._inbox.epoch_for(request.epoch)
+        turn = Turn(number, self._epoch, self._bus, self._needs, self._cycle, enter)
+        self._turn = turn
+        self._ack(request, turn=turn)
+        turn.task = self._turns.create_task(self._run_turn(turn, work), name=f"turn {turn.id}")
+        turn.task.add_done_callback(lambda task: self._inbox.put(TurnOver(turn)))
+        return turn
+
+    async def _run_turn(self, turn: Turn, work: Callable[[Turn], Awaitable[TurnResult]]) -> TurnResult:
+        """Run one turn to its end, whatever that is; exactly one result comes of it."""
+        turn.limit = limit = self._loop.call_later(self._settings.turn_limit_s, self._expire, turn)
+        try:
+            result = await work(turn)
+            await turn.stay_current()
+        except asyncio.CancelledError:
+            return turn.cut or TurnResult(ExitCode.INTERRUPTED, "interrupted", EFFECTS["shutdown"].message)
+        except Overtaken:
+            return TurnResult(ExitCode.INTERRUPTED, "interrupted", EFFECTS["interrupt"].message)
+        except SaysoError as error:
+            turn.emit(events.ErrorRaised(error.code, error.message, error.hint))
+            return TurnResult(error.exit_code, "failed", turn.worded(str(error)))
+        except Exception as error:  # noqa: BLE001 - a fault in one turn must not take the session with it
+            self._epoch.advance()
+            message = f"A fault in sayso itself: {error!r}."
+            turn.emit(events.ErrorRaised("internal", message, "Please report it with the session's log."))
+            return TurnResult(ExitCode.FAILED, "failed", turn.worded(message))
+        finally:
+            limit.cancel()
+        return result
+
+    def _expire(self, turn: Turn) -> None:
+        message = f"The time limit of {self._settings.turn_limit_s:g} s for one turn ran out."
+        self._epoch.advance()
+        self._cancel(turn, TurnResult(ExitCode.TIMEOUT, "timeout", message), "time_limit")
+
+    async def _interrupt(
+        self, scope: Scope, request: Request, result: TurnResult | None = None, code: ErrorCode = "cancelled"
+    ) -> None:
+        """Record an interruption and end the running turn; returns when its last outcome is on record."""
+        turn, state = self._turn, self._state
+        if turn is not None or scope == "interrupt":
+            raised = events.InterruptRaised(scope, request.command.do, state)
+            self._bus.publish(raised, turn=turn.id if turn else None, epoch=request.epoch)
+        self._drop_waiting()
+        if turn is None:
+            return
+        if turn.asked:  # else nobody has said anything yet
+            self._cycle.entries.append(Interrupted(turn.id, scope))
+        self._cancel(turn, result or TurnResult(ExitCode.INTERRUPTED, "interrupted", EFFECTS[scope].message), code)
+        assert turn.task is not None
+        await asyncio.wait([turn.task])
+        self._close(turn)
+        goes_on = isinstance(request.command, Wake) and request.command.source == "speech"  # nobody called
+        if state in EFFECTS[scope].arm_home_from and not goes_on:
+            self._arm_home()
+
+    @staticmethod
+    def _cancel(turn: Turn, result: TurnResult, code: ErrorCode) -> None:
+        """Cancel once: a second cancellation would cut the first one's clean-up short."""
+        assert turn.task is not None
+        if turn.cut is None:
+            turn.cut = TurnResult(result.exit_code, result.outcome, turn.worded(result.message))
+            turn.cut_by = code
+            turn.task.cancel()
+
+    def _close(self, turn: Turn) -> None:
+        """The running turn has ended: say how."""
+        assert turn.task is not None
+        self._turn = None
+        if turn.ends_cycle:
+            self._new_cycle("finished by the dialogue")
+        if turn.task.cancelled():  # before it had begun
+            assert turn.cut is not None
+            result = turn.cut
+        else:
+            result = turn.task.result()
+        self._enter("WAITING" if self._cycle.entries else "IDLE", result.outcome, turn, result)
+
+    def _drop_waiting(self) -> None:
+        """An interruption concerns what waits, too; what was asked to end the session stays asked."""
+        for request in tuple(self._waiting):
+            if not isinstance(request.command, Quit):
+                self._waiting.remove(request)
+                self._ack(request, "Interrupted before it started.", ok=False)
+
+    def _arm_home(self) -> None:
+        """Send the arm slowly to its initial pose; whatever interrupts next holds it where it is."""
+        if (robot := self._needs.robot.value) is not None:
+            with contextlib.suppress(RobotError):  # its loss is reported by whoever watches the robot
+                robot.move_arm(ARM_INITIAL, self._epoch.current, speed=ARM_RETURN_SPEED)
+
+    # What others see
+
+    def _enter(self, state: State, reason: str, turn: Turn | None, result: TurnResult | None = None) -> None:
+        assert state in NEXT[self._state], f"there is no way from {self._state} to {state}"
+        previous, self._state = self._state, state
+        if (hearing := self._needs.hearing.value) is not None:
+            hearing.overhear(state in EXPRESSING)
+        change = events.StateChanged(previous, state, reason, result)
+        epoch = turn.epoch if turn else self._epoch.current
+        self._bus.publish(change, turn=turn.id if turn else None, epoch=epoch)
+
+    def _ack(
+        self,
+        request: Request,
+        message: str = "",
+        *,
+        ok: bool = True,
+        turn: Turn | None = None,
+        snapshot: dict[str, Any] | None = None,
+    ) -> None:
+        if request.command.do not in COMMANDS:  # from a part of the engine, which waits for no answer
+            return
+        key: str | None = getattr(request.command, "id", None)
+        ack = events.Ack(request.command.do, ok, message, key, snapshot)
+        self._bus.publish(ack, turn=turn.id if turn else None, epoch=request.epoch)
+
+    def _snapshot(self) -> dict[str, Any]:
+        robot = self._needs.robot.value
+        try:
+            state = None if robot is None else asdict(robot.state())
+        except RobotError as error:
+            state = {"error": str(error)}
+        return {
+            "state": self._state,
+            "epoch": self._epoch.current,
+            "cycle": self._cycle.number,
+            "history": self._cycle.as_json(),
+            "robot": state,
+        }

@@ -1,0 +1,189 @@
+"""Judges what a planner answers to a command of a set: the right plan, question, refusal, reason or small talk."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Final, Literal, Protocol
+
+from engine.errors import ExitCode, SaysoError
+from engine.plan import Plan
+from engine.planner.request import Exchange, NoPlan, PlanRequest
+from tests.eval.commands import Entry, Next, plans_in
+from tests.eval.effects import Step, Words, effects
+from tests.eval.equivalence import accepts, read, slots_right
+from tests.eval.said import ungrounded
+
+Outcome = Literal["plan", "clarify", "refuse", "impossible", "chat", "lost", "error"]
+"""lost: no plan because nothing was understood or no model gave a usable answer, which is right for nothing."""
+
+LOST: Final = frozenset({"not_understood", "unreadable_reply", "unknown_skill", "invalid_plan"})
+TALK: Final = frozenset({"say", "list_skills", "arm_nod", "arm_shake", "arm_applaud"})
+"""Skills that may go with small talk."""
+LOOKS: Final = frozenset({"seewhat", "scan_room", "locate", "get_current_pose"})
+_cycles = itertools.count()
+
+
+class Plans(Protocol):
+    """The planner under judgement."""
+
+    async def plan(self, request: PlanRequest) -> Plan | NoPlan:
+        """As ``engine.planner.planner.Planner`` does."""
+        ...
+
+
+class KnownWords(Words, Protocol):
+    """Words of a world whose things are known."""
+
+    def inventory(self) -> Sequence[str]:
+        """The names of all things."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What came of one request."""
+
+    outcome: Outcome
+    steps: tuple[Step, ...]
+    shown: str
+    """For people."""
+    source: str
+    seconds: float
+    finished: bool = True
+    written: str = ""
+    """As an exchange tells it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """How an entry went."""
+
+    entry: Entry
+    answers: tuple[Answer, ...]
+    """To the command, and to every feedback that was given after it."""
+    ok: bool
+    slots: bool | None
+    """Whether the arguments were right; None where no plan was wanted."""
+    ungrounded: tuple[str, ...]
+    forbidden: bool
+    """Something that had to be refused was planned."""
+
+    @property
+    def first(self) -> Answer:
+        """The answer to the command."""
+        return self.answers[0]
+
+
+async def judge(entry: Entry, planner: Plans, words: KnownWords) -> Verdict:
+    """Ask the planner, and judge what it says. Where its plan looks, both outcomes are played to it."""
+    name = f"judged {next(_cycles)}"
+    request = PlanRequest(entry.say, entry.exchanges(), name, entry.language, holding=entry.holding, seen=entry.seen)
+    answer = await _ask(planner, request)
+    ok = acceptable(entry.ok, answer, words, must_go_on=entry.category == "conditional")
+    answers = [answer]
+    if ok:
+        for after in entry.then if answer.outcome == "plan" else ():
+            answers.append(await _ask(planner, _after(request, answer, after, words)))
+            ok = ok and acceptable(after.ok, answers[-1], words, must_go_on=False)
+    said = " ".join((entry.say, entry.holding, *entry.seen, *(exchange.text for exchange in entry.exchanges())))
+    out_of_nowhere = () if ok or answer.outcome != "plan" else _out_of_nowhere(entry, answer, said, words)
+    return Verdict(
+        entry=entry,
+        answers=tuple(answers),
+        ok=ok,
+        slots=_slots(entry, answer, words),
+        ungrounded=out_of_nowhere,
+        forbidden=answer.outcome == "plan" and set(entry.ok) <= {"refuse", "impossible"} and "refuse" in entry.ok,
+    )
+
+
+def acceptable(ok: Sequence[str], answer: Answer, words: Words, *, must_go_on: bool) -> bool:
+    """Whether an answer is one of those that are acceptable. ``must_go_on``: the plan waits for feedback."""
+    if answer.outcome in ok:
+        return True
+    if answer.outcome != "plan":
+        return False
+    if "chat" in ok and all(step.name in TALK for step in answer.steps):
+        return True
+    if "clarify" in ok and _asks(answer.steps):
+        return True
+    if must_go_on and answer.finished:
+        return False
+    return any(accepts(plan, answer.steps, words) for plan in plans_in(tuple(ok)))
+
+
+def _asks(steps: Sequence[Step]) -> bool:
+    """Whether a plan only leads to a question."""
+    return bool(steps) and steps[-1].name == "ask_user" and all(step.name in LOOKS for step in steps[:-1])
+
+
+def _slots(entry: Entry, answer: Answer, words: Words) -> bool | None:
+    if len(entry.plans) < len(entry.ok) or not entry.plans:
+        return None
+    return answer.outcome == "plan" and slots_right(entry.plans, answer.steps, words)
+
+
+def _out_of_nowhere(entry: Entry, answer: Answer, said: str, words: KnownWords) -> tuple[str, ...]:
+    wanted = [e for plan in entry.plans for way in read(plan) for e in effects(way.steps, words, explicit=True)]
+    return ungrounded(answer.steps, said, words.inventory(), words, wanted=wanted)
+
+
+async def _ask(planner: Plans, request: PlanRequest) -> Answer:
+    begin = perf_counter()
+    try:
+        found = await planner.plan(request)
+    except SaysoError as error:
+        return Answer("error", (), f"{type(error).__name__}: {error}", "", perf_counter() - begin)
+    return as_answer(found, perf_counter() - begin)
+
+
+def as_answer(found: Plan | NoPlan, seconds: float) -> Answer:
+    """What a planner's answer comes to."""
+    if isinstance(found, NoPlan):
+        outcome: Outcome = {ExitCode.CLARIFY: "clarify", ExitCode.REFUSED: "refuse"}.get(  # type: ignore[assignment]
+            found.exit_code, "lost" if found.code in LOST or found.code.startswith("model_") else "impossible"
+        )
+        shown = f"{outcome} ({found.code}): {found.answer}"
+        return Answer(outcome, (), shown, "", seconds, written=found.as_written())
+    steps = tuple(
+        Step(action.name, tuple(_value(value) for value in action.args.values()))
+        for action in found.actions
+        if action.name != "finishtask"
+    )
+    shown = "; ".join(str(action) for action in found.actions)
+    if steps:
+        return Answer("plan", steps, shown, found.source, seconds, found.finished, found.as_written())
+    outcome = "chat" if found.response else "lost"
+    return Answer(outcome, (), f"{outcome}: {found.response}", found.source, seconds, True, found.as_written())
+
+
+def _value(value: object) -> str | float:
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else str(value)
+
+
+def _after(request: PlanRequest, answer: Answer, after: Next, words: Words) -> PlanRequest:
+    """What is asked when the plan is done, and this is what came of it."""
+    done = [f"{_shown(step)} ok." for step in answer.steps]
+    done[-1] += f" {after.feedback}"
+    feedback = (Exchange("feedback", line) for line in done)
+    said = (*request.exchanges, Exchange("user", request.text), Exchange("robot", answer.written), *feedback)
+    return PlanRequest(
+        "", said, request.cycle, request.language, holding=request.holding, seen=after.seen, sees=_sees(after, words)
+    )
+
+
+def _shown(step: Step) -> str:
+    return f"{step.name}({', '.join(f'{arg:g}' if isinstance(arg, float) else arg for arg in step.args)})"
+
+
+def _sees(after: Next, words: Words) -> Callable[[str], bool]:
+    """Whether a thing is among what is seen now: ``white cup on the stool`` shows a cup."""
+    things = [words.things(sentence.split(" on ")[0].split(" in ")[0]) for sentence in after.seen]
+
+    def sees(thing: str) -> bool:
+        return any(words.things(thing) & seen for seen in things)
+
+    return sees

@@ -1,0 +1,105 @@
+"""On little room keys are left out as a whole, and the one that stops the robot stays where it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from rich.cells import cell_len
+
+from config.changing import Layers
+from engine import events as ev
+from engine.handle import PartStatus
+from tests.tui import conversation, scripted
+from tests.tui.desk import Desk, console
+from tests.tui.scripted import PARTS_READY, ScriptedEngine, flat, robot_at
+from tui.words import strings
+from tui.words.hints import JOINT, fitting
+from tui.words.language import Language
+
+SIZES = [(60, 16), (64, 20), (70, 24), (80, 24), (120, 40)]
+KEYS = "a browses · b opens · c copies · d back · esc stops"
+
+
+def test_what_does_not_fit_is_left_out_whole_the_last_one_stays() -> None:
+    assert fitting(KEYS, 100) == KEYS
+    assert fitting(KEYS, 40) == "a browses · b opens · esc stops"
+    assert fitting(KEYS, 40, last=2) == "a browses · b opens · d back · esc stops"
+    assert fitting(KEYS, 20, last=2) == "d back · esc stops"
+    for columns in range(60):
+        found = fitting(KEYS, columns)
+        assert set(found.split(JOINT)) <= set(KEYS.split(JOINT))
+        assert found.endswith("esc stops")
+        assert cell_len(found) <= columns or found == "esc stops"
+
+
+def status(desk: Desk) -> str:
+    return desk.text.splitlines()[0]
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+@pytest.mark.parametrize("size", SIZES, ids=str)
+async def test_the_key_that_stops_stands_in_one_place_in_every_state(size: tuple[int, int], language: Language) -> None:
+    stop = {"en": "esc stop", "zh": "esc 停止"}[language]
+    async with console(size=size, language=language) as desk:
+        columns = set()
+
+        async def look() -> None:
+            await desk.settled()
+            before, found, _ = status(desk).partition(stop)
+            assert found, status(desk)
+            columns.add(cell_len(before))
+            assert size[0] >= 110 or desk.app.notice or "…" not in status(desk)  # a goal may be cut
+
+        await look()
+        for state in strings.STATE_WORDS:
+            desk.engine.publish(ev.StateChanged("IDLE", state, "x"))
+            await look()
+        desk.engine.play(scripted.acting())
+        await look()
+        await desk.press("q")  # asks whether to quit
+        await look()
+        desk.engine.parts = (PartStatus("robot", "loading"), *PARTS_READY[1:])
+        desk.engine.publish(ev.Log("info", "robot", "x"))
+        await look()
+        desk.engine.publish(ev.SessionEnded("asked to"))
+        await look()
+        assert len(columns) == 1
+
+
+@pytest.mark.parametrize("size", SIZES, ids=str)
+async def test_a_question_in_the_status_line_has_the_room_of_keys(size: tuple[int, int]) -> None:
+    async with console(size=size) as desk:
+        desk.engine.play(scripted.acting())
+        await desk.press("q")
+        assert "esc stop" in status(desk)
+        assert "A task is running: q again qui" in status(desk)
+
+
+@pytest.mark.parametrize("size", [(60, 16), (66, 24), (80, 24)], ids=str)
+async def test_no_hint_on_a_page_or_in_the_line_is_cut(size: tuple[int, int], tmp_path: Path) -> None:
+    engine = ScriptedEngine(robot=robot_at(-1.35, 0.05, 0.4), floor=flat())
+    async with console(engine, size=size) as desk:
+        desk.app.dress("sayso-dark", 30, layers=Layers(environ={}, folder=tmp_path))
+        conversation.play(engine, conversation.ALL)
+        desk.app.examining.know(lambda: _Nobody())  # type: ignore[arg-type, return-value]
+        for keys, last in (
+            (("enter",), "esc stops"),
+            (("enter", "d"), "esc stops"),
+            (("d", "o"), "esc leaves"),
+            (("o", "question_mark"), "esc leaves this page"),
+            (("question_mark", "ctrl+p"), "esc stops the robot and leaves"),
+            (("ctrl+p", "slash"), "esc stops"),
+        ):
+            await desk.press(*keys)
+            await desk.settled()
+            hinting = [line for line in desk.text.splitlines() if last in line]
+            assert hinting, (keys, desk.text)
+            assert all("…" not in line for line in hinting), hinting
+
+
+class _Nobody:
+    """Examines nothing."""
+
+    def examine(self, parts: object) -> tuple[()]:
+        return ()

@@ -1,0 +1,244 @@
+"""The door for somebody else's microphone, and those who knock."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import socket
+import stat
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from engine.audio import feed as f
+from engine.audio.feed import Door, feed
+from engine.audio.pipe import GuestSource
+from engine.audio.source import FRAME_SAMPLES
+from engine.errors import AudioFormatError, DeviceError, SaysoError, StorageError
+
+LIMIT_S = 20
+SOUND = np.arange(20 * FRAME_SAMPLES, dtype=np.int16)
+
+
+class Guests(asyncio.Queue[GuestSource]):
+    """Who was let in."""
+
+
+class Feeder:
+    """``sayso mic`` in a thread, and the pipe that its sound comes from."""
+
+    def __init__(self, path: Path, source: str = "ssh microphone") -> None:
+        reading, self.pipe = os.pipe()
+        self.heard_by = 0
+        self._reading = reading
+        self.work = asyncio.ensure_future(asyncio.to_thread(feed, path, reading, source, self._welcome))
+
+    def _welcome(self, pid: int) -> None:
+        self.heard_by = pid
+
+    def say(self, data: bytes) -> None:
+        os.write(self.pipe, data)
+
+    def end(self) -> None:
+        """The sound ends."""
+        if self.pipe >= 0:
+            os.close(self.pipe)
+            self.pipe = -1
+
+    async def error(self) -> SaysoError:
+        """What it ends with."""
+        with pytest.raises(SaysoError) as caught:
+            await self.work
+        return caught.value
+
+    async def close(self) -> None:
+        self.end()
+        await asyncio.gather(self.work, return_exceptions=True)
+        os.close(self._reading)
+
+
+@asynccontextmanager
+async def feeder(path: Path, source: str = "ssh microphone") -> AsyncIterator[Feeder]:
+    made = Feeder(path, source)
+    try:
+        yield made
+    finally:
+        await made.close()
+
+
+def at(path: Path, scenario: Callable[[Guests], Awaitable[None]]) -> None:
+    """Run a scenario at an open door."""
+
+    async def run() -> None:
+        guests = Guests()
+        async with asyncio.timeout(LIMIT_S), Door(path, guests.put_nowait):
+            await scenario(guests)
+
+    asyncio.run(run())
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "state" / "mic.sock"
+
+
+async def heard(guest: GuestSource) -> np.ndarray[tuple[int], np.dtype[np.int16]]:
+    async with guest:
+        return np.concatenate([np.empty(0, np.int16), *[frame.samples async for frame in guest]])
+
+
+def test_a_guest_is_heard_from_the_first_sample_to_the_last(path: Path) -> None:
+    async def scenario(guests: Guests) -> None:
+        async with feeder(path) as somebody:
+            somebody.say(SOUND.tobytes()[:1001])  # in the middle of a sample
+            guest = await guests.get()
+            somebody.say(SOUND.tobytes()[1001:])
+            somebody.end()
+            assert np.array_equal(await heard(guest), SOUND)
+            await somebody.work
+            assert guest.name == "ssh microphone"
+            assert somebody.heard_by == os.getpid()
+
+    at(path, scenario)
+
+
+def test_nobody_else_may_open_the_door_and_it_goes_with_the_house(path: Path) -> None:
+    async def scenario(guests: Guests) -> None:
+        found = await asyncio.to_thread(path.stat)
+        assert stat.S_IMODE(found.st_mode) == 0o600
+        assert stat.S_ISSOCK(found.st_mode)
+
+    at(path, scenario)
+    assert not path.exists()
+
+
+def test_there_is_one_guest_at_a_time_and_the_next_one_is_told_who_it_is(path: Path) -> None:
+    async def scenario(guests: Guests) -> None:
+        async with feeder(path, "ssh microphone") as first:
+            guest = await guests.get()
+            async with feeder(path, "piped microphone") as second:
+                error = await second.error()
+                assert isinstance(error, DeviceError)
+                assert "hears somebody else already (ssh microphone)" in error.message
+                assert str(os.getpid()) in error.message
+            first.end()
+            await first.work
+            await heard(guest)
+        async with feeder(path, "piped microphone"):
+            assert (await guests.get()).name == "piped microphone"
+
+    at(path, scenario)
+
+
+def test_a_guest_whose_connection_hangs_gives_way(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(f, "IDLE_S", 0.0)
+
+    async def scenario(guests: Guests) -> None:
+        async with feeder(path) as laptop, feeder(path, "piped microphone") as pipe:
+            hanging, new = await guests.get(), await guests.get()  # in whichever order their threads came
+            feeders = {"ssh microphone": laptop, "piped microphone": pipe}
+            assert {hanging.name, new.name} == feeders.keys()
+            async with hanging:
+                with pytest.raises(StopAsyncIteration):
+                    await anext(hanging)
+            assert "hears somebody else now" in (await feeders[hanging.name].error()).message
+
+    at(path, scenario)
+
+
+def test_without_a_sayso_the_guest_is_told_to_start_one(path: Path) -> None:
+    async def scenario() -> None:
+        async with feeder(path) as somebody:
+            assert "No sayso" in (await somebody.error()).message
+
+    asyncio.run(scenario())
+    left = socket.socket(socket.AF_UNIX)
+    path.parent.mkdir()
+    left.bind(str(path))
+    left.close()  # as one that was killed leaves it
+    asyncio.run(scenario())
+    at(path, lambda guests: scenario_of_one_guest(path, guests))
+
+
+async def scenario_of_one_guest(path: Path, guests: Guests) -> None:
+    async with feeder(path):
+        await guests.get()
+
+
+def test_a_second_sayso_has_no_door_until_the_first_has_gone(path: Path) -> None:
+    async def scenario(guests: Guests) -> None:
+        with pytest.raises(DeviceError, match="Another sayso"):
+            async with Door(path, guests.put_nowait):
+                pass
+        await scenario_of_one_guest(path, guests)
+
+    at(path, scenario)
+    at(path, lambda guests: scenario_of_one_guest(path, guests))
+
+
+def test_a_sayso_that_ends_lets_its_guest_go(path: Path) -> None:
+    async def scenario() -> None:
+        guests = Guests()
+        async with asyncio.timeout(LIMIT_S):
+            async with Door(path, guests.put_nowait):
+                somebody = Feeder(path)
+                await guests.get()
+            assert "has ended" in (await somebody.error()).message
+            await somebody.close()
+
+    asyncio.run(scenario())
+
+
+def test_a_folder_with_a_very_long_name_is_no_hindrance(tmp_path: Path) -> None:
+    path = tmp_path / ("a-very-long-name" * 8) / "mic.sock"
+    at(path, lambda guests: scenario_of_one_guest(path, guests))
+    assert not path.exists()
+
+
+def test_a_folder_that_cannot_be_written_is_an_error_with_its_name(tmp_path: Path) -> None:
+    (tmp_path / "state").write_text("")  # a file where the folder should be
+
+    async def scenario(guests: Guests) -> None: ...
+
+    with pytest.raises(StorageError, match="state"):
+        at(tmp_path / "state" / "mic.sock", scenario)
+
+
+def test_a_wav_file_is_no_raw_sound(path: Path) -> None:
+    async def scenario(guests: Guests) -> None:
+        async with feeder(path) as somebody:
+            somebody.say(b"RIFF\x00\x00\x00\x00WAVE")
+            error = await somebody.error()
+            assert isinstance(error, AudioFormatError)
+            assert "-t raw" in error.hint
+
+    at(path, scenario)
+
+
+@pytest.mark.parametrize(
+    "words", [b"hello\n", b"", b'{"source": 5}\n', b"x" * 100_000], ids=["text", "nothing", "number", "long"]
+)
+def test_whoever_does_not_greet_is_no_guest(path: Path, words: bytes) -> None:
+    async def scenario(guests: Guests) -> None:
+        reader, writer = await asyncio.open_unix_connection(path)
+        writer.write(words)
+        writer.write_eof()
+        with suppress(ConnectionResetError):
+            assert await reader.read() == b""
+        writer.close()
+        await scenario_of_one_guest(path, guests)
+
+    at(path, scenario)
+
+
+def test_a_name_is_shown_and_draws_nothing(path: Path) -> None:
+    async def scenario(guests: Guests) -> None:
+        async with feeder(path, "\x1b[2Jlaptop\n" + "y" * 100):
+            guest = await guests.get()
+            assert guest.name.startswith("[2Jlaptop")
+            assert len(guest.name) < 70
+
+    at(path, scenario)

@@ -1,0 +1,88 @@
+"""The wake words as a part of the engine: a fault in a spotter does not end them, and one that stays is told once."""
+
+from __future__ import annotations
+
+import asyncio
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from config import load
+from engine.bus import Bus
+from engine.clock import SystemClock
+from engine.commands import Wake
+from engine.events import ErrorRaised, Event
+from engine.handle import PartStatus
+from engine.parts import words as module
+from engine.parts.part import Part
+from engine.parts.words import FRESH_STARTS, WordsPart
+from engine.wake.words import Spotted
+
+LIMIT_S = 20
+CLAP = np.full(512, 9000, np.int16)
+
+
+class Failing:
+    """A spotter that hears every piece of sound, if it is not broken."""
+
+    phrases = ("clap",)
+
+    def __init__(self, *, broken: bool) -> None:
+        self._broken = broken
+
+    def push(self, samples: NDArray[np.int16]) -> list[Spotted]:
+        if self._broken:
+            raise ZeroDivisionError
+        return [Spotted("clap", len(samples), len(samples))]
+
+    def reset(self) -> None: ...
+
+
+@pytest.mark.parametrize("faults", [1, FRESH_STARTS, FRESH_STARTS + 1])
+def test_after_a_fault_listening_begins_anew_but_not_for_ever(faults: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[Failing] = []
+
+    def make(*_: object, **__: object) -> list[Failing]:
+        made.append(Failing(broken=len(made) < faults))
+        return made[-1:]
+
+    monkeypatch.setattr(module, "load_spotters", make)
+    published: list[Event] = []
+    bus = Bus(SystemClock())
+    bus.subscribe(published.append)
+
+    async def scenario() -> None:
+        loop = asyncio.get_running_loop()
+        told: asyncio.Queue[PartStatus | Wake] = asyncio.Queue()
+
+        def wake(wake: Wake) -> None:
+            loop.call_soon_threadsafe(told.put_nowait, wake)
+
+        words = WordsPart(
+            load(overrides=("wake.words=[clap]",), environ={}),
+            wake,
+            lambda spotted: None,
+            bus.bound(turn=None, epoch=0),
+        )
+        keeping = asyncio.create_task(words.keep(lambda: Part("wake words", told.put_nowait)))
+        async with asyncio.timeout(LIMIT_S):
+            for _ in range(min(faults, FRESH_STARTS) + 1):
+                status = await told.get()
+                assert isinstance(status, PartStatus)
+                assert (status.state, status.detail) == ("ready", "“clap”")
+                words.push(CLAP)
+            last = await told.get()
+        if faults <= FRESH_STARTS:
+            assert isinstance(last, Wake)
+            keeping.cancel()
+        else:
+            assert isinstance(last, PartStatus)
+            assert last.state == "failed"
+        await asyncio.gather(keeping, return_exceptions=True)
+        words.push(CLAP)  # to nobody
+
+    asyncio.run(scenario())
+    errors = [event.body for event in published if isinstance(event.body, ErrorRaised)]
+    assert len(errors) == (faults > FRESH_STARTS)
+    assert len(made) == min(faults, FRESH_STARTS) + 1

@@ -1,0 +1,1 @@
+"""What is well with this machine, and the fix for what is not."""

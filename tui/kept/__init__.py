@@ -1,0 +1,1 @@
+"""What outlives a session, in files of its own."""

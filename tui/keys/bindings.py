@@ -1,0 +1,27 @@
+"""The console's keys as Textual wants them. The tables themselves (:mod:`tui.keys.keys`) know no Textual, so that a
+command without a screen can read them."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from textual.binding import Binding, BindingType
+
+from tui.keys.keys import KEYS, MAP_KEYS, SETTING_KEYS, TURN_KEYS
+
+BINDINGS: Final[list[BindingType]] = [
+    Binding(key.key, key.does or key.id, key.word or key.about, show=False, priority=key.everywhere, id=key.id)
+    for key in KEYS
+]
+
+MAP_BINDINGS: Final[list[BindingType]] = [
+    Binding(key.key, key.does or key.id, key.about, show=False, id=key.id) for key in MAP_KEYS
+]
+
+TURN_BINDINGS: Final[list[BindingType]] = [
+    Binding(key.key, key.id, key.about, show=False, id=key.id) for key in TURN_KEYS
+]
+
+SETTING_BINDINGS: Final[list[BindingType]] = [
+    Binding(key.key, key.does, key.about, show=False, id=key.id) for key in SETTING_KEYS
+]

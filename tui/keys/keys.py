@@ -1,0 +1,131 @@
+"""The keys of the console: one row per action, with the action's id, which settings and help refer to.
+
+An action's id never changes; its key may (Textual's key map replaces keys by binding id).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass
+from typing import Final
+
+from tui.words import strings
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """One action of the console and the key that does it. Its words stand in ``tui.words.strings`` by its id."""
+
+    id: str
+    """Name of the action in key maps; the app has a method ``action_<id>``."""
+    key: str
+    """Default key, as Textual spells it."""
+    _: KW_ONLY
+    everywhere: bool = False
+    """Acts before whatever has the focus sees the key: it cannot be typed."""
+    does: str = ""
+    """The method with its arguments where it is not ``action_<id>``."""
+
+    @property
+    def word(self) -> str:
+        """One word for the status line; empty: not shown there."""
+        return strings.KEY_WORDS.get(self.id, "")
+
+    @property
+    def about(self) -> str:
+        """A sentence for the help page."""
+        return strings.ABOUT_KEYS[self.id]
+
+
+KEYS: Final = (
+    Key("interrupt", "escape", everywhere=True),
+    Key("wake", "space"),
+    Key("end_task", "e"),
+    Key("type", "slash", everywhere=True),
+    Key("help", "question_mark"),
+    Key("leave", "q"),
+    Key("leave_now", "ctrl+c", everywhere=True),
+    Key("log", "l"),
+    Key("map", "m"),
+    Key("camera", "c"),
+    Key("timeline", "t"),
+    Key("turn_back", "left_square_bracket"),
+    Key("turn_on", "right_square_bracket"),
+    Key("turn", "enter"),
+    Key("palette", "ctrl+p", everywhere=True),
+    Key("recall", "ctrl+r", everywhere=True),
+    Key("pane_conversation", "1", does="pane('conversation')"),
+    Key("pane_plan", "2", does="pane('plan')"),
+    Key("pane_actions", "3", does="pane('actions')"),
+    Key("pane_map", "4", does="pane('map')"),
+    Key("pane_log", "5", does="pane('log')"),
+    Key("pane_turns", "6", does="pane('turns')"),
+    Key("pane_camera", "7", does="pane('camera')"),
+    Key("zoom", "z"),
+    Key("border_left", "less_than_sign", does="border(-1)"),
+    Key("border_right", "greater_than_sign", does="border(1)"),
+    Key("copy", "y"),
+    Key("save", "S"),
+    Key("link", "i"),
+    Key("settings", "o"),
+    Key("doctor", "d"),
+    Key("examine", "r"),
+    Key("older", "pageup", everywhere=True),
+    Key("newer", "pagedown", everywhere=True),
+    Key("line_up", "up", does="scroll_line(-1)"),
+    Key("line_down", "down", does="scroll_line(1)"),
+)
+
+MAP_KEYS: Final = (
+    Key("map_nearer", "plus,equals_sign", does="map_zoom(1)"),
+    Key("map_farther", "minus", does="map_zoom(-1)"),
+    Key("map_whole", "0"),
+    Key("map_follow", "f"),
+    Key("map_point_left", "left", does="map_cursor(-1, 0)"),
+    Key("map_point_right", "right", does="map_cursor(1, 0)"),
+    Key("map_point_up", "up", does="map_cursor(0, 1)"),
+    Key("map_point_down", "down", does="map_cursor(0, -1)"),
+    Key("map_left", "shift+left,h", does="map_pan(-1, 0)"),
+    Key("map_right", "shift+right,l", does="map_pan(1, 0)"),
+    Key("map_up", "shift+up,k", does="map_pan(0, 1)"),
+    Key("map_down", "shift+down,j", does="map_pan(0, -1)"),
+    Key("map_next", "tab", does="map_next(1)"),
+    Key("map_previous", "shift+tab", does="map_next(-1)"),
+    Key("map_go", "enter"),
+)
+"""Those of the map, while it has the focus; they go before the console's own. Their actions are the map's."""
+
+
+TURN_KEYS: Final = (
+    Key("unfold", "j"),
+    Key("lines_up", "up"),
+    Key("lines_down", "down"),
+)
+"""Those of the page of one turn, where they go before the console's own. Their actions are the page's."""
+
+
+SETTING_KEYS: Final = (
+    Key("setting_up", "up", does="step(-1)"),
+    Key("setting_down", "down", does="step(1)"),
+    Key("setting_before", "left", does="turn(-1)"),
+    Key("setting_after", "right", does="turn(1)"),
+    Key("setting_take", "enter", does="take"),
+    Key("setting_default", "d", does="default"),
+)
+"""Those of the page of the settings, where they go before the console's own. Their actions are the page's."""
+
+ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *TURN_KEYS, *SETTING_KEYS)
+
+
+def all_shown(keys: Mapping[str, str]) -> dict[str, str]:
+    """Keys by action, several of them separated by commas, as they are written for people."""
+    return {action: "/".join(map(shown, written.split(","))) for action, written in keys.items()}
+
+
+def shown(key: str) -> str:
+    """How a key is written for people: ``escape`` is ``esc``, ``question_mark`` is ``?``."""
+    if key in strings.KEY_NAMES:
+        return strings.KEY_NAMES[key]
+    from textual.keys import format_key  # which a command without a screen does not need
+
+    return format_key(key)

@@ -1,0 +1,119 @@
+"""The settings that a person changes in the console: their values as people read and write them.
+
+What a setting means and what may stand there is said by the schema; here stands only which of them are shown, and
+which take effect at once.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from tui.shown.facts import printable
+from tui.words import strings
+
+if TYPE_CHECKING:
+    from config.changing import Layers
+    from config.editing import Value
+
+SHOWN: Final = (
+    "console.theme",
+    "console.language",
+    "console.fps",
+    "console.camera",
+    "console.camera_graphics",
+    "console.motion",
+    "voice.when",
+    "voice.volume",
+    "audio.device",
+    "wake.words",
+    "planner.profile",
+)
+LIVE: Final = frozenset({"console.theme", "console.language", "console.fps", "console.camera", "console.motion"})
+"""Those that need no restart; the engine's own are read once."""
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """One setting in force."""
+
+    key: str
+    """Dotted name."""
+    value: Any
+    about: str
+    """What it means, in the words of the schema."""
+    choices: tuple[str, ...]
+    """What may stand there, where that is a list; one may write anything else elsewhere."""
+    origin: str
+    """File and line, variable or option; empty: what sayso comes with."""
+    over: str
+    """What goes before the user's files: a variable, an option, a file that was given; empty where they hold."""
+
+    @property
+    def live(self) -> bool:
+        """It takes effect at once."""
+        return self.key in LIVE
+
+    @property
+    def path(self) -> tuple[str, ...]:
+        """Its keys from the top."""
+        return tuple(self.key.split("."))
+
+
+def options(layers: Layers, themes: Sequence[str]) -> tuple[Option, ...]:
+    """All that are shown. Takes as long as the disk does. Raises ``ConfigError``."""
+    from config.changing import choices, described, is_packaged, overriding
+
+    found = layers.explain()
+    lists = {"console.theme": tuple(themes), "planner.profile": tuple(layers.load().profiles)}
+    listed = []
+    for key in SHOWN:
+        setting, path = found[key], tuple(key.split("."))
+        may = lists.get(key) or choices(path)
+        origin = "" if is_packaged(setting) else setting.origin
+        listed.append(Option(key, setting.value, described(path), may, origin, overriding(setting, layers)))
+    return tuple(listed)
+
+
+def shown(value: Any) -> str:
+    """A value as people write it."""
+    if value is None:
+        return strings.NO_VALUE
+    if isinstance(value, list | tuple):
+        return printable(", ".join(map(str, value))) or strings.NO_ENTRY
+    return f"{value:g}" if isinstance(value, float) else printable(str(value))
+
+
+def written(value: Any) -> str:
+    """What stands in the line in which it is changed."""
+    return "" if value is None or value in ([], ()) else shown(value)
+
+
+def origin_of(option: Option) -> str:
+    """Where it comes from, for people."""
+    if not option.origin:
+        return strings.FROM_DEFAULT
+    home = os.path.expanduser("~")  # noqa: PTH111 - a home that cannot be told is none
+    where = option.origin.replace(f"{home}/", "~/", 1) if home != "/" else option.origin
+    return printable(where)
+
+
+def value_of(option: Option, text: str) -> Value:
+    """What was written there; whether it may be that, the schema says."""
+    text = text.strip()
+    if option.key == "wake.words":
+        return text if text == "auto" else [word.strip() for word in text.split(",") if word.strip()]
+    if option.choices:
+        return text
+    if not text or text == strings.NO_VALUE:
+        return None
+    from config.errors import Where
+    from config.source import SourceError, parse_value
+
+    try:
+        value = parse_value(text, Where(option.key)).value
+    except SourceError:
+        return text
+    return text if isinstance(value, list | dict) else value

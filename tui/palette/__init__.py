@@ -1,0 +1,1 @@
+"""The command palette: everything that the console and the robot can do, found by typing a part of it."""

@@ -1,0 +1,64 @@
+"""A panel over the console: what is under it goes on, is seen around it, and every key of the console that is not typed
+acts: above all the one that stops the robot, which closes the panel as well."""
+
+from __future__ import annotations
+
+from textual import events
+from textual.containers import Vertical
+from textual.content import Content
+
+from tui.words.hints import EDGES, fitting
+
+COLUMNS = 84
+"""At most so wide."""
+_EDGE = 4
+"""Columns of the console that stay in sight, both sides together."""
+
+
+class Over(Vertical):
+    """Closes when the keyboard goes elsewhere."""
+
+    DEFAULT_CSS = """
+    Over {
+        position: absolute;
+        layer: over;
+        height: auto;
+        max-height: 80%;
+        border: round $primary;
+        border-title-color: $text-primary;
+        border-title-style: bold;
+        border-subtitle-color: $text-muted;
+        background: $surface;
+        padding: 0 1;
+    }
+    """
+
+    @property
+    def columns(self) -> int:
+        """Of the panel with its border."""
+        return max(20, min(COLUMNS, self.screen.size.width - _EDGE))
+
+    def on_mount(self) -> None:
+        self._place()
+
+    def __init__(self, hints: str) -> None:
+        """``hints``: what to press, for people."""
+        super().__init__()
+        self._hints = hints
+
+    def place(self) -> None:
+        """The terminal has another size."""
+        self._place()
+
+    def _place(self) -> None:
+        self.styles.width = self.columns
+        self.border_subtitle = Content(fitting(self._hints, self.columns - EDGES, last=2))
+        self.styles.offset = ((self.screen.size.width - self.columns) // 2, 1)
+
+    def on_descendant_blur(self, event: events.DescendantBlur) -> None:
+        self.call_later(self._close_when_left)
+
+    def _close_when_left(self) -> None:
+        focused = self.screen.focused
+        if self.is_attached and (focused is None or self not in focused.ancestors):
+            self.remove()

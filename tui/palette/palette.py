@@ -1,0 +1,142 @@
+"""The palette: a line to type in, and below it what fits, the best first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.content import Content
+from textual.message import Message
+from textual.widgets import Input, OptionList
+from textual.widgets.option_list import Option
+
+from tui.palette.entries import Choice, Entry, found
+from tui.palette.over import Over
+from tui.words import strings
+
+
+class PaletteLine(Input):
+    """What is looked for."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("up", "choose(-1)", show=False),
+        Binding("down,tab", "choose(1)", show=False),
+        Binding("shift+tab", "choose(-1)", show=False),
+    ]
+
+    class Moved(Message):
+        """Another entry is meant, so many lines further down."""
+
+        def __init__(self, step: int) -> None:
+            super().__init__()
+            self.step = step
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text, placeholder=strings.PALETTE_PROMPT, compact=True, max_length=200, select_on_focus=False)
+        self.cursor_blink = False
+
+    def action_choose(self, step: int) -> None:
+        self.post_message(self.Moved(step))
+
+
+class Palette(Over):
+    """Tells which entry was chosen; does nothing itself."""
+
+    DEFAULT_CSS = """
+    Palette {
+        PaletteLine { border: none; padding: 0; height: 1; background: $surface; }
+        OptionList {
+            height: auto;
+            max-height: 100%;
+            border: none;
+            padding: 0;
+            margin: 1 0 0 0;
+            background: $surface;
+            scrollbar-size-vertical: 1;
+            & > .option-list--option-highlighted { background: $primary 40%; text-style: bold; }
+        }
+    }
+    """
+
+    class Chosen(Message):
+        """Somebody wants this."""
+
+        def __init__(self, choice: Choice) -> None:
+            super().__init__()
+            self.choice = choice
+
+    def __init__(self, entries: Sequence[Entry], keys: str, *, title: str, typed: str = "") -> None:
+        """``keys``: what to press, for people."""
+        super().__init__(keys)
+        self._entries = tuple(entries)
+        self._line = PaletteLine(typed)
+        self._list = OptionList(markup=False)
+        self._list.can_focus = False
+        self.border_title = title
+        self.shown: tuple[Entry, ...] = ()
+        """What fits, as it stands below the line."""
+        self._width = 0  # for which it was drawn, columns
+
+    def compose(self) -> ComposeResult:
+        yield self._line
+        yield self._list
+
+    def on_mount(self) -> None:
+        self._look()
+
+    def begin(self) -> None:
+        """Put the focus where one types, before the next key is dealt out."""
+        self.screen.set_focus(self._line)
+
+    def place(self) -> None:
+        super().place()
+        self._look()
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        event.stop()
+        self._look()
+
+    def on_palette_line_moved(self, event: PaletteLine.Moved) -> None:
+        event.stop()
+        if self.shown:
+            at = (self._list.highlighted or 0) + event.step
+            self._list.highlighted = max(0, min(len(self.shown) - 1, at))
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        event.stop()
+        self._look()  # all that was typed counts, also what has not been looked for yet
+        self._choose(self._list.highlighted)
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """By the mouse: the keyboard is with the line."""
+        event.stop()
+        self._choose(event.option_index)
+
+    def _choose(self, number: int | None) -> None:
+        if number is not None and number < len(self.shown):
+            self.post_message(self.Chosen(self.shown[number].choice))
+
+    def _look(self) -> None:
+        """Show what fits what is typed."""
+        shown = found(self._entries, self._line.value)
+        width = self.columns - 5  # border, padding, scroll bar
+        if (shown, width) == (self.shown, self._width) and self._list.option_count:
+            return
+        at = self._list.highlighted if shown == self.shown else 0
+        self.shown, self._width = shown, width
+        self._list.clear_options()
+        if not shown:
+            self._list.add_option(Option(Content.styled(strings.NOTHING_FITS, "$text-muted"), disabled=True))
+            return
+        self._list.add_options([Option(_drawn(entry, width)) for entry in shown])
+        self._list.highlighted = at or 0
+
+
+def _drawn(entry: Entry, width: int) -> Content:
+    """The entry on one line, with its key or its kind at the right."""
+    beside = Content(entry.beside).truncate(width // 3, ellipsis=True)
+    title = Content(entry.title).truncate(width - beside.cell_length - 2, ellipsis=True, pad=True)
+    style = "bold $text-accent" if entry.kind == "action" else "$foreground 60%"
+    return Content.assemble(title, "  ", Content.styled(beside.plain, style))

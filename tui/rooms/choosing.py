@@ -1,0 +1,112 @@
+"""Where the palette is opened, and where what was chosen in it is done."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from tui.shown.facts import printable
+from tui.words import strings
+
+if TYPE_CHECKING:
+    from engine.skills.registry import Skill
+    from tui.palette.entries import Choice, Entry, Where
+    from tui.stage import Stage
+
+
+class Choosing:
+    """Opens panels over the main screen and acts on their answers; their modules are read when one is opened."""
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+
+    async def open(self) -> None:
+        """Everything that can be done; once more: not that."""
+        stage = self._stage
+        if await stage.main.uncover() or stage.main.has_class("-tiny"):
+            return
+        from config.folders import paths
+        from tui.palette.entries import entries
+
+        places = stage.handle.places() if stage.handle is not None else {}
+        skills = stage.offer.skills if stage.offer is not None else ()
+        file = str(paths().config / "config.yaml")
+        found = entries(stage.shown_keys, places, skills, stage.main.line.history, file)
+        await self._show(found, strings.PALETTE)
+
+    async def recall(self) -> None:
+        """What was asked for before."""
+        main = self._stage.main
+        if main.has_class("-tiny"):
+            return
+        from tui.palette.entries import requests
+
+        typed = main.line.value if self._stage.screen is main else ""
+        await self._show(requests(main.line.history), strings.PALETTE_RECENT, typed)
+
+    async def chosen(self, choice: Choice) -> None:
+        """Do what was chosen."""
+        from tui.palette.entries import Act, Fill, Tell, Write
+
+        stage = self._stage
+        await stage.main.uncover()
+        match choice:
+            case Act(key, where):
+                await self._act(key.does or key.id, where)
+            case Write(text):
+                self._write(text)
+            case Tell(text):
+                stage.notify(text, title=strings.NAME, markup=False)
+                stage.note("info", printable(text))
+            case Fill(skill):
+                await self._fill(skill)
+
+    async def composed(self, text: str) -> None:
+        """A form is filled in: what it says goes into the line."""
+        await self._stage.main.uncover()
+        self._write(text)
+
+    async def _show(self, entries: Sequence[Entry], title: str, typed: str = "") -> None:
+        from tui.palette.palette import Palette
+
+        stage = self._stage
+        stage.come_back()
+        keys = strings.PALETTE_KEYS.format(**stage.shown_keys)
+        await stage.main.cover(Palette(entries, keys, title=title, typed=typed))
+
+    async def _act(self, action: str, where: Where) -> None:
+        """What the key does, where it does it; on the page of the settings nothing is meant before it is there."""
+        stage = self._stage
+        if action == "interrupt":
+            stage.interrupt()
+        if where == "console":
+            await stage.run_action(action)
+            return
+        if where == "map":
+            stage.main.point(stay=True)
+            await stage.run_action(action, stage.main.floor)
+            return
+        if where == "settings":
+            await stage.run_action("settings")
+            return
+        await stage.run_action("turn")
+        stage.screen.call_after_refresh(stage.run_action, action, stage.screen)
+
+    async def _fill(self, skill: Skill) -> None:
+        """Ask for the arguments of a skill, if it has any."""
+        from tui.palette.arguments import blanks
+        from tui.palette.form import Form
+        from tui.palette.requests import request
+
+        stage = self._stage
+        if not skill.parameters or stage.offer is None or stage.handle is None:
+            self._write(request(skill, {}))
+            return
+        seen = tuple(dict.fromkeys(thing.name for thing in stage.handle.world().things))
+        keys = strings.FORM_KEYS.format(**stage.shown_keys)
+        await stage.main.cover(Form(skill, blanks(skill, stage.offer, seen), keys))
+
+    def _write(self, text: str) -> None:
+        """Into the line, where somebody sends it or not."""
+        self._stage.main.type()
+        self._stage.main.line.write(text)

@@ -1,0 +1,260 @@
+"""From the engine to the screen: events are folded into the model, and the model is shown at a fixed pace.
+
+What moves by itself (pose, level, running durations) is sampled at that pace, and only while it moves. With nothing
+to show no timer runs: an idle console computes and sends nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final, Literal
+
+from engine.errors import ExitCode
+from engine.events import ActionProgress, ErrorRaised, Event, ListenLevel, Log, RobotStateView
+from tui.keys.keys import KEYS
+from tui.messages import Woken
+from tui.rooms.leaving import Leaving
+from tui.rooms.noticing import Noticing
+from tui.rooms.sending import Sending
+from tui.rooms.viewing import Viewing
+from tui.screens.pages import Following
+from tui.shown.model import ConsoleModel
+from tui.shown.view import Hint, View
+from tui.shown.watchdog import INTERVAL_S, Watchdog, engine_is_back, engine_is_silent, robot_is_back
+from tui.terminal.pacing import Inbox, Pacer
+
+if TYPE_CHECKING:
+    from engine.handle import EngineHandle, PartState, PartStatus
+    from engine.robot.floor_map import FloorMap
+    from tui.kept.tour import Tour
+    from tui.stage import Stage
+
+LOG_FRAMES: Final = 4
+"""The log scrolls as a whole, which is much to send: it is redrawn once in so many frames."""
+PARTS_INTERVAL_S: Final = 0.25
+"""How often the parts are asked how they are while some are still loading."""
+AGES_S: Final = 10.0
+"""How often things that were seen are shown as old as they are while nothing else happens."""
+CALM_S: Final = 1.0
+"""How often what moves by itself is redrawn where that disturbs somebody."""
+
+
+class Drawing:
+    """Holds what the console knows, and brings the screen up to date. In the UI thread."""
+
+    def __init__(
+        self, stage: Stage, sending: Sending, viewing: Viewing, leaving: Leaving, notice: Callable[[], str], fps: float
+    ) -> None:
+        """``notice`` is what must be read in the status line; ``fps``: so many frames a second at most."""
+        self.model = ConsoleModel()
+        self.view = View(self.model)
+        """What is on the screen."""
+        self.calm = False
+        """What moves by itself does so seldom."""
+        self.browsed: str | None = None
+        """The turn that somebody looks at; None: the newest."""
+        self.tour: Tour | None = None
+        """What whoever sits here for the first time is told."""
+        self._stage = stage
+        self._sending = sending
+        self._viewing = viewing
+        self._leaving = leaving
+        self._notice = notice
+        self._session = ""
+        self._interval = 1 / fps
+        self._arrived: list[tuple[Event, float]] = []  # taken from the inbox, not drawn yet
+        self._inbox: Inbox[tuple[Event, float]] = Inbox(lambda: stage.post_message(Woken()))
+        self._lag = float("inf")  # smallest seen difference between our clock and event time
+        self._logged = self.model.log  # what the log has been asked to show
+        self._parts: tuple[PartStatus, ...] = ()
+        self._floor_map: FloorMap | None = None
+        self._watchdog = Watchdog(stage.clock())
+        self._noticing = Noticing(stage)
+
+    def begin(self) -> None:
+        """Timers run from now on."""
+        stage = self._stage
+        self._frames = Pacer(stage, self._interval, self._draw)
+        self._logs = Pacer(stage, LOG_FRAMES * self._interval, self._draw_log)
+        self._parts_timer = stage.set_interval(PARTS_INTERVAL_S, self._ask_parts, pause=True)
+        stage.set_interval(AGES_S, self._frames.ask)
+        self._seldom = stage.set_interval(CALM_S, self._frames.ask, pause=True)
+        stage.set_interval(INTERVAL_S, self._feel_pulse)
+
+    def follow(self, handle: EngineHandle) -> Callable[[], None]:
+        """The engine is there; gives what ends this again."""
+        clock = self._stage.clock
+        unsubscribe = handle.subscribe(lambda event: self._inbox.put((event, clock())))
+        self._ask_parts()
+        self._parts_timer.resume()
+        return unsubscribe
+
+    def ask(self) -> None:
+        """Something has changed: draw as soon as the pace allows."""
+        self._frames.ask()
+
+    def woken(self) -> None:
+        """Events have come in."""
+        if not self.calm:
+            self._frames.ask()
+            return
+        self._arrived += self._inbox.take()
+        if all(isinstance(event.body, ListenLevel | RobotStateView | ActionProgress) for event, _ in self._arrived):
+            self._seldom.resume()
+        else:
+            self._frames.ask()
+
+    def log(self, level: Literal["info", "warning", "error"], text: str) -> None:
+        """A line in the log that the console itself has to tell."""
+        self.model = self.model.with_log(level, "console", text)
+        self._frames.ask()
+
+    def pace(self, fps: float | None = None) -> None:
+        """So many frames a second from now on, and fewer on a line that bears fewer."""
+        self._interval = 1 / fps if fps is not None else self._interval
+        interval = self._sending.slower * self._interval
+        self._frames.pace(interval)
+        self._logs.pace(LOG_FRAMES * interval)
+
+    def browse(self, step: int) -> None:
+        """Look at another turn; beyond the newest one, at whichever is the newest."""
+        ids = [turn.id for turn in self.model.turns.kept]
+        here = ids.index(self.browsed) if self.browsed in ids else len(ids) - 1
+        there = max(0, here + step)
+        self.browsed = ids[there] if there < len(ids) - 1 else None
+        self._frames.ask()
+
+    def now(self) -> bool:
+        """Draw at once. True while something moves by itself."""
+        return self._draw()
+
+    @property
+    def ticking(self) -> bool:
+        """Something is drawn again and again."""
+        return self._frames.ticking or self._logs.ticking
+
+    @property
+    def due(self) -> bool:
+        """A frame has been asked for and is not drawn yet."""
+        return self._frames.asked
+
+    def _draw(self) -> bool:
+        """Fold what has come in and show it."""
+        stage, model = self._stage, self.model
+        if not stage.screen_stack:  # the console is being left
+            return False
+        arrived, self._arrived = [*self._arrived, *self._inbox.take()], []
+        for event, when in arrived:
+            model = model.after(event)
+            self._session = event.session
+            self._lag = min(self._lag, when - event.t)
+            if isinstance(event.body, Log):
+                self._noticing.hear(event.body)
+        if any(isinstance(event.body, Log | ErrorRaised) for event, _ in arrived):
+            self._parts_timer.resume()  # a part may have changed
+        if not model.busy:
+            self._leaving.asked = False
+        if self.tour is not None and self.tour.due and any(line.who == "you" for line in model.conversation):
+            self.tour.end()
+        if model.problem is not None and model.problem.fatal:
+            self._leaving.failed(ExitCode.MISSING if model.problem.code == "robot_lost" else ExitCode.FAILED)
+        self.model = model
+        if model.log is not self._logged:
+            self._logged = model.log
+            self._logs.ask()
+        self.view = view = self._view()
+        if stage.screen is stage.main:  # a screen that changes under another one has that one drawn as a whole
+            stage.main.show(view)
+        elif isinstance(stage.screen, Following):
+            stage.screen.show(view)
+        moving = model.moving or (view.robot is not None and view.robot.moving)
+        if self.calm:
+            self._seldom.resume() if moving else self._seldom.pause()
+            return False
+        if moving:
+            self._viewing.hurry()
+        return moving
+
+    def _view(self) -> View:
+        stage, model, handle = self._stage, self.model, self._stage.handle
+        bare = self._sending.fare == "bare"
+        view = View(
+            model=model,
+            now=max(model.t, stage.clock() - self._lag),
+            started=handle is not None,
+            notice=self._notice(),
+            session=self._session,
+            hints=self._hints(),
+            parts=self._parts,
+            floor_map=self._floor_map,
+            turn=next((turn for turn in model.turns.kept if turn.id == self.browsed), None),
+            bare=bare,
+            link=self._sending.figures(),
+            touring=self.tour is not None and self.tour.due,
+        )
+        if handle is None:
+            return view
+        return replace(
+            view,
+            robot=handle.robot_state(),
+            places=handle.places(),
+            world=handle.world(),
+            scan=None if bare else handle.scan(),
+        )
+
+    def _hints(self) -> tuple[Hint, ...]:
+        stage, model = self._stage, self.model
+        free = not stage.main.typing
+        matters = {
+            "interrupt": model.busy or model.moving,
+            **dict.fromkeys(("wake", "end_task", "type"), free and stage.handle is not None),
+            **dict.fromkeys(("help", "leave"), free),
+        }
+        idle = () if model.ended is None else ("wake", "end_task", "type", "help")  # nobody is there to be told
+        return tuple(
+            Hint(key.id, stage.shown_keys[key.id], key.word, matters[key.id])
+            for key in KEYS
+            if key.word and key.id not in idle
+        )
+
+    def _draw_log(self) -> bool:
+        self._stage.main.show_log(self.model)
+        return False
+
+    def _ask_parts(self) -> None:
+        """Ask the engine how its parts are; stop asking once none is loading."""
+        handle = self._stage.handle
+        assert handle is not None
+        parts = handle.status()
+        self._noticing.look(parts)
+        if _robot_state(parts) == "ready" and _robot_state(self._parts) == "loading":
+            self.model = robot_is_back(self.model)
+        if self._floor_map is None:
+            self._floor_map = handle.floor_map()
+        if not any(part.state == "loading" for part in parts):
+            self._parts_timer.pause()
+        if parts != self._parts:
+            self._parts = parts
+            self._frames.ask()
+
+    def _feel_pulse(self) -> None:
+        stage = self._stage
+        if self._sending.feel():
+            self.pace()
+            self._viewing.spare(self._sending.fare)
+            self._frames.ask()
+        if stage.handle is None:
+            return
+        match self._watchdog.look(stage.clock(), stage.handle.pulse()):
+            case "silent":
+                self.model = engine_is_silent(self.model, stage.shown_keys)
+            case "back":
+                self.model = engine_is_back(self.model)
+            case None:
+                return
+        self._frames.ask()
+
+
+def _robot_state(parts: Sequence[PartStatus]) -> PartState | None:
+    return next((part.state for part in parts if part.name == "robot"), None)

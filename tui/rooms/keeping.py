@@ -1,0 +1,103 @@
+"""What a person takes along: a part of the screen on the clipboard, the session and its picture in a folder.
+
+What has become of it stands in the status line for a while.
+"""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Final, Literal
+
+from engine.errors import StorageError
+from tui.messages import Told
+from tui.screens.pages import Copied
+from tui.shown.facts import printable
+from tui.words import strings
+
+if TYPE_CHECKING:
+    from textual.timer import Timer
+
+    from tui.rooms.copying import Part
+    from tui.stage import Stage
+
+TOLD_S: Final = 6.0
+"""How long the status line says what was copied or saved."""
+
+
+class Keeping:
+    """Copies and saves, and says so. In the UI thread."""
+
+    def __init__(self, stage: Stage) -> None:
+        self.told = ""
+        """What stands in the status line for a while."""
+        self._stage = stage
+        self._untold: Timer | None = None
+        self._copied: Part | None = None  # while the status line says so
+
+    def copy(self) -> None:
+        """What is in sight goes to the clipboard; again while the status line says so: the next part."""
+        from tui.rooms.copying import fitting, next_part, plain
+
+        stage = self._stage
+        if isinstance(stage.screen, Copied):
+            page = fitting(stage.screen.plain())
+            if page:
+                stage.copy_to_clipboard(page)
+            self.tell(strings.COPIED_PAGE.format(lines=len(page.splitlines())) if page else strings.NOTHING_FOUND_YET)
+            return
+        part = next_part(self._copied) if self._copied is not None else self._in_sight
+        words, key = strings.COPY_PARTS, stage.shown_keys["copy"]
+        named = {"part": words[part], "other": words[next_part(part)], "key": key}
+        if text := plain(part, stage.shown):
+            stage.copy_to_clipboard(text)
+            self.tell(strings.COPIED.format(lines=text.count("\n") + 1, **named))
+        else:
+            self.tell(strings.NOTHING_TO_COPY.format(**named))
+        self._copied = part
+
+    def save(self) -> None:
+        """The session and a picture of the screen; behind the screen, as a disk takes its time."""
+        from tui.rooms.portrait import portrait
+
+        picture = portrait(self._stage)
+        session = self._stage.shown.session
+        threading.Thread(target=self._save, args=(session, picture), name="save", daemon=True).start()
+
+    def tell(self, text: str, level: Literal["info", "error"] = "info") -> None:
+        """In the status line for a while, in the log for good, and where nothing cuts it."""
+        stage = self._stage
+        self.told = printable(text)
+        self._copied = None
+        severity: Literal["error", "information"] = "error" if level == "error" else "information"
+        stage.notify(self.told, severity=severity, timeout=TOLD_S, markup=False)
+        if self._untold is not None:
+            self._untold.stop()
+        self._untold = stage.set_timer(TOLD_S, self.forget)
+        stage.note(level, self.told)
+
+    def forget(self) -> None:
+        """It has stood there for long enough."""
+        self.told, self._copied = "", None
+        self._stage.redraw()
+
+    def _save(self, session: str, picture: str) -> None:
+        from config.folders import paths
+        from tui.kept.saving import save
+
+        try:
+            saved = save(paths(), session, picture)
+        except StorageError as error:
+            self._stage.post_message(Told(f"{error.message} {error.hint}", "error"))
+        else:
+            words = strings.SAVED if saved.events else strings.SAVED_PICTURE
+            self._stage.post_message(Told(words.format(folder=saved.folder)))
+
+    @property
+    def _in_sight(self) -> Part:
+        """The part that a person looks at: the pane with the keyboard or all the room, or else the turn."""
+        stage = self._stage
+        match stage.main.pane if stage.screen is stage.main else None:
+            case "conversation" | "plan" | "actions" | "log" as part:
+                return part
+            case _:
+                return "turn"

@@ -1,0 +1,59 @@
+"""Tells people when a device is lost or found again: what that means, and what still works.
+
+What happened stands in the log in any case; a notification is for whoever looks at something else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+from engine.events import Log
+from tui.shown.devices import Devices, News
+from tui.words import strings
+
+if TYPE_CHECKING:
+    from textual.timer import Timer
+
+    from engine.handle import PartStatus
+    from tui.stage import Stage
+
+NOTICE_S: Final = 8.0
+"""How long a notification stands."""
+
+
+class Noticing:
+    """Follows the parts of the engine. In the UI thread."""
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+        self._devices = Devices()
+        self._parts: Sequence[PartStatus] = ()
+        self._again: Timer | None = None
+
+    def look(self, parts: Sequence[PartStatus]) -> None:
+        """So the parts are doing now."""
+        self._parts = parts
+        self._tell(self._devices.look(parts, self._stage.clock()))
+
+    def hear(self, line: Log) -> None:
+        """A line of the log."""
+        self._tell(self._devices.hear(line, self._stage.clock()))
+
+    def _tell(self, news: Sequence[News]) -> None:
+        stage = self._stage
+        for one in news:
+            words = (strings.DEVICE_BACK if one.there else strings.DEVICE_GONE)[one.device].format(**stage.shown_keys)
+            if one.times > 1:
+                words = f"{words} {strings.DEVICE_LOOSE.format(times=one.times)}"
+            stage.notify(
+                f"{'✓' if one.there else '!'} {words}",
+                severity="information" if one.there else "warning",
+                timeout=NOTICE_S,
+                markup=False,
+            )
+        if self._again is not None:
+            self._again.stop()
+            self._again = None
+        if (due := self._devices.due(stage.clock())) is not None:
+            self._again = stage.set_timer(due, lambda: self.look(self._parts))

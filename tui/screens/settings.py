@@ -1,0 +1,254 @@
+"""The settings on a page of their own: what each is, what it means, where it comes from, and what may stand there.
+
+The page shows what it is told and asks for changes; reading, testing and writing is the business of
+``tui.rooms.changing``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.content import Content
+from textual.screen import Screen
+from textual.widgets import Input, Static
+
+from tui.keys.bindings import SETTING_BINDINGS
+from tui.options import Option, origin_of, shown, written
+from tui.shown.facts import printable
+from tui.widgets.lines import Drawn, Lines
+from tui.widgets.status import StatusLine
+from tui.words import strings
+from tui.words.hints import EDGES, fitting
+from tui.words.widths import left
+
+if TYPE_CHECKING:
+    from tui.messages import Settled
+    from tui.shown.view import View
+
+_NAME: Final = 20
+_VALUE: Final = 26
+_DIM: Final = "$foreground 60%"
+Row = tuple[str, str, str, bool, bool]
+"""Name, value, where it comes from, whether it is the one that is meant, whether the value is only tried."""
+
+
+class Wardrobe(Protocol):
+    """Where settings are read and kept."""
+
+    def read(self) -> None:
+        """Ask for the settings as they are; the page is told them."""
+        ...
+
+    def keep(self, option: Option, text: str) -> None:
+        """Set one for good; the page is told what came of it."""
+        ...
+
+    def give_back(self, option: Option) -> None:
+        """Set one to what sayso comes with; the page is told what came of it."""
+        ...
+
+    def try_on(self, theme: str | None) -> None:
+        """Look like this for now; None: as the settings say."""
+        ...
+
+
+class OptionList(Lines[Row]):
+    """One line a setting; a sign says which one is meant."""
+
+    def drawn(self, item: Row) -> Drawn:
+        name, value, origin, meant, tried = item
+        style = "bold $text-accent" if meant else "$foreground"
+        text = Content(f"‹ {value} ›" if tried else value).truncate(_VALUE, ellipsis=True)
+        body = Content.assemble((left(name, _NAME), style), (text.plain, style if meant else "$text-primary"))
+        return Drawn(Content.styled("▸ " if meant else "  ", style), body, Content.styled(origin, _DIM), nowrap=True)
+
+
+class Line(Input):
+    """Where a value is written that is none of a list."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("up", "screen.step(-1)", show=False),
+        Binding("down", "screen.step(1)", show=False),
+    ]
+
+
+class SettingsScreen(Screen[None]):
+    """Not modal, so that every key of the console works here too: above all the one that stops the robot."""
+
+    CSS_PATH = "settings.tcss"
+    AUTO_FOCUS = ""
+    BINDINGS: ClassVar[list[BindingType]] = SETTING_BINDINGS
+
+    def __init__(self, keys: Mapping[str, str], wardrobe: Wardrobe, view: View) -> None:
+        """``keys`` are the keys in use by action id, as they are shown to people."""
+        super().__init__()
+        self._keys = keys
+        self._wardrobe = wardrobe
+        self._view = view
+        self._status = StatusLine()
+        self._list = OptionList(classes="pane", id="options")
+        self._about = Static(id="about", markup=False)
+        self._line = Line(id="line", compact=True, max_length=500)
+        self._line.cursor_blink = False
+        self._options: tuple[Option, ...] = ()
+        self._at = 0
+        self._tried: str | None = None  # a value that is looked at, but not taken
+        self._told: Content = Content("")  # what came of the last change
+
+    def compose(self) -> ComposeResult:
+        yield self._status
+        yield self._list
+        yield self._line
+        yield self._about
+
+    def on_mount(self) -> None:
+        self._line.display = False
+        self._told = Content.styled(strings.SETTINGS_READING, _DIM)
+        self._draw()
+        self.show(self._view)
+        self._wardrobe.read()
+
+    def on_unmount(self) -> None:
+        self._wardrobe.try_on(None)
+
+    def show(self, view: View) -> None:
+        """Bring the status line up to date."""
+        self._view = view
+        if self._status.is_attached:
+            self._status.update_from(view)
+
+    def settled(self, message: Settled) -> None:
+        """Settings were read, or one of them was set, or could not be."""
+        if message.failed:
+            self._told = Content.styled(f"✗ {message.failed}", "$text-error")
+        else:
+            self._options = message.options
+            self._told = Content.assemble(*self._outcome(message))
+        self._tried = None
+        self._draw()
+
+    def on_resize(self) -> None:
+        self._draw()
+
+    def reword(self) -> None:
+        """Words are in another language now."""
+        self._list.redraw()
+        self._draw()
+        self.show(self._view)
+
+    def scroll_page(self, direction: int) -> None:
+        """To the first setting or the last one."""
+        self.action_step(direction * len(self._options))
+
+    @property
+    def meant(self) -> Option | None:
+        """The setting that keys act on."""
+        return self._options[self._at] if self._options else None
+
+    def action_step(self, step: int) -> None:
+        """To another setting; what was only tried or half written is let go."""
+        if not self._options:
+            return
+        self._close_line()
+        self._try(None)
+        self._at = max(0, min(len(self._options) - 1, self._at + step))
+        self._told = Content("")
+        self._draw()
+
+    def action_turn(self, step: int) -> None:
+        """Look at another value of those that there are."""
+        if self.meant is not None and (there := self._beside(self.meant, step)):
+            self._try(there)
+            self._draw()
+
+    def action_take(self) -> None:
+        """Keep the value that is looked at; where none is, the next one, or what is written now."""
+        option = self.meant
+        if option is None:
+            return
+        if not option.choices:
+            self._open_line(option)
+        elif value := self._tried or self._beside(option, 1):
+            self._wardrobe.keep(option, value)
+
+    def action_default(self) -> None:
+        """What sayso comes with."""
+        if self.meant is not None:
+            self._try(None)
+            self._wardrobe.give_back(self.meant)
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        event.stop()
+        if self.meant is not None:
+            self._wardrobe.keep(self.meant, event.value)
+        self._close_line()
+        self._draw()
+
+    def _beside(self, option: Option, step: int) -> str:
+        """The value so many further in the list."""
+        here = self._tried or shown(option.value)
+        at = option.choices.index(here) if here in option.choices else -1
+        return option.choices[(at + step) % len(option.choices)] if option.choices else ""
+
+    def _try(self, value: str | None) -> None:
+        option = self.meant
+        self._tried = value if option is None or value != shown(option.value) else None
+        if option is not None and option.key == "console.theme":
+            self._wardrobe.try_on(self._tried)
+
+    def _open_line(self, option: Option) -> None:
+        self._line.value = written(option.value)
+        self._line.display = True
+        self.set_focus(self._line)
+        self._draw()
+
+    def _close_line(self) -> None:
+        self._line.display = False
+        self.set_focus(None)
+
+    def _draw(self) -> None:
+        title = f"{strings.NAME} · {strings.SETTINGS_TITLE}"
+        self._list.border_title = Content(title)
+        hints = fitting(strings.SETTINGS_KEYS.format(**self._keys), self.size.width - EDGES)
+        self._list.border_subtitle = Content(hints)
+        self._list.show([self._row(number, option) for number, option in enumerate(self._options)], matters=self._at)
+        self._about.update(Content("\n").join(self._explained()))
+
+    def _row(self, number: int, option: Option) -> Row:
+        meant = number == self._at
+        tried = self._tried if meant else None
+        value = strings.SETTING_VALUES.get(tried or shown(option.value), tried or shown(option.value))
+        return strings.SETTING_NAMES[option.key], value, origin_of(option), meant, tried is not None
+
+    def _explained(self) -> Iterator[Content]:
+        """What there is to know of the setting that is meant."""
+        option = self.meant
+        if option is not None:
+            about = strings.SETTING_ABOUTS[option.key] or option.about
+            yield Content.assemble((f"{option.key}  ", "bold $text-primary"), (printable(about), "$foreground"))
+            words = ", ".join(strings.SETTING_VALUES.get(word, word) for word in option.choices)
+            if words:
+                yield Content.styled(words, _DIM)
+            yield Content.styled(strings.SETTING_LIVE if option.live else strings.SETTING_RESTART, _DIM)
+            if option.over:
+                yield Content.styled(f"▲ {_overridden(option)}", "$text-warning")
+        if self._line.display:
+            yield Content.styled(strings.SETTINGS_LINE, _DIM)
+        elif self._told.plain:
+            yield self._told
+
+    def _outcome(self, message: Settled) -> Iterator[Any]:
+        if not message.key:
+            return
+        option = next(option for option in message.options if option.key == message.key)
+        name = strings.SETTING_NAMES[option.key]
+        yield strings.SETTING_KEPT.format(name=name, file=printable(message.file)), "$text-success"
+        if not option.live and not option.over:
+            yield f" {strings.SETTING_RESTART}", "$text-warning"
+
+
+def _overridden(option: Option) -> str:
+    return strings.SETTING_OVER.format(origin=printable(option.over), value=shown(option.value))

@@ -1,0 +1,1 @@
+"""What the console shows, told from events alone: values that know no Textual."""

@@ -1,0 +1,116 @@
+"""The small facts that the console shows: a line, a plan, an action, a level. Frozen, and clean of what would disturb
+a terminal: :func:`printable` is what every text from outside goes through on its way in."""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from engine.events import Value
+
+MAX_TEXT: Final = 2000
+"""Characters of one text that are shown."""
+
+Speaker = Literal["you", "robot", "unheard", "mark", "done", "problem"]
+Phase = Literal["queued", "running", "ok", "failed", "interrupted", "uncertain"]
+Stage = Literal["thinking", "made", "rejected", "refused", "question"]
+Path = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One line of the conversation; ``note`` is a remark beside it."""
+
+    who: Speaker
+    text: str
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What the planner made of the last request."""
+
+    stage: Stage
+    goal: str = ""
+    steps: tuple[str, ...] = ()
+    actions: tuple[str, ...] = ()
+    source: str = ""
+    message: str = ""  # why not, or what is asked
+    suggestions: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One action of the queue."""
+
+    action: str
+    turn: str | None
+    index: int
+    call: str  # ``navigate_to(place=A)``
+    phase: Phase
+    started: float | None = None  # s, event time
+    duration_s: float | None = None
+    fraction: float | None = None  # 0…1
+    message: str = ""
+    path: Path = ()  # the way that is left, map frame, m
+
+    def elapsed(self, now: float) -> float | None:
+        """Seconds so far at event time ``now``, or in all; None before the start."""
+        if self.duration_s is not None or self.started is None:
+            return self.duration_s
+        return max(0.0, now - self.started)
+
+
+@dataclass(frozen=True, slots=True)
+class LogLine:
+    """One line of the log."""
+
+    t: float  # s since the session began
+    level: Literal["debug", "info", "warning", "error"]
+    source: str
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """Loudness and voice activity at one moment."""
+
+    rms_db: float
+    speech_probability: float
+    in_speech: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """Something that failed and wants to be read."""
+
+    message: str
+    hint: str = ""
+    title: str = ""  # none: that something failed
+    fatal: bool = False
+    code: str = ""  # for programs, as in the event ``error``
+
+
+def printable(text: str) -> str:
+    """Text that cannot disturb a terminal: controls, escapes and direction overrides become spaces; cut when long."""
+    if len(text) > MAX_TEXT:
+        text = text[: MAX_TEXT - 1] + "…"
+    if text.isascii() and text.isprintable():
+        return text
+    return "".join(" " if unicodedata.category(char) in ("Cc", "Cf", "Zl", "Zp", "Cs") else char for char in text)
+
+
+def printable_lines(text: str) -> str:
+    """Text of several lines, each of them printable; what is longer than one may be goes on in the next."""
+    cut = (line[at : at + MAX_TEXT] for line in text.splitlines() for at in range(0, len(line) or 1, MAX_TEXT))
+    return "\n".join(map(printable, cut))
+
+
+def call(name: str, args: Mapping[str, Value]) -> str:
+    """An action as it is written: ``navigate_to(A)``, with names once there is more than one argument."""
+    values = [f"{value:g}" if isinstance(value, float) else str(value) for value in args.values()]
+    if len(values) > 1:
+        values = [f"{key}={value}" for key, value in zip(args, values, strict=True)]
+    return printable(f"{name}({', '.join(values)})")

@@ -1,0 +1,58 @@
+"""What the console shows at one moment, as one value: the screens and their panes draw it and know nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from config.schema import Place
+    from engine.handle import PartStatus
+    from engine.perception.memory import World
+    from engine.robot.floor_map import FloorMap
+    from engine.robot.robot import RobotState, Scan
+    from tui.shown.model import ConsoleModel
+    from tui.shown.turn import Turn
+    from tui.terminal.link import LinkFigures
+
+
+@dataclass(frozen=True, slots=True)
+class Hint:
+    """A key and its word in the status line."""
+
+    action: str
+    key: str
+    word: str
+    matters: bool
+
+    @property
+    def text(self) -> str:
+        return f" {self.key} {self.word} "
+
+    @property
+    def urgent(self) -> bool:
+        """The key to reach for: set off by its colour when it matters."""
+        return self.action == "interrupt"
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """Everything the screen shows at one moment."""
+
+    model: ConsoleModel
+    now: float = 0.0  # s, event time
+    started: bool = False  # the engine is there
+    session: str = ""  # the engine's, by its id, as the event log is named
+    notice: str = ""  # stands in the status line
+    hints: tuple[Hint, ...] = ()
+    parts: tuple[PartStatus, ...] = ()
+    robot: RobotState | None = None
+    floor_map: FloorMap | None = None
+    places: Mapping[str, Place] = field(default_factory=dict)
+    world: World | None = None
+    scan: Scan | None = None
+    turn: Turn | None = None  # that somebody browsed to; None: the newest
+    bare: bool = False  # the line bears no more than what one has to know
+    touring: bool = False  # somebody sits here for the first time
+    link: LinkFigures | None = None  # how good the line is; None: nobody wants to know

@@ -1,0 +1,1 @@
+"""The line to the terminal: what it sends, what it bears, and what it can draw."""

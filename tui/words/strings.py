@@ -1,0 +1,611 @@
+"""Every word of the console that a person reads, in one place, so that a language is one file.
+
+This is English; its twin ``tui.words.strings_zh`` has the same names. ``tui.words.language`` puts either of them here,
+so that a word is looked up when it is shown, and never kept.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from engine.events import State
+
+NAME: Final = "sayso"
+
+STATE_WORDS: Final[dict[State, str]] = {
+    "IDLE": "READY",
+    "LISTENING": "LISTENING",
+    "TRANSCRIBING": "TRANSCRIBING",
+    "DECIDING": "DECIDING",
+    "PLANNING": "PLANNING",
+    "CLARIFYING": "ASKING",
+    "SPEAKING": "SPEAKING",
+    "ACTING": "ACTING",
+    "FEEDBACK": "CHECKING",
+    "WAITING": "WAITING",
+}
+STARTING: Final = "STARTING"
+BROKEN: Final = "FAILED"
+ENDED: Final = "ENDED"
+TASK: Final = "task"
+
+# Keys
+KEY_NAMES: Final = {"pageup": "page up", "pagedown": "page down", "enter": "enter", "space": "space", "tab": "tab"}
+KEY_WORDS: Final = {
+    "interrupt": "stop",
+    "wake": "wake",
+    "end_task": "end",
+    "type": "type",
+    "help": "help",
+    "leave": "quit",
+}
+"""In the status line, by action."""
+ABOUT_KEYS: Final = {
+    "interrupt": "Stop everything at once, motion first. Works everywhere.",
+    "wake": "Listen now. A robot that speaks or acts stops first.",
+    "end_task": "Stop, reset arm and history, and begin a new task.",
+    "type": "Type a request. Up and down recall earlier ones.",
+    "help": "Show this page, or leave it.",
+    "leave": "Quit; asks once more while a task is running.",
+    "leave_now": "Quit at once; the robot stops.",
+    "log": "Show the log instead (small terminals).",
+    "map": (
+        "Point at something on the map: arrows or tab, enter goes there (asks first). + − zoom, 0 whole, f follows the "
+        "robot, shift and arrows or hjkl shift."
+    ),
+    "camera": "Show what the camera sees, or no longer.",
+    "timeline": "Show the turns instead (small terminals).",
+    "turn_back": "Look at the turn before.",
+    "turn_on": "Look at the next turn; the newest is followed.",
+    "turn": "Show the whole turn, or leave it.",
+    "palette": "Find everything that can be done: type a part of it.",
+    "recall": "Search what was asked for before.",
+    "pane_conversation": "Go to the conversation.",
+    "pane_plan": "Go to the plan.",
+    "pane_actions": "Go to the actions.",
+    "pane_map": "Go to the map, and point there.",
+    "pane_log": "Go to the log.",
+    "pane_turns": "Go to the turns.",
+    "pane_camera": "Go to what the camera sees.",
+    "zoom": "Give all the room to the pane with the keyboard, or give it back.",
+    "border_left": "Make the left panes narrower; at log and turns, the log.",
+    "border_right": "Make the left panes wider; at log and turns, the log.",
+    "copy": "Copy what is in sight; again: conversation, plan, actions, log.",
+    "save": "Save the session and a picture of the screen; it says where.",
+    "link": "Show how good the line to this terminal is, or no longer.",
+    "settings": "Settings: look at them and change them, or leave that page.",
+    "doctor": "Examine everything that sayso needs, or leave that page.",
+    "examine": "Examine everything once more.",
+    "older": "Scroll back: the pane with the keyboard, or else the conversation.",
+    "newer": "Scroll forward.",
+    "line_up": "Scroll back by a line.",
+    "line_down": "Scroll forward by a line.",
+    "map_nearer": "Look closer at the map.",
+    "map_farther": "Look from farther away.",
+    "map_whole": "Show the whole map.",
+    "map_follow": "Go along with the robot, or stay.",
+    "map_point_left": "Move the cursor on the map.",
+    "map_point_right": "Move the cursor on the map.",
+    "map_point_up": "Move the cursor on the map.",
+    "map_point_down": "Move the cursor on the map.",
+    "map_left": "Shift what is shown of the map.",
+    "map_right": "Shift what is shown of the map.",
+    "map_up": "Shift what is shown of the map.",
+    "map_down": "Shift what is shown of the map.",
+    "map_next": "Point at the next place or thing, or the one before.",
+    "map_previous": "Point at the next place or thing, or the one before.",
+    "map_go": "Ask whether to go where the cursor is; asked, go.",
+    "unfold": "Unfold prompts, what models wrote, and JSON, or fold them.",
+    "lines_up": "Scroll up.",
+    "lines_down": "Scroll down.",
+    "setting_up": "The setting above.",
+    "setting_down": "The setting below.",
+    "setting_before": "Look at the value before.",
+    "setting_after": "Look at the next value.",
+    "setting_take": "Keep the value that is looked at, or else the next one; or write one.",
+    "setting_default": "Back to what sayso comes with.",
+}
+"""On the help page and in the palette, by action."""
+
+# Panes
+PANES: Final = {
+    "conversation": "Conversation",
+    "plan": "Plan",
+    "actions": "Actions",
+    "map": "Map",
+    "log": "Log",
+    "turns": "Turns",
+    "camera": "Camera",
+}
+PANE_ROBOT: Final = "Robot"
+ZOOM_BACK: Final = "{zoom} back"
+NO_FILE: Final = "{} is no file"
+NO_SIZES: Final = "no sizes of panes are written there"
+SIZES_NOT_KEPT: Final = "The sizes of the panes are not kept for later sessions: {}"
+
+# Actions
+STEPS_ENDED: Final = "{} of {} ended"
+STEPS_FAILED: Final = "{} failed"
+KEY_STOPS: Final = "{} stops"
+
+# Camera
+NO_PICTURE: Final = "waiting for a picture…"
+
+# Map
+MAP_KEYS: Final = "{map} points · {camera} camera"
+GO_TO: Final = "go to the {}"
+GO_TO_HAN: Final = "去{}"  # of a name that is written in Chinese
+GO_THERE: Final = "Go to {}? enter goes, any other key does not"
+ENTER_GOES: Final = "· enter goes there"
+NO_WAY_TO_SAY: Final = "· no place of a name: tab chooses one"
+SEEN_AGO: Final = "seen {}"
+JUST_NOW: Final = "just now"
+SECONDS_AGO: Final = "{} s ago"
+MINUTES_AGO: Final = "{} min ago"
+HOURS_AGO: Final = "{} h ago"
+
+# Conversation
+YOU: Final = "you"
+ROBOT: Final = "robot"
+HOW_SAID: Final[dict[str, str]] = {"speech": "", "text": "typed", "overheard": "overheard"}
+CUT_OFF: Final = "cut off"
+WELCOME: Final = "Press {wake} and speak, or {type} and type."
+WELCOME_TYPING: Final = "Press {type} and type what the robot should do."
+TOUR: Final = (
+    "{interrupt} stops the robot at once, on every page.",
+    "{help} shows all keys, {palette} everything that can be done, {settings} the settings.",
+)
+"""Below the welcome until the first request was made."""
+EXAMPLES: Final = ("go to the kitchen", "turn left 90 degrees", "where are you?")
+TRY: Final = "Try:"
+STOPPED: Final = "stopped"
+NEW_TASK: Final = "new task"
+REASONS: Final = {
+    "interrupt": "the stop key",
+    "wake": "a wake",
+    "say": "a new request",
+    "heard": "words that were heard",
+    "end_task": "the end of the task",
+    "quit": "quitting",
+    "halted": "the robot itself",
+    "stop": "stop",
+    "replaced": "a new request",
+    "shutdown": "the end of the session",
+    "asked": "as asked",
+    "finished by the dialogue": "finished by the dialogue",
+    "asked to": "as asked",
+    "a fault": "a fault",
+}
+"""Who interrupts, how far that goes, and why a task or a session ends, as events name it."""
+REJECTED: Final = {
+    "no_speech": "nobody spoke",
+    "low_confidence": "not understood clearly",
+    "too_short": "too short",
+    "empty": "no words in it",
+    "late": "came too late",
+    "artefact": "not speech",
+}
+NOT_HEARD: Final = "not heard"
+
+# Plan
+NO_PLAN: Final = "What the robot makes of your words appears here."
+THINKING: Final = "thinking…"
+WAITS_FOR: Final = "waits for the {parts}"
+NO_ACTIONS: Final = "No actions yet."
+REFUSED: Final = "refused"
+NO_PLAN_CAME: Final = "no plan"
+QUESTION: Final = "asks"
+PLAN_BY: Final = {
+    "phrases": "by phrases",
+    "local": "by the local model",
+    "openai": "by a cloud model",
+    "dify": "by Dify",
+    "direct": "as given",
+}
+
+# Robot
+NO_ROBOT: Final = "The robot is still starting."
+NO_MAP: Final = "loading the map…"
+PART_WORDS: Final = {
+    "robot": "robot",
+    "microphone": "mic",
+    "recogniser": "recogniser",
+    "planner": "planner",
+    "model": "model",
+    "camera": "camera",
+    "voice": "voice",
+    "wake": "wake",
+    "wake words": "wake word",
+}
+LOADING: Final = "loading"
+LOADS: Final = "LOADING"
+LOADS_PARTS: Final = "{parts} · requests wait"
+MISSING: Final = "missing"
+ALL_READY: Final = "all parts ready"
+OTHERS_READY: Final = "all others ready"
+HEADING: Final = "heading"
+SPEED: Final = "speed"
+TURNING: Final = "turning"
+GRIPPER: Final = "gripper"
+ARM: Final = "arm"
+ARM_WORDS: Final = {"up": "up", "out": "out"}
+OPEN: Final = "open"
+CLOSED: Final = "closed"
+HALF_OPEN: Final = "half"
+AT_REST: Final = "at rest"
+MOVING: Final = "moving"
+
+# Microphone
+MIC: Final = "mic"
+WOKEN: Final = {"serial": "woken by the module", "word": "woken by the wake word"}
+WOKEN_FROM: Final = "from {angle:.0f}°"
+MIC_IDLE: Final = "not listening"
+MIC_LOADING: Final = "starting"
+MIC_SPEECH: Final = "speech"
+MIC_QUIET: Final = "quiet"
+NO_MICROPHONE: Final = "No microphone: press / and type, or start with sayso --demo."
+
+MIC_WAITING: Final = "no speech"
+WAKE_BY: Final = {
+    "key": "woken by key",
+    "serial": "woken by the module",
+    "word": "woken by its word",
+    "speech": "the speaker went on",
+    "command": "woken by a command",
+    "demo": "woken by the demo",
+    "file": "begun by a file",
+}
+LISTEN_ENDS: Final = {
+    "silence": "end of speech",
+    "max_length": "too long, cut off",
+    "source_ended": "end of the sound",
+    "no_speech": "nobody spoke",
+    "cancelled": "broken off",
+    "device_lost": "microphone lost",
+}
+SPEECH_FOR: Final = "{seconds:.1f} s of it"
+LOUDEST: Final = "loudest {db} dB"
+COMMA: Final = ", "
+COLON: Final = ": "
+AND: Final = " and "
+UNDERSTOOD: Final = "understood"
+CONFIDENCE: Final = "confidence {percent:.0f} %"
+
+# Turns
+STAGES: Final = {
+    "wake": "wake",
+    "record": "record",
+    "endpoint": "endpoint",
+    "recognise": "recognise",
+    "decide": "decide",
+    "plan": "plan",
+    "act": "act",
+    "speak": "speak",
+}
+SINCE_SPEECH: Final = "from the end of speech"
+SINCE_REQUEST: Final = "from the request"
+STAGE_TO_MOTION: Final = "to motion"
+STAGE_TO_ANSWER: Final = "to answer"
+NO_TURNS: Final = "How long each stage of a request took appears here."
+LISTENS: Final = "listening…"
+RECOGNISES: Final = "recognising…"
+NOTHING_SAID: Final = "nothing was said yet"
+TO_MOTION: Final = "{milliseconds} to motion"
+TO_ANSWER: Final = "{milliseconds} to answer"
+BROWSE: Final = "{turn_back} {turn_on} browse · {turn} opens"
+TURN_TITLE: Final = "Turn {number} of {count}"
+TURN_KEYS: Final = "{turn_back} {turn_on} browse · {unfold} {fold} details · {turn} back · {interrupt} stops"
+FOLD: Final = "folds"
+UNFOLD: Final = "unfolds"
+NO_TURN: Final = "There has been no turn yet."
+OUTCOMES: Final = {
+    "done": "done",
+    "failed": "failed",
+    "clarify": "asked back",
+    "refused": "refused",
+    "interrupted": "interrupted",
+    "timeout": "time ran out",
+    "unheard": "not heard",
+    "open": "under way",
+}
+PART_SOUND: Final = "Sound"
+PART_WORDS_HEARD: Final = "Heard"
+PART_STAGES: Final = "Stages"
+PART_THOUGHTS: Final = "Thought"
+PART_ACTIONS: Final = "Done"
+PART_ANSWERS: Final = "Said"
+PART_END: Final = "End"
+PART_REMARKS: Final = "Remarks"
+THOUGHTS: Final = {
+    "decision": "decided",
+    "plan": "planned",
+    "question": "asks back",
+    "refusal": "refused",
+    "rejection": "no plan",
+}
+UNCLEAR: Final = "unclear: {what}"
+IN_JSON: Final = "the plan as JSON"
+ASKED: Final = "asked"
+LAYERS: Final = {"decision": "decision", "execution": "execution", "vision": "vision"}
+AGAIN: Final = "again"
+TOKENS: Final = "{prompt} → {reply} tokens"
+BROKEN_OFF: Final = "broken off"
+CAME_LATE: Final = "came too late"
+TOO_LONG: Final = "cut off"
+HEAD: Final = "first {length} characters that such questions always begin with (SHA-256 {digest}…)"
+REPLY: Final = "reply"
+NOTHING_CAME: Final = "nothing"
+SAYS: Final = "says “{text}”"
+HEARD_ALL: Final = "heard"
+HEARD_PART: Final = "cut off after “{heard}”"
+HEARD_NOTHING: Final = "cut off before a word"
+ON_SCREEN: Final = "shown"
+CUT: Final = "cut off while {state}: {scope}"
+CUT_BY: Final = "cut off while {state}: {scope} ({source})"
+LANGUAGE: Final = "language {language}"
+DECODED: Final = "recognised in {milliseconds}"
+NO_SPEECH_SHARE: Final = "no speech {percent:.0f} %"
+LOG_PROBABILITY: Final = "log-probability {value}"
+SOUND_FIGURES: Final = "listened for {listened:.1f} s · {speech:.1f} s of speech · peak {peak} dB"
+RULE_SPEECH: Final = "━"
+RULE_QUIET: Final = "┄"
+
+# Input
+PLACEHOLDER: Final = "Press {type} and type what the robot should do"
+PLACEHOLDER_EARLY: Final = "Press {type} and type; it waits for {parts} to load"
+PLACEHOLDER_TYPING: Final = "enter sends · up down recall · {recall} searches · tab completes · {interrupt} stops"
+PHRASES: Final = (
+    "go to the ", "turn left 90 degrees", "turn right 90 degrees", "turn around", "move forward 1 metre",
+    "move back 1 metre", "where are you?", "what can you do?", "what do you see?", "look around", "pick up the ",
+    "put it on the ", "bring the ", "find the ", "follow me", "come back", "clean up", "remember this place",
+    "raise your arm", "wait 5 seconds", "end the task",
+    "去", "向左转90度", "向右转90度", "转身", "前进1米", "后退1米", "你在哪里", "你会做什么", "你看到什么", "看看四周",
+    "拿起", "跟着我", "回来", "结束任务",
+)  # fmt: skip
+"""What is often asked for, and suggested before anything was."""
+
+# Log
+SOURCES: Final = {
+    "session": "session",
+    "engine": "engine",
+    "console": "console",
+    "robot": "robot",
+    "microphone": "microphone",
+    "recogniser": "recogniser",
+    "planner": "planner",
+    "model": "model",
+    "vision": "vision",
+    "camera": "camera",
+    "voice": "voice",
+    "wake": "wake",
+    "wake words": "wake words",
+    "stop": "stop",
+    "dispatch": "dispatch",
+}
+"""Who tells a line of the log; codes of errors are the same in all languages."""
+
+# Quitting and failing
+NOT_STARTED: Final = "not started"
+QUIT_QUESTION: Final = "A task is running: {key} again quits, esc stays"
+ENGINE_STARTING: Final = "The engine is starting…"
+ENGINE_FAILED: Final = "The engine did not start"
+SESSION_ENDED: Final = "{key} quits; ended: {reason}"
+ENGINE_SILENT: Final = "The engine does not answer"
+ABOUT_SILENT: Final = "It hangs or was paused. The robot has stopped by itself, as it does without an engine."
+HINT_SILENT: Final = "{stop} still stops the robot, {leave} quits at once. Other keys wait for the engine."
+PAUSED: Final = "away for {seconds:.1f} s"
+ROBOT_BACK: Final = "the robot is back where it was"
+HALTED: Final = "the robot stopped by itself"
+MOTION_PAUSED: Final = "somebody may have said “{phrase}”: motion pauses"
+MOTION_RESUMED: Final = "a false pause of {seconds:.1f} s, number {number} in this session: motion goes on"
+SOMETHING_FAILED: Final = "Something failed"
+ASKED_EARLY: Final = "“{}” waits until the engine has started."
+CRASH_WRITTEN: Final = "sayso: this is a mistake in sayso. Please report it with what stands in {}"
+CRASH_LOST: Final = "sayso: this is a mistake in sayso, and what happened could not be written down: {}."
+CRASH_HINT: Final = "This is a mistake in sayso. Please report it with the lines above."
+
+# Help
+HELP_TITLE: Final = "Keys"
+HELP_BEGIN: Final = "To begin"
+HELP_SIGNS: Final = "Signs"
+HELP_LEAVE: Final = "{newer} {older} more · {help} or {interrupt} leaves this page"
+HELP_MAP: Final = "While the map has the keyboard"
+HELP_TURN: Final = "On the page of a turn"
+HELP_SETTINGS: Final = "On the page of the settings"
+SIGN_WORDS: Final = (
+    ("○", "queued"),
+    ("▸", "running"),
+    ("✓", "done"),
+    ("✗", "failed"),
+    ("■", "interrupted"),
+    ("?", "uncertain"),
+)
+
+# Terminals
+TOO_SMALL: Final = (
+    "sayso needs at least {min_columns}×{min_rows} characters (this terminal has {columns}×{rows}). Make it larger."
+)
+TOO_SMALL_KEYS: Final = "{stop} still stops the robot, {quit} quits."
+TOO_SMALL_SHORT: Final = "{columns}×{rows} is too small"
+STREAMS: Final = ("standard input", "standard output", "standard error")
+NOT_A_TERMINAL: Final = (
+    "The console needs a terminal, and {stream} is not one. Use `sayso engine` for programs, or `sayso ask TEXT`."
+)
+DUMB_TERMINAL: Final = (
+    "The console cannot draw on this terminal (TERM is {term}). "
+    "Use another one, or `sayso ask TEXT`, which needs only lines of text."
+)
+
+# Line to the terminal
+LINK_DELAY: Final = "line {} ms"
+LINK_SILENT: Final = "line untold"  # the terminal does not report what it has drawn
+LINK_RATES: Final = "{:.1f} kB/s · {:.1f}/s"
+FARES: Final = {
+    "full": "The line to this terminal is good again: everything is shown.",
+    "spare": "The line to this terminal is slow, {delay} ms to a frame and back: fewer frames and pictures.",
+    "bare": "The line to this terminal is bad, {delay} ms to a frame and back: no camera, lidar or trail, few frames.",
+}
+CAMERA_SPARED: Final = "no picture: the line is bad"
+NO_CELL_SIZE: Final = (
+    "The camera is drawn with characters: sixel pictures (console.camera_graphics) need to know how many pixels a"
+    " character has, and this terminal does not say."
+)
+
+# Keys that somebody chose
+NO_ACTION: Final = "there is no action of this name: {}"
+DID_YOU_MEAN: Final = "did you mean {}?"
+NO_KEY: Final = "no key is given; write one, as in `wake: w`, or leave the line out"
+KEY_TAKEN: Final = "{key} is the key of {other}; choose another one, or give {other} another one as well"
+KEY_IS_TYPED: Final = "{key} could not be typed any more, as this acts while one types; choose ctrl and a letter, or f2"
+KEY_IS_ANOTHER: Final = "terminals cannot tell {key} from {other}; choose another one"
+KEY_NOT_PORTABLE: Final = (
+    "{key} does not arrive from every terminal; choose a letter, ctrl and a letter, f1 to f12, or add one: `{key},x`"
+)
+KEY_UNKNOWN: Final = "{key} is no key; write a character, a name such as pageup or f2, or ctrl+x"
+KEY_MISTAKE: Final = "console.keys.{action}: {message}."
+KEY_STAYS: Final = " {action} keeps {key}."
+
+# Palette
+PALETTE: Final = "Everything that can be done"
+PALETTE_RECENT: Final = "What was asked for before"
+PALETTE_PROMPT: Final = "a part of its name"
+PALETTE_KEYS: Final = "enter chooses · {palette} leaves · {interrupt} stops the robot and leaves"
+NOTHING_FITS: Final = "nothing is called so"
+KIND_PLACE: Final = "place"
+KIND_SKILL: Final = "skill"
+KIND_RECENT: Final = "earlier"
+KIND_MAP: Final = "map"
+KIND_TURN: Final = "turn"
+KIND_SETTINGS: Final = "settings"
+KIND_FILE: Final = "file"
+SETTINGS_FILE: Final = "Settings are in {}"
+SETTINGS_ARE_IN: Final = "Settings are written in {}; `sayso config show` lists them, `sayso config check` tests them."
+FORM_KEYS: Final = "enter: next, at the end: into the line · {palette} leaves · {interrupt} stops"
+FORM_NUMBER: Final = "{low:g} to {high:g}"
+FORM_WORDS: Final = "words"
+FORM_NO_NUMBER: Final = "{name} is a number, such as 1.5"
+FORM_RANGE: Final = "{name} is {low:g} to {high:g} {unit}"
+FORM_MISSING: Final = "{name} is missing"
+FORM_BECOMES: Final = "› {}"
+FORM_MODEL: Final = "only a large model understands this"
+NOT_KEPT: Final = "What you type is not kept for later sessions: {}"
+
+# Copying and saving
+COPIED: Final = "{part} copied · {lines} lines · {key} again: {other}"
+NOTHING_TO_COPY: Final = "no {part} to copy · {key} again: {other}"
+COPY_PARTS: Final = {
+    "turn": "turn",
+    "conversation": "conversation",
+    "plan": "plan",
+    "actions": "actions",
+    "log": "log",
+}
+SAVED: Final = "saved in {folder}"
+SAVED_PICTURE: Final = "only the picture is saved, as there is no log of this session: {folder}"
+
+# Doctor
+DOCTOR_TITLE: Final = "Doctor"
+DOCTOR_KEYS: Final = "{older} {newer} more · {examine} again · {copy} copies · {doctor} back · {interrupt} stops"
+EXAMINING: Final = "◌ {count} examined so far…"
+NOTHING_TO_EXAMINE: Final = "There is nothing to examine before the settings are read."
+COPIED_PAGE: Final = "{lines} lines copied"
+NOTHING_FOUND_YET: Final = "nothing to copy yet"
+FINDINGS: Final = {"ok": "fine", "limited": "limited", "missing": "missing"}
+CHECKS: Final = {
+    "python": "python",
+    "recogniser": "recogniser",
+    "voice activity": "voice activity",
+    "large model": "large model",
+    "microphone": "microphone",
+    "voice": "voice",
+    "loudspeaker": "loudspeaker",
+    "simulation": "simulation",
+    "scheduling": "scheduling",
+    "graphics": "graphics",
+    "serial ports": "serial ports",
+    "wake module": "wake module",
+    "wake words": "wake words",
+    "terminal": "terminal",
+    "event log": "event log",
+}
+"""What is examined, by the name that it has in `sayso doctor`."""
+
+# Devices
+DEVICE_GONE: Final = {
+    "robot": "The robot is lost and stands. It is being started again; typing still works.",
+    "microphone": "The microphone is gone: typing still works.",
+    "satellite": "The satellite is gone: typing still works.",
+    "recogniser": "Speech is not understood any more: typing still works.",
+    "planner": "Requests are not understood any more: {interrupt} still stops the robot.",
+    "voice": "There is nothing to speak through: answers are shown.",
+    "camera": "The camera is gone: driving still works, finding and grasping do not.",
+    "model": "The model on this machine is gone: plain commands are still understood.",
+    "service": "A model does not answer, another one is asked: that may take longer.",
+    "wake": "The wake module is gone: the key {wake} still wakes.",
+    "wake words": "Wake words are not heard any more: the key {wake} still wakes.",
+}
+DEVICE_BACK: Final = {
+    "robot": "The robot is back where it was.",
+    "microphone": "The microphone is there: the robot hears you.",
+    "satellite": "The satellite is there: the robot hears you.",
+    "recogniser": "Speech is understood again.",
+    "planner": "Requests are understood again.",
+    "voice": "Answers are spoken again.",
+    "camera": "The camera is back.",
+    "model": "The model on this machine is there again.",
+    "service": "The model answers again.",
+    "wake": "The wake module is there again.",
+    "wake words": "Wake words are heard again.",
+}
+DEVICE_LOOSE: Final = "It came or went {times} times in a few seconds."
+
+# Settings
+UNKNOWN_THEME: Final = "There is no theme {!r}; the console uses its own."
+DID_YOU_MEAN_THEME: Final = "Did you mean {}?"
+SETTINGS_TITLE: Final = "Settings"
+SETTINGS_KEYS: Final = (
+    "{setting_up}{setting_down} {setting_before}{setting_after} look · {setting_take} changes · "
+    "{setting_default} default · {settings} or {interrupt} leaves"
+)
+SETTINGS_LINE: Final = "enter keeps what is written · up and down leave it"
+SETTINGS_READING: Final = "reading the settings…"
+SETTINGS_NOT_READ: Final = (
+    "The settings are not read yet, or cannot be: `sayso config check` says what is wrong with them."
+)
+SETTING_NAMES: Final = {
+    "console.theme": "Theme",
+    "console.language": "Language",
+    "console.fps": "Frames a second",
+    "console.camera": "Camera",
+    "console.camera_graphics": "Camera graphics",
+    "console.motion": "Motion",
+    "voice.when": "Voice",
+    "voice.volume": "Volume",
+    "audio.device": "Microphone",
+    "wake.words": "Wake words",
+    "planner.profile": "Large models",
+}
+SETTING_ABOUTS: Final = {
+    "console.theme": "How everything looks. Left and right try one on.",
+    "console.language": "",
+    "console.fps": "",
+    "console.camera": "",
+    "console.camera_graphics": "",
+    "console.motion": "",
+    "voice.when": "",
+    "voice.volume": "",
+    "audio.device": "",
+    "wake.words": "",
+    "planner.profile": "",
+}
+"""What each means; empty: as the schema says, which is English."""
+SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文"}
+"""Values that need a word more."""
+NO_VALUE: Final = "the usual one"
+NO_ENTRY: Final = "none"
+FROM_DEFAULT: Final = "default"
+SETTING_LIVE: Final = "Takes effect at once."
+SETTING_RESTART: Final = "Takes effect when sayso is started again."
+SETTING_KEPT: Final = "✓ {name}: kept in {file}."
+SETTING_OVER: Final = "{origin} goes before the file: {value} stays in force until that is taken away."

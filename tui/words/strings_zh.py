@@ -1,0 +1,584 @@
+"""The words of the console in Chinese: the same names as in ``tui.words.strings``, with the same slots.
+
+It is read where somebody wants Chinese (``tui.words.language``). What is not here is the same in both.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from engine.events import State
+
+STATE_WORDS: Final[dict[State, str]] = {
+    "IDLE": "就绪",
+    "LISTENING": "聆听中",
+    "TRANSCRIBING": "识别中",
+    "DECIDING": "决策中",
+    "PLANNING": "规划中",
+    "CLARIFYING": "提问",
+    "SPEAKING": "说话中",
+    "ACTING": "执行中",
+    "FEEDBACK": "核对中",
+    "WAITING": "等待中",
+}
+STARTING: Final = "启动中"
+BROKEN: Final = "故障"
+ENDED: Final = "已结束"
+TASK: Final = "任务"
+
+# Keys
+KEY_NAMES: Final = {"pageup": "上翻页", "pagedown": "下翻页", "enter": "回车", "space": "空格", "tab": "tab"}
+KEY_WORDS: Final = {
+    "interrupt": "停止",
+    "wake": "唤醒",
+    "end_task": "结束",
+    "type": "输入",
+    "help": "帮助",
+    "leave": "退出",
+}
+ABOUT_KEYS: Final = {
+    "interrupt": "立即停止一切，先停运动。在任何地方都有效。",
+    "wake": "开始聆听。正在说话或行动的机器人会先停下。",
+    "end_task": "停下，收回手臂，清空对话，开始新任务。",
+    "type": "输入请求。上下方向键可找回以前的请求。",
+    "help": "显示或离开本页。",
+    "leave": "退出；任务进行中时会再问一次。",
+    "leave_now": "立即退出；机器人会停下。",
+    "log": "改为显示日志（小终端）。",
+    "map": (
+        "在地图上指一处：方向键或 tab，回车前往（会先问）。+ − 缩放，0 看全图，f 跟随机器人，"
+        "shift 加方向键或 hjkl 平移。"
+    ),
+    "camera": "显示或隐藏相机画面。",
+    "timeline": "改为显示各轮对话（小终端）。",
+    "turn_back": "看上一轮。",
+    "turn_on": "看下一轮；到最新一轮后自动跟随。",
+    "turn": "显示或离开整轮详情。",
+    "palette": "查找所有能做的事：输入其中几个字即可。",
+    "recall": "搜索以前提过的请求。",
+    "pane_conversation": "转到对话。",
+    "pane_plan": "转到计划。",
+    "pane_actions": "转到动作。",
+    "pane_map": "转到地图，并在上面指点。",
+    "pane_log": "转到日志。",
+    "pane_turns": "转到各轮。",
+    "pane_camera": "转到相机画面。",
+    "zoom": "让当前窗格占满，或恢复原样。",
+    "border_left": "左侧窗格变窄；在日志和各轮处是日志变窄。",
+    "border_right": "左侧窗格变宽；在日志和各轮处是日志变宽。",
+    "copy": "复制眼前的内容；再按一次：对话、计划、动作、日志。",
+    "save": "保存会话和屏幕截图，并说明保存在哪里。",
+    "link": "显示或隐藏终端线路的好坏。",
+    "settings": "设置：查看、更改，或离开该页。",
+    "doctor": "检查 sayso 需要的一切，或离开该页。",
+    "examine": "再检查一遍。",
+    "older": "往回翻：有键盘焦点的窗格，否则是对话。",
+    "newer": "往前翻。",
+    "line_up": "往回滚一行。",
+    "line_down": "往前滚一行。",
+    "map_nearer": "放大地图。",
+    "map_farther": "缩小地图。",
+    "map_whole": "显示整张地图。",
+    "map_follow": "跟随机器人，或不再跟随。",
+    "map_point_left": "在地图上移动光标。",
+    "map_point_right": "在地图上移动光标。",
+    "map_point_up": "在地图上移动光标。",
+    "map_point_down": "在地图上移动光标。",
+    "map_left": "平移地图。",
+    "map_right": "平移地图。",
+    "map_up": "平移地图。",
+    "map_down": "平移地图。",
+    "map_next": "指向下一个或上一个地点或东西。",
+    "map_previous": "指向下一个或上一个地点或东西。",
+    "map_go": "询问是否前往光标处；已询问时，前往。",
+    "unfold": "展开或折叠提示词、模型写的内容和 JSON。",
+    "lines_up": "向上滚动。",
+    "lines_down": "向下滚动。",
+    "setting_up": "上一项设置。",
+    "setting_down": "下一项设置。",
+    "setting_before": "看看前一个值。",
+    "setting_after": "看看后一个值。",
+    "setting_take": "保存正在看的值，没有就取下一个；或自己写一个。",
+    "setting_default": "恢复 sayso 自带的值。",
+}
+
+# Panes
+PANES: Final = {
+    "conversation": "对话",
+    "plan": "计划",
+    "actions": "动作",
+    "map": "地图",
+    "log": "日志",
+    "turns": "各轮",
+    "camera": "相机",
+}
+PANE_ROBOT: Final = "机器人"
+ZOOM_BACK: Final = "{zoom} 恢复"
+NO_FILE: Final = "{} 不是文件"
+NO_SIZES: Final = "里面没有窗格的大小"
+SIZES_NOT_KEPT: Final = "窗格的大小不会保留到以后的会话：{}"
+
+# Actions
+STEPS_ENDED: Final = "{}/{} 已结束"
+STEPS_FAILED: Final = "{} 个失败"
+KEY_STOPS: Final = "{} 停止"
+
+# Camera
+NO_PICTURE: Final = "等待画面…"
+
+# Map
+MAP_KEYS: Final = "{map} 指点 · {camera} 相机"
+GO_THERE: Final = "去{}吗？回车前往，其他键取消"
+ENTER_GOES: Final = "· 回车前往"
+NO_WAY_TO_SAY: Final = "· 这里没有地名：tab 选一个"
+SEEN_AGO: Final = "{}看到"
+JUST_NOW: Final = "刚刚"
+SECONDS_AGO: Final = "{} 秒前"
+MINUTES_AGO: Final = "{} 分钟前"
+HOURS_AGO: Final = "{} 小时前"
+
+# Conversation
+YOU: Final = "你"
+ROBOT: Final = "机器人"
+HOW_SAID: Final[dict[str, str]] = {"speech": "", "text": "输入", "overheard": "旁听"}
+CUT_OFF: Final = "被打断"
+WELCOME: Final = "按{wake}键说话，或按 {type} 输入。"
+WELCOME_TYPING: Final = "按 {type} 输入机器人要做的事。"
+TOUR: Final = (
+    "{interrupt} 随时立即停止机器人，在任何页面都有效。",
+    "{help} 显示所有按键，{palette} 列出所有能做的事，{settings} 打开设置。",
+)
+EXAMPLES: Final = ("去厨房", "向左转90度", "你在哪里？")
+TRY: Final = "试试："
+STOPPED: Final = "已停止"
+NEW_TASK: Final = "新任务"
+REASONS: Final = {
+    "interrupt": "停止键",
+    "wake": "唤醒",
+    "say": "新请求",
+    "heard": "听到的话",
+    "end_task": "结束任务",
+    "quit": "退出",
+    "halted": "机器人自己停下",
+    "stop": "停下",
+    "replaced": "换成新请求",
+    "shutdown": "关闭",
+    "asked": "按要求",
+    "finished by the dialogue": "对话结束",
+    "asked to": "按要求",
+    "a fault": "出了故障",
+}
+REJECTED: Final = {
+    "no_speech": "没有人说话",
+    "low_confidence": "没听清",
+    "too_short": "太短",
+    "empty": "没有内容",
+    "late": "来得太晚",
+    "artefact": "不是人声",
+}
+NOT_HEARD: Final = "没听到"
+
+# Plan
+NO_PLAN: Final = "机器人对你的话的理解会显示在这里。"
+THINKING: Final = "思考中…"
+WAITS_FOR: Final = "等待{parts}"
+NO_ACTIONS: Final = "还没有动作。"
+REFUSED: Final = "拒绝"
+NO_PLAN_CAME: Final = "没有计划"
+QUESTION: Final = "提问"
+PLAN_BY: Final = {
+    "phrases": "按句式",
+    "local": "由本机模型",
+    "openai": "由云端模型",
+    "dify": "由 Dify",
+    "direct": "按原样",
+}
+
+# Robot
+NO_ROBOT: Final = "机器人启动后会显示在这里。"
+NO_MAP: Final = "正在载入地图…"
+PART_WORDS: Final = {
+    "robot": "机器人",
+    "microphone": "麦克风",
+    "recogniser": "识别",
+    "planner": "规划",
+    "model": "模型",
+    "camera": "相机",
+    "voice": "语音",
+    "wake": "唤醒",
+    "wake words": "唤醒词",
+}
+LOADING: Final = "载入中"
+LOADS: Final = "载入中"
+LOADS_PARTS: Final = "{parts} · 请求会等待"
+MISSING: Final = "缺少"
+ALL_READY: Final = "各部分就绪"
+OTHERS_READY: Final = "其余就绪"
+HEADING: Final = "朝向"
+SPEED: Final = "速度"
+TURNING: Final = "转速"
+GRIPPER: Final = "夹爪"
+ARM: Final = "手臂"
+ARM_WORDS: Final = {"up": "举起", "out": "伸出"}
+OPEN: Final = "张开"
+CLOSED: Final = "合上"
+HALF_OPEN: Final = "半开"
+AT_REST: Final = "静止"
+MOVING: Final = "移动中"
+
+# Microphone
+MIC: Final = "话筒"
+WOKEN: Final = {"serial": "被唤醒模块唤醒", "word": "被唤醒词唤醒"}
+WOKEN_FROM: Final = "方向 {angle:.0f}°"
+MIC_IDLE: Final = "未在聆听"
+MIC_LOADING: Final = "启动中"
+MIC_SPEECH: Final = "有人声"
+MIC_QUIET: Final = "安静"
+NO_MICROPHONE: Final = "没有麦克风：按 / 输入，或用 sayso --demo 启动。"
+
+MIC_WAITING: Final = "无人声"
+WAKE_BY: Final = {
+    "key": "按键唤醒",
+    "serial": "被模块唤醒",
+    "word": "被唤醒词唤醒",
+    "speech": "说话人继续说",
+    "command": "被命令唤醒",
+    "demo": "被演示唤醒",
+    "file": "由文件开始",
+}
+LISTEN_ENDS: Final = {
+    "silence": "话说完了",
+    "max_length": "太长，已截断",
+    "source_ended": "声音结束",
+    "no_speech": "没有人说话",
+    "cancelled": "被取消",
+    "device_lost": "麦克风丢失",
+}
+SPEECH_FOR: Final = "其中 {seconds:.1f} 秒"
+LOUDEST: Final = "最响 {db} dB"
+COMMA: Final = "，"
+COLON: Final = "："
+AND: Final = "和"
+UNDERSTOOD: Final = "听懂了"
+CONFIDENCE: Final = "置信度 {percent:.0f} %"
+
+# Turns
+STAGES: Final = {
+    "wake": "唤醒",
+    "record": "录音",
+    "endpoint": "断句",
+    "recognise": "识别",
+    "decide": "决策",
+    "plan": "规划",
+    "act": "执行",
+    "speak": "说话",
+}
+SINCE_SPEECH: Final = "从话说完起"
+SINCE_REQUEST: Final = "从请求起"
+STAGE_TO_MOTION: Final = "到运动"
+STAGE_TO_ANSWER: Final = "到回答"
+NO_TURNS: Final = "每个请求各阶段的用时会显示在这里。"
+LISTENS: Final = "聆听中…"
+RECOGNISES: Final = "识别中…"
+NOTHING_SAID: Final = "还没有说什么"
+TO_MOTION: Final = "{milliseconds} 到运动"
+TO_ANSWER: Final = "{milliseconds} 到回答"
+BROWSE: Final = "{turn_back} {turn_on} 翻看 · {turn} 打开"
+TURN_TITLE: Final = "第 {number} 轮，共 {count} 轮"
+TURN_KEYS: Final = "{turn_back} {turn_on} 翻看 · {unfold} {fold}详情 · {turn} 返回 · {interrupt} 停止"
+FOLD: Final = "折叠"
+UNFOLD: Final = "展开"
+NO_TURN: Final = "还没有任何一轮。"
+OUTCOMES: Final = {
+    "done": "完成",
+    "failed": "失败",
+    "clarify": "反问",
+    "refused": "拒绝",
+    "interrupted": "被打断",
+    "timeout": "超时",
+    "unheard": "没听到",
+    "open": "进行中",
+}
+PART_SOUND: Final = "声音"
+PART_WORDS_HEARD: Final = "听到"
+PART_STAGES: Final = "阶段"
+PART_THOUGHTS: Final = "思考"
+PART_ACTIONS: Final = "动作"
+PART_ANSWERS: Final = "回答"
+PART_END: Final = "结果"
+PART_REMARKS: Final = "备注"
+THOUGHTS: Final = {
+    "decision": "决定",
+    "plan": "计划",
+    "question": "反问",
+    "refusal": "拒绝",
+    "rejection": "没有计划",
+}
+UNCLEAR: Final = "不明确：{what}"
+IN_JSON: Final = "JSON 形式的计划"
+ASKED: Final = "询问"
+LAYERS: Final = {"decision": "决策", "execution": "执行", "vision": "视觉"}
+AGAIN: Final = "再次"
+TOKENS: Final = "{prompt} → {reply} 词元"
+BROKEN_OFF: Final = "被取消"
+CAME_LATE: Final = "来得太晚"
+TOO_LONG: Final = "被截断"
+HEAD: Final = "此类提问开头固定的 {length} 个字符（SHA-256 {digest}…）"
+REPLY: Final = "答复"
+NOTHING_CAME: Final = "无"
+SAYS: Final = "说“{text}”"
+HEARD_ALL: Final = "已听完"
+HEARD_PART: Final = "说到“{heard}”被打断"
+HEARD_NOTHING: Final = "还没出声就被打断"
+ON_SCREEN: Final = "已显示"
+CUT: Final = "{state}时被打断：{scope}"
+CUT_BY: Final = "{state}时被打断：{scope}（{source}）"
+LANGUAGE: Final = "语言 {language}"
+DECODED: Final = "识别用时 {milliseconds}"
+NO_SPEECH_SHARE: Final = "非人声 {percent:.0f} %"
+LOG_PROBABILITY: Final = "对数概率 {value}"
+SOUND_FIGURES: Final = "聆听 {listened:.1f} 秒 · 人声 {speech:.1f} 秒 · 峰值 {peak} dB"
+
+# Input
+PLACEHOLDER: Final = "按 {type} 输入机器人要做的事"
+PLACEHOLDER_EARLY: Final = "按 {type} 输入；载入后才会执行：{parts}"
+PLACEHOLDER_TYPING: Final = "回车发送 · 上下找回 · {recall} 搜索 · tab 补全 · {interrupt} 停止"
+PHRASES: Final = (
+    "去", "向左转90度", "向右转90度", "转身", "前进1米", "后退1米", "你在哪里？", "你会做什么？", "你看到什么？",
+    "看看四周", "拿起", "把它放到", "找到", "跟着我", "回来", "打扫房间", "举起手臂", "等5秒", "结束任务",
+    "go to the ", "turn left 90 degrees", "turn right 90 degrees", "turn around", "move forward 1 metre",
+    "move back 1 metre", "where are you?", "what can you do?", "what do you see?", "look around", "pick up the ",
+    "follow me", "come back", "end the task",
+)  # fmt: skip
+
+# Log
+SOURCES: Final = {
+    "session": "会话",
+    "engine": "引擎",
+    "console": "控制台",
+    "robot": "机器人",
+    "microphone": "麦克风",
+    "recogniser": "识别",
+    "planner": "规划",
+    "model": "模型",
+    "vision": "视觉",
+    "camera": "相机",
+    "voice": "语音",
+    "wake": "唤醒",
+    "wake words": "唤醒词",
+    "stop": "停止",
+    "dispatch": "执行",
+}
+
+# Quitting and failing
+NOT_STARTED: Final = "未开始"
+QUIT_QUESTION: Final = "任务进行中：再按 {key} 退出，esc 留下"
+ENGINE_STARTING: Final = "引擎启动中…"
+ENGINE_FAILED: Final = "引擎没有启动"
+SESSION_ENDED: Final = "{key} 退出；会话已结束：{reason}"
+ENGINE_SILENT: Final = "引擎没有响应"
+ABOUT_SILENT: Final = "它卡住了或被暂停。机器人没有引擎时会自己停下，现在已经停下。"
+HINT_SILENT: Final = "{stop} 仍能停止机器人，{leave} 立即退出。其他键要等引擎恢复。"
+PAUSED: Final = "离开了 {seconds:.1f} 秒"
+ROBOT_BACK: Final = "机器人回来了，还在原处"
+HALTED: Final = "机器人自己停下了"
+MOTION_PAUSED: Final = "可能有人说了“{phrase}”：暂停运动"
+MOTION_RESUMED: Final = "误停 {seconds:.1f} 秒，本次会话第 {number} 次：继续运动"
+SOMETHING_FAILED: Final = "出错了"
+ASKED_EARLY: Final = "“{}”要等引擎启动后再发送。"
+CRASH_WRITTEN: Final = "sayso：这是 sayso 的错误。请报告此事，并附上 {} 中的内容"
+CRASH_LOST: Final = "sayso：这是 sayso 的错误，发生的事没能记录下来：{}。"
+CRASH_HINT: Final = "这是 sayso 的错误。请报告此事，并附上以上内容。"
+
+# Help
+HELP_TITLE: Final = "按键"
+HELP_BEGIN: Final = "入门"
+HELP_SIGNS: Final = "符号"
+HELP_LEAVE: Final = "{newer} {older} 翻页 · {help} 或 {interrupt} 离开"
+HELP_MAP: Final = "地图有键盘焦点时"
+HELP_TURN: Final = "在一轮的详情页"
+HELP_SETTINGS: Final = "在设置页"
+SIGN_WORDS: Final = (
+    ("○", "排队"),
+    ("▸", "进行中"),
+    ("✓", "完成"),
+    ("✗", "失败"),
+    ("■", "被打断"),
+    ("?", "不确定"),
+)
+
+# Terminals
+TOO_SMALL: Final = "sayso 至少需要 {min_columns}×{min_rows} 个字符（本终端为 {columns}×{rows}）。请放大终端。"
+TOO_SMALL_KEYS: Final = "{stop} 仍能停止机器人，{quit} 退出。"
+TOO_SMALL_SHORT: Final = "{columns}×{rows} 太小"
+STREAMS: Final = ("标准输入", "标准输出", "标准错误")
+NOT_A_TERMINAL: Final = "控制台需要终端，而{stream}不是。程序请用 `sayso engine`，或用 `sayso ask TEXT`。"
+DUMB_TERMINAL: Final = "控制台无法在此终端上绘制（TERM 为 {term}）。请换一个，或用只需文本行的 `sayso ask TEXT`。"
+
+# Line to the terminal
+LINK_DELAY: Final = "线路 {} ms"
+LINK_SILENT: Final = "线路不报"
+LINK_RATES: Final = "{:.1f} kB/s · {:.1f}/s"
+FARES: Final = {
+    "full": "终端线路恢复良好：显示全部内容。",
+    "spare": "终端线路慢，一帧往返 {delay} ms：减少帧数和画面。",
+    "bare": "终端线路差，一帧往返 {delay} ms：不显示相机、激光和轨迹，帧数很少。",
+}
+CAMERA_SPARED: Final = "没有画面：线路太差"
+NO_CELL_SIZE: Final = (
+    "相机画面用字符绘制：sixel 图像（console.camera_graphics）要知道一个字符有多少像素，而本终端没有说。"
+)
+
+# Keys that somebody chose
+NO_ACTION: Final = "没有叫这个名字的操作：{}"
+DID_YOU_MEAN: Final = "是不是 {}？"
+NO_KEY: Final = "没有给出按键；请写一个，如 `wake: w`，或删去这一行"
+KEY_TAKEN: Final = "{key} 是 {other} 的键；请换一个，或给 {other} 也换一个"
+KEY_IS_TYPED: Final = "{key} 会无法输入，因为它在输入时也起作用；请用 ctrl 加字母，或 f2"
+KEY_IS_ANOTHER: Final = "终端分不清 {key} 和 {other}；请换一个"
+KEY_NOT_PORTABLE: Final = "不是每个终端都会送来 {key}；请用字母、ctrl 加字母、f1 到 f12，或再加一个：`{key},x`"
+KEY_UNKNOWN: Final = "{key} 不是按键；请写一个字符、pageup 或 f2 之类的名称，或 ctrl+x"
+KEY_MISTAKE: Final = "console.keys.{action}：{message}。"
+KEY_STAYS: Final = "{action} 仍用 {key}。"
+
+# Palette
+PALETTE: Final = "所有能做的事"
+PALETTE_RECENT: Final = "以前提过的请求"
+PALETTE_PROMPT: Final = "名称中的几个字"
+PALETTE_KEYS: Final = "回车选定 · {palette} 离开 · {interrupt} 停止机器人并离开"
+NOTHING_FITS: Final = "没有这样的东西"
+KIND_PLACE: Final = "地点"
+KIND_SKILL: Final = "技能"
+KIND_RECENT: Final = "以前"
+KIND_MAP: Final = "地图"
+KIND_TURN: Final = "轮"
+KIND_SETTINGS: Final = "设置"
+KIND_FILE: Final = "文件"
+SETTINGS_FILE: Final = "设置在 {}"
+SETTINGS_ARE_IN: Final = "设置写在 {}；`sayso config show` 列出它们，`sayso config check` 检查它们。"
+FORM_KEYS: Final = "回车：下一项，最后一项后写入输入行 · {palette} 离开 · {interrupt} 停止"
+FORM_NUMBER: Final = "{low:g} 到 {high:g}"
+FORM_WORDS: Final = "文字"
+FORM_NO_NUMBER: Final = "{name} 是数字，如 1.5"
+FORM_RANGE: Final = "{name} 为 {low:g} 到 {high:g} {unit}"
+FORM_MISSING: Final = "缺少 {name}"
+FORM_MODEL: Final = "只有大模型能懂这句话"
+NOT_KEPT: Final = "你输入的内容不会保留到以后的会话：{}"
+
+# Copying and saving
+COPIED: Final = "已复制{part} · {lines} 行 · 再按 {key}：{other}"
+NOTHING_TO_COPY: Final = "没有{part}可复制 · 再按 {key}：{other}"
+COPY_PARTS: Final = {
+    "turn": "本轮",
+    "conversation": "对话",
+    "plan": "计划",
+    "actions": "动作",
+    "log": "日志",
+}
+SAVED: Final = "已保存在 {folder}"
+SAVED_PICTURE: Final = "本次会话没有日志，只保存了截图：{folder}"
+
+# Doctor
+DOCTOR_TITLE: Final = "检查"
+DOCTOR_KEYS: Final = "{older} {newer} 翻页 · {examine} 再检查 · {copy} 复制 · {doctor} 返回 · {interrupt} 停止"
+EXAMINING: Final = "◌ 已检查 {count} 项…"
+NOTHING_TO_EXAMINE: Final = "设置读入之前没有可检查的。"
+COPIED_PAGE: Final = "已复制 {lines} 行"
+NOTHING_FOUND_YET: Final = "还没有可复制的"
+FINDINGS: Final = {"ok": "正常", "limited": "受限", "missing": "缺少"}
+CHECKS: Final = {
+    "python": "Python",
+    "recogniser": "语音识别",
+    "voice activity": "语音检测",
+    "large model": "大模型",
+    "microphone": "麦克风",
+    "voice": "语音合成",
+    "loudspeaker": "扬声器",
+    "simulation": "仿真",
+    "scheduling": "调度",
+    "graphics": "图形",
+    "serial ports": "串口",
+    "wake module": "唤醒模块",
+    "wake words": "唤醒词",
+    "terminal": "终端",
+    "event log": "事件日志",
+}
+
+# Devices
+DEVICE_GONE: Final = {
+    "robot": "机器人失去联系，已停住，正在重新启动；仍可打字。",
+    "microphone": "麦克风不见了：仍可打字。",
+    "satellite": "语音卫星不见了：仍可打字。",
+    "recogniser": "无法再识别语音：仍可打字。",
+    "planner": "无法再理解请求：{interrupt} 仍能停下机器人。",
+    "voice": "无法再说话：回答显示在屏幕上。",
+    "camera": "相机不见了：仍可行驶，无法寻找和抓取。",
+    "model": "本机的模型不见了：简单的命令仍能理解。",
+    "service": "有个模型没有回答，改问另一个：可能会慢一些。",
+    "wake": "唤醒模块不见了：{wake}键仍可唤醒。",
+    "wake words": "听不到唤醒词了：{wake}键仍可唤醒。",
+}
+DEVICE_BACK: Final = {
+    "robot": "机器人回到了原来的位置。",
+    "microphone": "麦克风有了：机器人能听见你。",
+    "satellite": "语音卫星有了：机器人能听见你。",
+    "recogniser": "又能识别语音了。",
+    "planner": "又能理解请求了。",
+    "voice": "又能说话了。",
+    "camera": "相机恢复了。",
+    "model": "本机的模型恢复了。",
+    "service": "模型又有回答了。",
+    "wake": "唤醒模块恢复了。",
+    "wake words": "又能听到唤醒词了。",
+}
+DEVICE_LOOSE: Final = "几秒内通断了 {times} 次。"
+
+# Settings
+UNKNOWN_THEME: Final = "没有主题 {!r}；控制台用自己的主题。"
+DID_YOU_MEAN_THEME: Final = "是不是 {}？"
+SETTINGS_TITLE: Final = "设置"
+SETTINGS_KEYS: Final = (
+    "{setting_up}{setting_down} {setting_before}{setting_after} 查看 · {setting_take} 更改 · "
+    "{setting_default} 默认 · {settings} 或 {interrupt} 离开"
+)
+SETTINGS_LINE: Final = "回车保存所写内容 · 上下键放弃"
+SETTINGS_READING: Final = "正在读取设置……"
+SETTINGS_NOT_READ: Final = "设置尚未读取，或无法读取：`sayso config check` 会说明问题。"
+SETTING_NAMES: Final = {
+    "console.theme": "主题",
+    "console.language": "语言",
+    "console.fps": "每秒帧数",
+    "console.camera": "相机",
+    "console.camera_graphics": "相机画面",
+    "console.motion": "动态效果",
+    "voice.when": "语音",
+    "voice.volume": "音量",
+    "audio.device": "麦克风",
+    "wake.words": "唤醒词",
+    "planner.profile": "大模型",
+}
+SETTING_ABOUTS: Final = {
+    "console.theme": "整个界面的外观。左右键可以试看。",
+    "console.language": "屏幕文字的语言；auto：planner.language 为 zh 时用中文，否则按 LC_ALL、LC_MESSAGES 或 LANG。",
+    "console.fps": "活动窗格每秒重画多少次。",
+    "console.camera": "启动时是否显示相机画面；auto：终端够大且不经 SSH 时显示。",
+    "console.camera_graphics": (
+        "相机画面怎么画：blocks 用字符，sixel 和 kitty 用像素；"
+        "auto：终端支持、线路良好且不在 tmux 或 screen 里时用像素。"
+    ),
+    "console.motion": "reduced：没有滑动，自行变化的内容（声音、时间、机器人）每秒只更新一次。",
+    "voice.when": "哪些回答会说出来：spoken 只回答口头请求，always 也回答键入的请求，never 都不说。",
+    "voice.volume": "语音和提示音的音量，0 到 1。",
+    "audio.device": "麦克风的名称（或一部分）或编号，或卫星设备 tcp://HOST:PORT；不写：系统默认。",
+    "wake.words": "唤醒词（`sayso wake list`），用逗号隔开；auto：已安装的 hey jarvis 和 hey sayso。",
+    "planner.profile": "用哪些大模型思考（profiles.yaml）：local、international、china、phrases（不用），或自己的。",
+}
+SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文"}
+NO_VALUE: Final = "系统默认"
+NO_ENTRY: Final = "无"
+FROM_DEFAULT: Final = "默认"
+SETTING_LIVE: Final = "立即生效。"
+SETTING_RESTART: Final = "重新启动 sayso 后生效。"
+SETTING_KEPT: Final = "✓ {name}：已保存在 {file}。"
+SETTING_OVER: Final = "{origin} 优先于文件：去掉它之前，{value} 一直有效。"
