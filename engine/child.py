@@ -93,13 +93,19 @@ class Child:
 
     def kill(self) -> None:
         """End the process for good, also one that has been stopped, and block until it is gone. Thread-safe."""
-        self._process.kill()
-        self._process.wait()
+        end_for_good(self._process)
 
     def release(self) -> None:
         """Close what is ours."""
         self.link.close()
         self._stderr.close()
+
+
+def end_for_good(process: subprocess.Popen[bytes]) -> None:
+    """What :meth:`Child.kill` does, for a thread that is not to hold on to what the child shares with us: a pool's
+    thread knows its work for a moment longer than whoever waits for it."""
+    process.kill()
+    process.wait()
 
 
 def _environment() -> dict[str, str]:

@@ -18,6 +18,7 @@ from engine.commands import Command, EndTask, Interrupt, Quit, Say, Wake
 from engine.engine import Engine
 from engine.events import Event
 from engine.parts.loading import Sound
+from tests.open_files import open_files
 
 DEADLINE_S = 60.0
 
@@ -70,7 +71,7 @@ def traces() -> dict[str, object]:
     shared = Path("/dev/shm")
     return {
         "threads": sorted(thread.name for thread in threading.enumerate()),
-        "files": psutil.Process().num_fds(),
+        "files": open_files(),
         "processes": sorted(child.pid for child in psutil.Process().children(recursive=True)),
         "shared memory": sorted(path.name for path in shared.iterdir()) if shared.is_dir() else [],
     }

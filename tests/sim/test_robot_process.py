@@ -16,7 +16,10 @@ from engine.errors import ExitCode, RobotError, SceneError
 from engine.robot.geometry import ZERO, Twist
 from engine.robot.robot import RobotState
 from engine.robot.sim.memory import Memory
+from engine.robot.sim.process import RobotProcess
 from engine.robot.sim.robot import SimRobot
+from engine.robot.sim.scene_file import scene_path
+from tests.open_files import open_files
 from tests.sim.rig import keep_driving, run, running, settings, ticks_until
 
 FORWARD = Twist(vx=0.3)
@@ -224,15 +227,14 @@ def test_values_that_are_not_finite_are_refused() -> None:
 
 
 def test_it_can_be_started_and_closed_again_and_again_without_leaving_anything() -> None:
-    me = psutil.Process()
 
-    async def main() -> tuple[set[int], int, int]:
+    async def main() -> tuple[set[int], list[str], list[str]]:
         robot = SimRobot(settings())
         pids = set()
         await robot.start()  # the loop's thread pool and self-pipe exist after the first time
         await robot.close()
         gc.collect()  # what earlier tests left to the collector must not be closed in between
-        before = me.num_fds()
+        before = open_files()
         for _ in range(3):
             await robot.start()
             assert robot.pid is not None
@@ -242,11 +244,24 @@ def test_it_can_be_started_and_closed_again_and_again_without_leaving_anything()
             await robot.close()
             with pytest.raises(RobotError):
                 robot.state()
-        return pids, before, me.num_fds()
+        return pids, before, open_files()
 
     pids, before, after = run(main)
     assert after == before
     assert not any(psutil.pid_exists(pid) for pid in pids)
+
+
+def test_whoever_still_knows_a_process_that_was_released_holds_no_file_open() -> None:
+    before = open_files()
+    memory = Memory.create()
+    process = RobotProcess(scene_path("flat"), settings(), memory)
+    assert open_files() != before
+    process.kill()
+    process.release()
+    os.close(memory.fd)
+    del memory
+    assert open_files() == before
+    assert process.epitaph() is not None
 
 
 def test_cancelling_the_start_leaves_no_process() -> None:

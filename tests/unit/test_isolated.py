@@ -37,6 +37,7 @@ from engine.hearing.hearing import Hearing
 from engine.parts.ears import Ears
 from engine.parts.loading import Sound
 from engine.parts.part import Part
+from tests.open_files import open_files
 from tests.unit.test_whisper import NOUNS, SETTINGS, model_folder, recogniser, spoken
 
 LIMIT_S = 30.0
@@ -389,9 +390,9 @@ def test_the_terminals_signals_do_not_reach_it() -> None:
 def test_it_can_be_made_and_closed_again_and_again_without_leaving_anything() -> None:
     with own_process() as made:
         made.load()
-    before = ME.num_fds()
+    before = open_files()
     for _ in range(2):
         with own_process() as made:
             made.load()
             made.close()
-    assert ME.num_fds() == before
+    assert open_files() == before

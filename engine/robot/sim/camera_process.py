@@ -11,7 +11,7 @@ import json
 from pathlib import Path
 from typing import Literal
 
-from engine.child import Child
+from engine.child import Child, end_for_good
 from engine.errors import CameraError, ProcessError
 from engine.robot.sim.film import Film
 from engine.robot.sim.memory import Memory
@@ -81,7 +81,7 @@ class CameraProcess(Child):
     async def bury(self) -> None:
         """End the process and leave nothing of it."""
         self._loop.remove_reader(self.link)
-        ending = asyncio.ensure_future(asyncio.to_thread(self.kill))
+        ending = asyncio.ensure_future(asyncio.to_thread(end_for_good, self._process))
         try:
             await asyncio.shield(ending)
         except asyncio.CancelledError:

@@ -26,7 +26,7 @@ class RobotProcess(Child):
 
     def __init__(self, scene: Path, settings: RobotSettings, memory: Memory) -> None:
         """Start the process. Raises :class:`RobotError`."""
-        self._memory = memory
+        self._memory: Memory | None = memory
         arguments = [f"--memory={memory.fd}", f"--scene={scene}", f"--settings={settings.model_dump_json()}"]
         try:
             super().__init__(
@@ -52,5 +52,11 @@ class RobotProcess(Child):
 
     def end(self) -> None:
         """Ask the process to leave and block until it has: it comes to rest first. Kill it when it does not."""
-        self._memory.ints[m.QUIT] = 1
+        if self._memory is not None:
+            self._memory.ints[m.QUIT] = 1
         super().end()
+
+    def release(self) -> None:
+        """Close what is ours, and let go of the memory: the thread that ended us may know us for a moment longer."""
+        super().release()
+        self._memory = None
