@@ -99,8 +99,6 @@ def test_the_map_sends_the_robot_while_the_camera_shows_where_it_goes(tmp_path: 
         assert last(terminal, "transcript.final")["text"] == "go to the kitchen"
         terminal.type("\x1b")
         terminal.until(lambda: last(terminal, "action.finished").get("outcome") == "interrupted")
-        stopped = terminal.events()[-1]["t"]  # a key that follows escape within 30 ms may be the rest of a sequence
-        terminal.until(lambda: terminal.events()[-1]["t"] > stopped + 0.1)
         terminal.until(lambda: "WAITING" in terminal.text)  # else it asks whether to quit
         terminal.type("q")
         assert terminal.wait() == 0

@@ -21,6 +21,7 @@ import pytest
 from tests.tui.told import PATIENCE_S, Told
 from tests.tui.unshown import unshown
 from tui.terminal.driver import listening_driver
+from tui.terminal.keyboard import LoneEscape
 
 PROGRAM = """
 import os, sys, threading
@@ -129,12 +130,33 @@ def test_escape_acts_before_anything_could_follow_it_and_only_once() -> None:
     ):
         os.write(outside, data)
         assert [acted.get(timeout=PATIENCE_S) for _ in keys] == keys
+    for rest, keys in (
+        (b"q", ["(escape)", "q", "(q)"]),  # typed, or pasted, right behind it
+        (b"\x1b", ["(escape)", "escape", "(escape)"]),
+    ):
+        os.write(outside, b"\x1b")
+        assert acted.get(timeout=PATIENCE_S) == "escape"
+        os.write(outside, rest)
+        assert [acted.get(timeout=PATIENCE_S) for _ in keys] == keys
     assert acted.empty()
     os.close(outside)
     thread.join(PATIENCE_S)
     os.close(inside)
     assert ended.is_set(), "the end of the terminal was told"
     assert not thread.is_alive()
+
+
+def test_an_escape_that_began_a_torn_sequence_acts_and_is_not_taken_for_typed() -> None:
+    done: list[str] = []
+    escape = LoneEscape(lambda: done.append("acts"), lambda: done.append("queued"))
+    assert escape.taken("\x1b") == ""
+    assert escape.taken("[A") == "\x1b[A"
+    assert done == ["acts"]
+    assert escape.taken("\x1b[A") == "\x1b[A", "whole"
+    assert escape.taken("\x1b") == ""
+    assert escape.taken("\x1b[B") == "\x1b[B", "a key of its own behind it"
+    escape.overdue()
+    assert done == ["acts", "acts", "queued"]
 
 
 @pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGTERM])

@@ -6,7 +6,7 @@ driver shows each key to a callback in the reading thread, before it is queued.
 
 The escape key is the byte that also begins every escape sequence, so a parser has to wait for what follows (25 ms and
 more). This driver does not: a read of that byte alone is the key. Over a link that tears a sequence apart, an arrow
-key may stop the robot, which is the right side to err on.
+key may stop the robot, which is the right side to err on. A letter right behind it is a letter (:class:`LoneEscape`).
 
 A terminal that is gone reads as an end of file or an error. Then a second callback is called, once, and whatever is
 still written goes nowhere.
@@ -34,7 +34,7 @@ from textual.keys import Keys
 from textual.message import Message
 
 from tui.graphics.answers import KEY_S, Answers
-from tui.terminal.keyboard import ESCAPE, IDLE_S, READ_BYTES, SEQUENCE_S
+from tui.terminal.keyboard import ESCAPE, IDLE_S, READ_BYTES, SEQUENCE_S, LoneEscape
 from tui.terminal.link import ASK, REPORT
 
 GONE: Final = (errno.EIO, errno.EPIPE, errno.ENXIO)
@@ -69,15 +69,15 @@ def listening_driver(
     the reading thread."""
 
     class ListeningDriver(base):  # type: ignore[valid-type,misc]
-        _acted = 0  # escape keys that have acted before the parser knows them
-
         def process_message(self, message: Message) -> None:
             if isinstance(message, events.Key):
-                if message.key == "escape" and self._acted:
-                    self._acted -= 1
-                else:
-                    on_key(message.key)
+                on_key(message.key)
             super().process_message(message)
+
+        def lone_escape(self) -> LoneEscape:
+            """To take the escape key out of what is read."""
+            queue = super().process_message  # it has acted already
+            return LoneEscape(lambda: on_key("escape"), lambda: queue(events.Key("escape", "\x1b")))
 
     from textual._xterm_parser import XTermParser
 
@@ -151,24 +151,21 @@ def listening_driver(
             parser = ReportParser(self._debug)
             parser.on_report = self._report
             decode = codecs.getincrementaldecoder("utf-8")(errors="replace").decode
+            escape = self.lone_escape()
             incomplete = False
             self.reader = threading.get_native_id()
             while not self.exit_event.is_set():
-                pause = KEY_S if self._answers.held else SEQUENCE_S if incomplete else IDLE_S
+                pause = KEY_S if self._answers.held else SEQUENCE_S if incomplete or escape.held else IDLE_S
                 if select.select([self.fileno], [], [], pause)[0]:
                     data = self._read()
                     if not data:
                         self._reports = False  # none will come
                         on_hang_up()
                         return
-                    incomplete = data == ESCAPE
-                    if incomplete:
-                        self._acted += 1
-                        on_key("escape")
-                    elif not data.startswith(ESCAPE):
-                        self._acted = 0  # it was the beginning of a sequence
-                    typed = self._answers.taken(decode(data))
+                    incomplete = data.endswith(ESCAPE)
+                    typed = self._answers.taken(escape.taken(decode(data)))
                 else:
+                    escape.overdue()
                     typed = self._answers.overdue()
                     incomplete = bool(typed)
                 for message in parser.feed(typed) if typed else ():

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Final
 from textual.driver import Driver
 from textual.drivers._byte_stream import ByteStream
 
-from tui.terminal.keyboard import ESCAPE, IDLE_S, READ_BYTES, SEQUENCE_S
+from tui.terminal.keyboard import IDLE_S, READ_BYTES, SEQUENCE_S, LoneEscape
 
 if TYPE_CHECKING:
     from textual._xterm_parser import XTermParser
@@ -41,7 +41,7 @@ def tab_driver(
     :func:`tui.terminal.driver.listening_driver`. ``parser_class`` tells its attribute ``on_report`` of reports."""
 
     class TabDriver(base):  # type: ignore[valid-type,misc]
-        _acted: int
+        lone_escape: Callable[[], LoneEscape]
         reader: int | None = None
         """The thread that reads, as the system knows it."""
 
@@ -79,26 +79,22 @@ def tab_driver(
             assert sys.__stdin__ is not None
             source = sys.__stdin__.fileno()
             self.reader = threading.get_native_id()
-            incomplete = False
+            escape = self.lone_escape()
             while not self.exit_event.is_set():
                 data = b""
-                if select.select([source], [], [], SEQUENCE_S if incomplete else IDLE_S)[0]:
+                if select.select([source], [], [], SEQUENCE_S if escape.held else IDLE_S)[0]:
                     data = os.read(source, READ_BYTES)
                     if not data:
                         on_hang_up()
                         return
-                incomplete = False
+                else:
+                    escape.overdue()
                 for kind, payload in packets.feed(data) if data else ():
                     if kind != "D":
                         self._on_meta(kind, payload)
                         continue
-                    incomplete = payload == ESCAPE
-                    if incomplete:
-                        self._acted += 1
-                        on_key("escape")
-                    elif not payload.startswith(ESCAPE):
-                        self._acted = 0  # it was taken for the beginning of a sequence
-                    for message in parser.feed(decode(payload)):
+                    typed = escape.taken(decode(payload))
+                    for message in parser.feed(typed) if typed else ():
                         self.process_message(message)
                 for message in parser.tick():
                     self.process_message(message)
