@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import pytest
@@ -65,10 +65,10 @@ async def test_each_finding_is_shown_as_it_comes_with_a_sign_a_word_and_what_to_
     ward = Ward()
     async with console() as desk:
         await opened(desk, ward)
-        assert "0 examined so far" in desk.text
+        await desk.until(lambda: "◌ python … 0 examined so far" in desk.text)
         ward.go_on.release()
         await desk.until(lambda: "✓ fine      python          3.13.1, 2 cores" in desk.text)
-        assert "1 examined so far" in desk.text
+        await desk.until(lambda: "◌ voice … 1 examined so far" in desk.text)
         await all_found(desk, ward)
         for words in (
             "! limited   voice",
@@ -127,9 +127,9 @@ async def test_the_engine_is_asked_for_what_it_has() -> None:
     asked: list[Sequence[PartStatus]] = []
 
     class Asked(Examiner):
-        def examine(self, parts: Sequence[PartStatus]) -> Iterator[Finding]:
+        def examine(self, parts: Sequence[PartStatus], begins: Callable[[str], object] = str) -> Iterator[Finding]:
             asked.append(parts)
-            return super().examine(parts)
+            return super().examine(parts, begins)
 
     async with console() as desk:
         desk.app.examining.know(lambda: Asked(load(environ={}), checks=[]))

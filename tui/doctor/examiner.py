@@ -7,7 +7,7 @@ waited for without end.
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from queue import Empty, SimpleQueue
 from typing import Final
 
@@ -28,10 +28,14 @@ class Examiner:
         self._limit_s = limit_s
         self._hanging: dict[str, threading.Thread] = {}
 
-    def examine(self, parts: Sequence[PartStatus]) -> Iterator[Finding]:
-        """What is found, in the order of the checks; ``parts`` are those of the engine."""
+    def examine(
+        self, parts: Sequence[PartStatus], begins: Callable[[str], object] = lambda name: None
+    ) -> Iterator[Finding]:
+        """What is found, in the order of the checks; ``parts`` are those of the engine, and ``begins`` is told what a
+        check examines before it does."""
         states = {part.name: part for part in parts}
         for check in self._checks:
+            begins(check.name)
             part = states.get(check.part) if check.part is not None else None
             if part is not None:
                 yield _told(check, part)

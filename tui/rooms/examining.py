@@ -40,10 +40,10 @@ class Examining:
             stage.come_back()
             stage.push_screen(DoctorScreen(stage.shown_keys, stage.shown, self._examine))
 
-    def _examine(self) -> Iterator[Finding]:
+    def _examine(self, begins: Callable[[str], object]) -> Iterator[Finding]:
         """In a thread of the page."""
         if self._examiner is None and self._make is not None:
             self._examiner = self._make()
         if self._examiner is not None:
             handle = self._stage.handle
-            yield from self._examiner.examine(handle.status() if handle is not None else ())
+            yield from self._examiner.examine(handle.status() if handle is not None else (), begins)

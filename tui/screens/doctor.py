@@ -63,9 +63,21 @@ class DoctorScreen(Screen[None]):
             super().__init__()
             self.finding = finding
 
-    def __init__(self, keys: Mapping[str, str], view: View, examine: Callable[[], Iterator[Finding]]) -> None:
+    class Begun(Message):
+        """This is examined now."""
+
+        def __init__(self, name: str) -> None:
+            super().__init__()
+            self.name = name
+
+    def __init__(
+        self,
+        keys: Mapping[str, str],
+        view: View,
+        examine: Callable[[Callable[[str], object]], Iterator[Finding]],
+    ) -> None:
         """``keys`` are the keys in use by action id, as they are shown to people. ``examine`` is iterated in a thread,
-        however long that takes."""
+        however long that takes, and calls what it is given with the name of what it examines next."""
         super().__init__()
         self._keys = keys
         self._view = view
@@ -74,6 +86,7 @@ class DoctorScreen(Screen[None]):
         self._page = FindingsPage(classes="pane")
         self._found: tuple[Finding, ...] = ()
         self._examining = False
+        self._examined = ""  # at this moment
 
     def compose(self) -> ComposeResult:
         yield self._status
@@ -88,16 +101,20 @@ class DoctorScreen(Screen[None]):
         """Examine everything; nothing happens while that is being done already."""
         if self._examining:
             return
-        self._examining, self._found = True, ()
+        self._examining, self._examined, self._found = True, "", ()
         self._page.go_home()
         self._draw()
         threading.Thread(target=self._look, name="doctor", daemon=True).start()
 
     def _look(self) -> None:
-        for finding in self._examine():
+        for finding in self._examine(lambda name: self.post_message(self.Begun(name))):
             if not self.is_attached or not self.post_message(self.Found(finding)):
                 return  # nobody looks any more
         self.post_message(self.Found(None))
+
+    def on_doctor_screen_begun(self, message: Begun) -> None:
+        self._examined = message.name
+        self._draw()
 
     def on_doctor_screen_found(self, message: Found) -> None:
         if message.finding is None:
@@ -143,7 +160,8 @@ class DoctorScreen(Screen[None]):
         rows = [row for finding in self._found for row in _rows(finding)]
         count = Counter(finding.state for finding in self._found)
         figures = " · ".join(f"{SIGNS[state][0]} {count[state]} {strings.FINDINGS[state]}" for state in SIGNS)
-        last = strings.EXAMINING.format(count=len(self._found)) if self._examining else figures
+        name = strings.CHECKS.get(self._examined, self._examined)
+        last = strings.EXAMINING.format(name=name, count=len(self._found)) if self._examining else figures
         return [*rows, Row("", (("", ""),)), Row("", ((last, _DIM),))]
 
 

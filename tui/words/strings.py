@@ -507,7 +507,7 @@ SAVED_PICTURE: Final = "only the picture is saved, as there is no log of this se
 # Doctor
 DOCTOR_TITLE: Final = "Doctor"
 DOCTOR_KEYS: Final = "{older} {newer} more · {examine} again · {copy} copies · {doctor} back · {interrupt} stops"
-EXAMINING: Final = "◌ {count} examined so far…"
+EXAMINING: Final = "◌ {name} … {count} examined so far"
 NOTHING_TO_EXAMINE: Final = "There is nothing to examine before the settings are read."
 COPIED_PAGE: Final = "{lines} lines copied"
 NOTHING_FOUND_YET: Final = "nothing to copy yet"

@@ -482,7 +482,7 @@ SAVED_PICTURE: Final = "本次会话没有日志，只保存了截图：{folder}
 # Doctor
 DOCTOR_TITLE: Final = "检查"
 DOCTOR_KEYS: Final = "{older} {newer} 翻页 · {examine} 再检查 · {copy} 复制 · {doctor} 返回 · {interrupt} 停止"
-EXAMINING: Final = "◌ 已检查 {count} 项…"
+EXAMINING: Final = "◌ {name} … 已检查 {count} 项"
 NOTHING_TO_EXAMINE: Final = "设置读入之前没有可检查的。"
 COPIED_PAGE: Final = "已复制 {lines} 行"
 NOTHING_FOUND_YET: Final = "还没有可复制的"
