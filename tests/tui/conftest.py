@@ -18,7 +18,10 @@ from syrupy.extensions.image import SVGImageSnapshotExtension
 from syrupy.location import PyTestLocation
 from syrupy.types import SnapshotIndex
 
+from tests.tui import idle
 from tests.tui.pictures import SCREENSHOTS
+
+idle.use()
 
 
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:

@@ -50,6 +50,8 @@ class Desk:
         return known and not drawing.due and log.items == drawing.model.log
 
     async def press(self, *keys: str) -> None:
+        """Press keys, one after the other, and let the console show what came of them."""
+        await self.settled()  # who presses keys has seen what there was to see
         await self.pilot.press(*keys)
         await self.settled()
 

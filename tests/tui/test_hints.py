@@ -101,5 +101,5 @@ async def test_no_hint_on_a_page_or_in_the_line_is_cut(size: tuple[int, int], tm
 class _Nobody:
     """Examines nothing."""
 
-    def examine(self, parts: object) -> tuple[()]:
+    def examine(self, parts: object, begins: object) -> tuple[()]:
         return ()
