@@ -29,7 +29,7 @@ from engine.errors import ExitCode, ProcessError
 from engine.llm.chat import ChatError
 from engine.llm.llama_worker import WORDS, Up
 
-BATCH: Final = 32
+BATCH: Final = 64
 """Tokens of a prompt that are computed at a time: fewer are slower, more make a stale batch hold up the next
 question for longer."""
 LOAD_LIMIT_S: Final = 180.0
