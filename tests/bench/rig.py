@@ -81,6 +81,10 @@ class Rig:
         self._closing.set()
         self._screen.join()
 
+    def show_camera(self) -> None:
+        """The busiest screen: everything moves, and the picture of the camera with it."""
+        os.write(self._terminal.master, b"c")
+
     def press_escape(self) -> None:
         os.write(self._terminal.master, b"\x1b")
 
@@ -169,6 +173,7 @@ def rig(*, decoding: bool, settings: tuple[str, ...] = ()) -> Iterator[Rig]:
         sayso = Rig(terminal, ours)
         try:
             sayso.become_ready()
+            sayso.show_camera()
             yield sayso
         finally:
             sayso.close()  # from here on the terminal is read by who opened it
