@@ -1,13 +1,15 @@
 """How long sayso takes to be there: the console with the real engine on a pseudo-terminal, and the commands.
 
 ``python -m tests.bench.startup [--json] [--n 5]``. *First paint* is the first pane on the terminal, *usable* the whole
-status line, *robot* the robot ready behind it, all from the start of the process. The first start of each is not
-counted: it leaves the byte code that later ones have.
+status line, *robot* the robot ready behind it, all from the start of the process. *First plan* is from a request,
+made at the moment in which the robot of a new engine is ready, to the plan that the model of this machine makes of it.
+The first start of each is not counted: it leaves the byte code that later ones have, and what the model has read.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import subprocess
 import sys
 import time
@@ -23,6 +25,12 @@ COMMANDS = {
     "ask, simulated time at full speed": ["--set", "robot.speed=max", "ask", "go to the kitchen"],
 }
 
+REQUEST = "kitchen is where I need you to be in a minute, and honk when there"
+"""Nothing that phrases know, and short for a model: two actions."""
+PLANNED = ("plan.made", "plan.rejected", "clarification.asked", "refusal.made")
+READ_ANEW_S = 300.0
+"""How long a model may take that has to read its instructions first, s."""
+
 
 def console_times() -> tuple[float, float, float]:
     """Seconds to the first paint, to a usable screen, and to a robot that can be driven."""
@@ -34,6 +42,27 @@ def console_times() -> tuple[float, float, float]:
                 raise SystemExit(f"{wanted.decode()} did not appear within 30 s.")
             found.append(when)
         return found[0], found[1], found[2]
+
+
+def first_plan() -> float:
+    """Seconds from a request to the model's plan, in an engine that has just started."""
+    command = [sys.executable, "-c", CONSOLE, "--set", f"platforms.local.timeout_s={READ_ANEW_S}"]
+    command += ["--set", "planner.profile=local", "engine", "--source", "none"]
+    streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+    with subprocess.Popen(command, env=environment(), text=True, **streams) as engine:  # type: ignore[call-overload]
+        asked = None
+        for line in engine.stdout:
+            event = json.loads(line)
+            if event["kind"] == "robot.state" and asked is None:
+                asked = time.monotonic()
+                print(json.dumps({"do": "say", "text": REQUEST}), file=engine.stdin, flush=True)
+            if event["kind"] in PLANNED and asked is not None:
+                took = time.monotonic() - asked
+                print(json.dumps({"do": "quit"}), file=engine.stdin, flush=True)
+                if event["body"].get("source") != "local":
+                    break
+                return took
+    raise SystemExit("The model made no plan.")
 
 
 def command_time(arguments: list[str]) -> float:
@@ -55,6 +84,7 @@ def main() -> None:
     }
     for name, command in COMMANDS.items():
         found[name] = figures([command_time(command) for _ in range(arguments.n + 1)][1:], "s")
+    found["first plan"] = figures([first_plan() for _ in range(arguments.n + 1)][1:], "s")
     print_report(report("startup", arguments.n, found), arguments.json)
 
 
