@@ -76,6 +76,7 @@ def main(argv: list[str] | None = None) -> None:
     parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")
     parser.add_argument("--n", type=int, default=1000, help="how many stop(); a fifth as many of each of the others")
     parser.add_argument("--load", type=int, default=2, help="other processes that keep the processor busy")
+    parser.add_argument("--camera", action="store_true", help="the screen shows what the camera sees as well")
     args = parser.parse_args(argv)
     found, few = Findings(), max(1, args.n // 5)
     with busy_machine(args.load):
@@ -86,9 +87,10 @@ def main(argv: list[str] | None = None) -> None:
             if scheduling in measured:
                 break  # real-time scheduling is not allowed here: both runs would be the same
             measured.add(scheduling)
-            with rig(decoding=True, settings=(f"robot.realtime_priority={str(wanted).lower()}",)) as sayso, _punctual():
+            scheduled = f"robot.realtime_priority={str(wanted).lower()}"
+            with rig(decoding=True, camera=args.camera, settings=(scheduled,)) as sayso, _punctual():
                 _interrupted(sayso, few, found)
-    with rig(decoding=False) as sayso, _punctual():  # its own recogniser is the one that hears
+    with rig(decoding=False, camera=args.camera) as sayso, _punctual():  # its own recogniser is the one that hears
         with busy_machine(args.load):
             _spoken(sayso, few, found, "busy")
         _spoken(sayso, few, found, "idle")

@@ -153,8 +153,9 @@ class Rig:
 
 
 @contextlib.contextmanager
-def rig(*, decoding: bool, settings: tuple[str, ...] = ()) -> Iterator[Rig]:
-    """A running sayso that is driven to and fro; ``decoding``: beside a recogniser that never stops."""
+def rig(*, decoding: bool, camera: bool = False, settings: tuple[str, ...] = ()) -> Iterator[Rig]:
+    """A running sayso that is driven to and fro; ``decoding``: beside a recogniser that never stops; ``camera``: it
+    shows what the camera sees."""
     ours, theirs = {}, {}
     for name in PIPES:
         ends = os.pipe()
@@ -173,7 +174,8 @@ def rig(*, decoding: bool, settings: tuple[str, ...] = ()) -> Iterator[Rig]:
         sayso = Rig(terminal, ours)
         try:
             sayso.become_ready()
-            sayso.show_camera()
+            if camera:
+                sayso.show_camera()
             yield sayso
         finally:
             sayso.close()  # from here on the terminal is read by who opened it
