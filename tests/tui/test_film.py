@@ -49,7 +49,7 @@ def test_the_film_that_is_kept_shows_a_whole_task_and_asks_nothing() -> None:
         assert kind == "o"
         assert re.sub(r"\x1b\[[\d;]*[mH]|\x1b\[\?25l|\x1b\[2J", "", written).isprintable()
         stream.feed(written)
-        state = re.sub(r"\W", "", screen.display[0].split("task")[0])
+        state = next(iter(re.findall(r"\w+", screen.display[0])), "")
         states += [state] if state and [state] != states[-1:] else []
     assert states[0] == "STARTING"
     assert states.count("ACTING") == states.count("WAITING") == 2
