@@ -62,7 +62,7 @@ from engine.planner.planner import Planner
 from engine.planner.worlds.house import build_vocabulary
 from engine.robot.floor_map import FloorMap
 from engine.robot.robot import Robot, RobotState, Scan
-from engine.scheduling import prefer
+from engine.scheduling import prefer, workers
 from engine.session.dispatch import Dispatcher
 from engine.session.hesitation import Hesitation
 from engine.session.holds import Holds
@@ -209,6 +209,8 @@ class Engine:
             self._ended.set()
 
     async def _main(self) -> None:
+        prompt = self._settings.robot.realtime_priority
+        asyncio.get_running_loop().set_default_executor(workers("aside", prompt=prompt))
         log = self._open_log()
         self._emit(events.SessionStarted(__version__, self._mode, self._robot.name, os.getpid()))
         places = Places(self._settings.places)

@@ -9,6 +9,7 @@ import contextlib
 import gc
 import os
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from typing import Literal, get_args
 
 Scheduling = Literal["normal", "nice", "realtime"]
@@ -47,6 +48,11 @@ def prefer(thread: int = 0) -> bool:
         os.setpriority(os.PRIO_PROCESS, thread, _NICENESS)
         return True
     return False
+
+
+def workers(name: str, most: int | None = None, *, prompt: bool) -> ThreadPoolExecutor:
+    """A pool of threads (``most``: as many as the library thinks), which are :func:`prefer`-red if ``prompt``."""
+    return ThreadPoolExecutor(most, thread_name_prefix=name, initializer=prefer if prompt else None)
 
 
 def quiet_memory() -> None:

@@ -78,8 +78,8 @@ class Hearing:
     stop that is overheard (see :meth:`overhear`). ``listener`` gets all that a live source hears. ``echo``
     takes the robot's own voice out of what a source hears that hears its loudspeaker. ``on_going_on`` is told, in the
     loop's thread, that somebody goes on whose turn was ended in the middle of a sentence, and how long ago (s, up to
-    1): whoever marks that moment and listens hears both pieces as one. Leaving closes the source and the recogniser,
-    whatever it is doing.
+    1): whoever marks that moment and listens hears both pieces as one. ``prompt``: see ``Transcriber``. Leaving closes
+    the source and the recogniser, whatever it is doing.
     """
 
     def __init__(
@@ -98,6 +98,7 @@ class Hearing:
         listener: Listener | None = None,
         echo: EchoCanceller | None = None,
         on_going_on: Callable[[float], None] | None = None,
+        prompt: bool = False,
     ) -> None:
         self.level = SILENT
         """Newest loudness, for idle display; a frozen value that is replaced, so any thread may read it."""
@@ -107,7 +108,7 @@ class Hearing:
         self._endpoint = endpoint
         self._recogniser = recogniser
         self._gain = Gain(gain_db)
-        self._transcriber = Transcriber(recogniser, vocabulary, judge)
+        self._transcriber = Transcriber(recogniser, vocabulary, judge, prompt=prompt)
         self._open = AsyncExitStack()
         self._source: Source | None = None
         self._missing: SaysoError | None = None  # why there is no source

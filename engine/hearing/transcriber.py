@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -22,14 +21,16 @@ from engine.errors import ModelError, SaysoError
 from engine.hearing.ahead import Decoding
 from engine.hearing.near_sounding import heard_as_command
 from engine.hearing.readings import Judge, sensible
+from engine.scheduling import workers
 
 
 class Transcriber:
     """Belongs to the loop's thread, but for :meth:`recognise`. ``vocabulary``: nouns and names to expect. ``judge`` is
-    asked, in the recogniser's thread, which of several readings can be meant."""
+    asked, in the recogniser's thread, which of several readings can be meant. ``prompt``: those that stop the robot may
+    have to wait for that thread (``engine.scheduling.prefer``)."""
 
-    def __init__(self, recogniser: Recogniser, vocabulary: Sequence[str], judge: Judge) -> None:
-        self.thread = ThreadPoolExecutor(1, thread_name_prefix="recogniser")
+    def __init__(self, recogniser: Recogniser, vocabulary: Sequence[str], judge: Judge, *, prompt: bool) -> None:
+        self.thread = workers("recogniser", 1, prompt=prompt)
         self._recogniser = recogniser
         self._vocabulary = tuple(vocabulary)
         self._judge = judge

@@ -82,7 +82,7 @@ def main(argv: list[str] | None = None) -> None:
     with busy_machine(args.load):
         measured: set[Scheduling] = set()
         for wanted in (True, False):
-            with busy_recogniser(), _busy_console():
+            with busy_recogniser(prompt=wanted), _busy_console():
                 scheduling = asyncio.run(_direct(args.n, found, realtime=wanted, known=measured))
             if scheduling in measured:
                 break  # real-time scheduling is not allowed here: both runs would be the same

@@ -17,6 +17,7 @@ import numpy as np
 from config import load
 from engine.audio.wav import read_wav
 from engine.parts.loading import make_isolated_recogniser
+from engine.scheduling import prefer
 
 _WORK = """
 import numpy as np
@@ -43,9 +44,9 @@ def busy_machine(processes: int) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def busy_recogniser() -> Iterator[None]:
+def busy_recogniser(*, prompt: bool) -> Iterator[None]:
     """Decode speech all the time, as an engine does, until the block ends: a thread of this process waits for a
-    recogniser in another."""
+    recogniser in another. ``prompt``: with the priority that an engine gives that thread (``engine.scheduling``)."""
     recogniser = make_isolated_recogniser(load())
     recogniser.load()
     speech = read_wav(Path(str(files("assets") / "speech" / "go_to_the_bedroom_then_turn_around.wav")))
@@ -53,6 +54,8 @@ def busy_recogniser() -> Iterator[None]:
     done = threading.Event()
 
     def recognise() -> None:
+        if prompt:
+            prefer()
         while not done.is_set():
             recogniser.transcribe(samples)
 

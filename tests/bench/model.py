@@ -147,7 +147,7 @@ def main(argv: list[str] | None = None) -> None:
         asyncio.run(starts(settings, head, 3, cache, found))
         asyncio.run(measure(settings, head, args.n, cache, found, ""))
         if args.load:
-            with busy_recogniser():
+            with busy_recogniser(prompt=True):
                 asyncio.run(measure(settings, head, args.n, cache, found, ", recogniser busy"))
     ratios = {"instructions, characters": sum(len(message.text) for message in head)}
     print_report(report("model", args.n, {name: unit(name, it) for name, it in found.items()}, ratios), args.json)

@@ -265,14 +265,15 @@ def main(argv: list[str]) -> int:
         if event.kind == "listen.started":
             tell(event.kind, time.monotonic())
 
+    settings = load(overrides=tuple(args.set))
+    prompt = settings.robot.realtime_priority
+
     def start(dress: Any) -> Engine:
-        settings = load(overrides=tuple(args.set))
-        dress(settings.console.theme, settings.console.fps, prompt=settings.robot.realtime_priority)
+        dress(settings.console.theme, settings.console.fps, prompt=prompt)
         speaker = Speaker(tell)
         engine = Engine(settings, mode="console", sound=Sound("source", speaker))
         engine.start()
         engine.subscribe(see)
-        prompt = settings.robot.realtime_priority
         in_thread(_read_commands, engine, args.commands, prompt)
         in_thread(each_byte, args.wakes, lambda: engine.send(Wake("serial")), prompt)
         in_thread(each_byte, args.words, speaker.say_next, False)
@@ -294,5 +295,5 @@ def main(argv: list[str]) -> int:
             time.sleep(0.05)
         tell("ready", time.monotonic())
 
-    with busy_recogniser() if args.decoding else contextlib.nullcontext():
+    with busy_recogniser(prompt=prompt) if args.decoding else contextlib.nullcontext():
         return run_console(start)

@@ -145,7 +145,7 @@ def run(
     json: bool, n: int = 5, overrides: tuple[str, ...] = (), *, device: bool = False, loaded: bool = False
 ) -> Report:
     """Measure the configured voice."""
-    with busy_recogniser() if loaded else contextlib.nullcontext():
+    with busy_recogniser(prompt=True) if loaded else contextlib.nullcontext():
         name, found = asyncio.run(measure(load(overrides=overrides), n, device))
     units = {"real-time factor": "s/s"}
     shown = {key: figures(values, units.get(key, "s")) for key, values in found.items()}

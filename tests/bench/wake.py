@@ -139,7 +139,7 @@ def main(argv: list[str] | None = None) -> None:
             running = stack.enter_context(sayso())
             if machine == "busy":
                 stack.enter_context(busy_machine(args.load))
-                stack.enter_context(busy_recogniser())
+                stack.enter_context(busy_recogniser(prompt=True))
             taken, lost = measure(running, args.n)
         for name, seconds in taken.items():
             figure = found[f"{name} ({machine})"] = figures((s * 1e3 for s in seconds), "ms")
