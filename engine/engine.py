@@ -219,7 +219,7 @@ class Engine:
         planner: Part[Planner] = self._part("planner")
         hearing: Part[Hearing] = self._part("recogniser")
         microphone: Part[str] = self._part("microphone")
-        self._viewfinder = Viewfinder(robot, asyncio.get_running_loop())
+        self._viewfinder = Viewfinder(robot, asyncio.get_running_loop(), prompt=prompt)
         self._camera = CameraPart(self._part("camera"), self._emit)
 
         holds, eyes = Holds(), Eyes(self._robot, self._memory)
@@ -316,6 +316,7 @@ class Engine:
             for task in background:
                 task.cancel()
             await asyncio.gather(*background, return_exceptions=True)
+            await self._viewfinder.close()
             for thinking in (models, vision):
                 if thinking is not None:
                     await thinking.close()

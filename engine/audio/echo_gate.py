@@ -15,8 +15,8 @@ class Gate:
 
     Somebody else is heard where, in enough bands of the spectrum, the filter took little away *and* what is left is not
     much less than the echo of what was played in the last quarter of a second can be (a long reverberation is nothing
-    that the filter takes away). Until the filter has learnt enough, everything is taken for the robot's own, but for
-    the first moment, in which a chime is over; where no echo was found after some seconds, there is none.
+    that the filter takes away). Until the filter has learnt enough, everything is taken for the robot's own; where no
+    echo was found after some seconds, there is none.
     """
 
     EDGES: Final = np.unique(np.round(np.geomspace(4, 230, 25)).astype(int))
@@ -34,9 +34,8 @@ class Gate:
     """Blocks (0.9 s) in which a word is said, and…"""
     IN_A_WORD: Final = 0.25
     """…the share of them in which whoever says it is heard."""
-    FIRST: Final = 18
     LAST: Final = 120
-    """Blocks of sound (0.3 s, 2 s) between which an echo will be found, where there is one."""
+    """Blocks of sound (2 s) within which an echo will be found, where there is one."""
     SOUNDS: Final = 1.0
     """Power of a band that sounds."""
     REMOVED_DB: Final = 9.0
@@ -91,7 +90,7 @@ class Gate:
         self._learn(heard, left, own)
         self._open = self.HOLD if self.likely > self.OPEN else max(0, self._open - 1)
         self._sounding += float(own.max()) > self.SOUNDS
-        unknown = self.echoes or self.FIRST < self._sounding < self.LAST
+        unknown = self.echoes or 0 < self._sounding < self.LAST
         own_only = not self._open if self._learnt else unknown
         self._heard.append(self.likely > self.OPEN)
         target = self.CLOSED if own_only else 1.0

@@ -153,8 +153,8 @@ def _one_openmp_thread() -> Iterator[None]:
     """An OpenMP library that is loaded inside of the block will use one thread.
 
     Silero's package brings a library of its own and asks it for four. For so little work they take ten times as long
-    as one, and as long as it takes the package holds the interpreter lock: whoever stops the robot would wait, on a busy
-    machine for 10 ms. The variable is not in ``os.environ``, so that a process started meanwhile does not get it.
+    as one, and all the while the package holds the interpreter lock: on a busy machine, whoever stops the robot would
+    wait for 10 ms. The variable is not in ``os.environ``, so that a process started meanwhile does not get it.
     """
     os.putenv(_THREADS, "1")
     try:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 from engine.errors import CameraError, RobotError, SaysoError
 from engine.parts.part import Loading
-from engine.perception.perceive import perceive
+from engine.perception.onlooker import Onlooker
 from engine.perception.sighting import Sight
 from engine.robot.robot import Robot
 
@@ -21,12 +21,14 @@ Deliver = Callable[[Sight | SaysoError], object]
 
 
 class Viewfinder:
-    """Takes pictures of one robot in one asyncio loop, for others who may be in any thread."""
+    """Takes pictures of one robot in one asyncio loop, for others who may be in any thread. Whoever makes it closes
+    it, in the loop. ``prompt``: see ``engine.scheduling.workers``."""
 
-    def __init__(self, robot: Loading[Robot], loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(self, robot: Loading[Robot], loop: asyncio.AbstractEventLoop, *, prompt: bool = False) -> None:
         self._robot = robot
         self._loop = loop
         self._looking: set[asyncio.Task[None]] = set()
+        self._onlooker = Onlooker(prompt=prompt)
 
     def look(self, deliver: Deliver) -> None:
         """Ask for a picture. Thread-safe."""
@@ -34,6 +36,13 @@ class Viewfinder:
             self._loop.call_soon_threadsafe(self._begin, deliver)
         except RuntimeError:  # the loop is closed
             deliver(CameraError("The engine has ended."))
+
+    async def close(self) -> None:
+        """Take no more pictures, and leave nothing behind."""
+        for task in self._looking:
+            task.cancel()
+        await asyncio.gather(*self._looking, return_exceptions=True)
+        await self._onlooker.close()
 
     def _begin(self, deliver: Deliver) -> None:
         task = asyncio.get_running_loop().create_task(self._look(deliver))
@@ -45,7 +54,8 @@ class Viewfinder:
         if robot is None:
             deliver(CameraError("The robot is not there yet."))
             return
+        self._onlooker.begin()
         try:
-            deliver(await asyncio.to_thread(perceive, await robot.look(), robot.floor_map))
+            deliver(await self._onlooker.perceive(await robot.look(), robot.floor_map))
         except (CameraError, RobotError) as error:
             deliver(error)

@@ -40,6 +40,7 @@ def test_whoever_asks_gets_one_picture_with_what_is_recognised_in_it() -> None:
                 names = [thing.name for thing in perceive(sight.picture, robot.floor_map).objects]
                 assert [thing.name for thing in sight.objects] == names
             assert found.empty(), "one picture for each time of asking"
+            await viewfinder.close()
 
     run(test)
 
@@ -52,6 +53,7 @@ def test_without_a_robot_it_says_so_and_takes_no_picture() -> None:
         error = await asyncio.to_thread(found.get, timeout=PATIENCE_S)
         assert isinstance(error, CameraError)
         assert "not there yet" in error.message
+        await viewfinder.close()
 
     run(test)
 
@@ -65,6 +67,7 @@ def test_a_camera_that_is_gone_is_told_and_no_fault() -> None:
         viewfinder = Viewfinder(part, asyncio.get_running_loop())
         viewfinder.look(found.put)
         assert isinstance(await asyncio.to_thread(found.get, timeout=PATIENCE_S), SaysoError)
+        await viewfinder.close()
 
     run(test)
 

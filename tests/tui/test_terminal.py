@@ -21,7 +21,7 @@ import pytest
 from tests.tui.told import PATIENCE_S, Told
 from tests.tui.unshown import unshown
 from tui.terminal.driver import listening_driver
-from tui.terminal.keyboard import LoneEscape
+from tui.terminal.keyboard import READ_BYTES, LoneEscape
 
 PROGRAM = """
 import os, sys, threading
@@ -157,6 +157,22 @@ def test_an_escape_that_began_a_torn_sequence_acts_and_is_not_taken_for_typed() 
     assert escape.taken("\x1b[B") == "\x1b[B", "a key of its own behind it"
     escape.overdue()
     assert done == ["acts", "acts", "queued"]
+
+
+def test_an_escape_right_behind_a_report_acts_as_early_as_one_by_itself() -> None:
+    done: list[str] = []
+    escape = LoneEscape(lambda: done.append("acts"), lambda: done.append("queued"))
+    assert escape.taken("\x1b[0n\x1b") == "\x1b[0n"
+    assert done == ["acts"]
+    assert escape.taken("\x1b[0n") == "\x1b[0n", "a report of its own behind it"
+    assert done == ["acts", "queued"]
+    assert escape.taken("ab\x1b\x1b") == "ab"
+    assert done == ["acts", "queued", "acts", "acts"]
+    assert escape.taken("q") == "q", "and not Alt+q"
+    assert done[4:] == ["queued", "queued"]
+    torn = "x" * (READ_BYTES - 1) + "\x1b"
+    assert escape.taken(torn) == torn, "what is pasted comes in pieces"
+    assert len(done) == 6
 
 
 @pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGTERM])

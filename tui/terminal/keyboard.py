@@ -12,34 +12,39 @@ IDLE_S: Final = 0.1
 """How often the reading thread looks whether it is to end."""
 SEQUENCE_S: Final = 0.03
 """How long to wait for the rest of a sequence, which is not much longer than Textual's parser does."""
+_ESCAPE: Final = ESCAPE.decode()
 _GOES_ON: Final = ("[", "O", "_")
 """How the rest of a sequence begins: of a control sequence, a key of the keypad, a string (ECMA-48, xterm)."""
 
 
 class LoneEscape:
-    """An escape character that came by itself. It is the key, and acts at once; only its place in the queue of keys
-    waits until it is known that it does not begin a sequence, torn by a slow line. For one reading thread."""
+    """Escape characters with nothing behind them. Each is the key, and acts at once; only their place in the queue of
+    keys waits until it is known that the last does not begin a sequence, torn by a slow line. Before them anything may
+    have come: a terminal's reports come often, and a busy machine reads them together with a key. For one reading
+    thread."""
 
     def __init__(self, act: Callable[[], None], queue: Callable[[], None]) -> None:
         self._act = act
         self._queue = queue
-        self.held = False
-        """One is waiting to be queued."""
+        self.held = 0
+        """So many are waiting to be queued."""
 
     def taken(self, text: str) -> str:
         """What remains to be parsed of what has come."""
-        held, self.held = self.held, text == "\x1b"
-        if held and text.startswith(_GOES_ON):
-            return "\x1b" + text
-        if held:
-            self._queue()
-        if self.held:
+        if self.held and text.startswith(_GOES_ON):
+            self.held -= 1
+            text = _ESCAPE + text
+        self.overdue()
+        if len(text) >= READ_BYTES:  # there is more, and an escape character at its end may begin something
+            return text
+        rest = text.rstrip(_ESCAPE)
+        self.held = len(text) - len(rest)
+        for _ in range(self.held):
             self._act()
-            return ""
-        return text
+        return rest
 
     def overdue(self) -> None:
         """Nothing has come for :data:`SEQUENCE_S`."""
-        if self.held:
-            self.held = False
+        while self.held:
+            self.held -= 1
             self._queue()
