@@ -54,9 +54,7 @@ from tui.rooms.keeping import Keeping
 from tui.rooms.leaving import Leaving
 from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
-from tui.screens.help import HelpScreen
 from tui.screens.pages import Paged
-from tui.screens.turn import TurnScreen
 from tui.shown.facts import Problem, printable
 from tui.shown.view import View
 from tui.stage import Stage
@@ -300,6 +298,8 @@ class SaysoApp(Stage):
         self.main.type()
 
     def action_help(self) -> None:
+        from tui.screens.help import HelpScreen  # pages are read when somebody wants them
+
         if self.screen is self.main:
             self.push_screen(HelpScreen(self.shown_keys))
         else:
@@ -411,6 +411,8 @@ class SaysoApp(Stage):
         self.action_turn()
 
     def action_turn(self) -> None:
+        from tui.screens.turn import TurnScreen
+
         if self.screen is self.main:
             self.push_screen(TurnScreen(self.shown_keys, self.shown))
         else:

@@ -21,11 +21,13 @@ class Gate:
 
     EDGES: Final = np.unique(np.round(np.geomspace(4, 230, 25)).astype(int))
     """Bins of the bands: 125 Hz to 7.2 kHz."""
-    CLOSED: Final = 10 ** (-30 / 20)
+    CLOSED: Final = 10 ** (-50 / 20)
     HOLD: Final = 14
     """Blocks for which somebody who was heard counts as speaking on: 0.22 s, as long as a pause in a word."""
-    OPEN: Final = 0.3
+    OPEN: Final = 0.4
     """Share of the spectrum that must be somebody else's."""
+    SURE: Final = 2
+    """Blocks (48 ms) of that in a row: a single one may be a mistake."""
     LEFT: Final = 0.25
     """What is left of a band in which somebody else is heard, at least: -6 dB."""
     BELOW: Final = 0.15
@@ -39,7 +41,9 @@ class Gate:
     SOUNDS: Final = 1.0
     """Power of a band that sounds."""
     REMOVED_DB: Final = 9.0
-    """When so much is taken away, the filter has learnt enough."""
+    """When so much is taken away, the filter has learnt enough, but not…"""
+    SETTLED: Final = 250
+    """…within so many blocks of sound (4 s): it takes much away now and then before it does at all times."""
 
     def __init__(self) -> None:
         bands = len(self.EDGES) - 1
@@ -55,6 +59,7 @@ class Gate:
         self._heard: deque[bool] = deque(maxlen=self.WORD)
         self.echoes = False
         """There surely is an echo."""
+        self._lasts = 0  # blocks: for so long somebody else is heard without a gap
         self._open = 0
         self._gain = 1.0
         self.likely = 0.0
@@ -88,7 +93,8 @@ class Gate:
         other = (rest > self.LEFT * whole) & (rest > self.BELOW * self._usual * own) & audible
         self.likely = float(other.sum() / max(4, audible.sum()))
         self._learn(heard, left, own)
-        self._open = self.HOLD if self.likely > self.OPEN else max(0, self._open - 1)
+        self._lasts = self._lasts + 1 if self.likely > self.OPEN else 0
+        self._open = self.HOLD if self._lasts >= self.SURE else max(0, self._open - 1)
         self._sounding += float(own.max()) > self.SOUNDS
         unknown = self.echoes or 0 < self._sounding < self.LAST
         own_only = not self._open if self._learnt else unknown
@@ -105,6 +111,6 @@ class Gate:
         if before < 1e-7:
             return
         self._removed += 0.05 * (10 * np.log10(before / (after + 1e-12)) - self._removed)
-        self._learnt |= self._removed > self.REMOVED_DB
+        self._learnt |= self._removed > self.REMOVED_DB and self._sounding > self.SETTLED
         clear = (rest < self.LEFT * whole) & (own > 0.01 * own.max())
         self._usual = np.where(clear, self._usual + 0.1 * (whole / own - self._usual), self._usual)
