@@ -25,9 +25,9 @@ class Gate:
     HOLD: Final = 14
     """Blocks for which somebody who was heard counts as speaking on: 0.22 s, as long as a pause in a word."""
     OPEN: Final = 0.4
-    """Share of the spectrum that must be somebody else's."""
+    """Share of the spectrum that must be somebody else's…"""
     SURE: Final = 2
-    """Blocks (48 ms) of that in a row: a single one may be a mistake."""
+    """…in so many blocks in a row: a single one may be a mistake."""
     LEFT: Final = 0.25
     """What is left of a band in which somebody else is heard, at least: -6 dB."""
     BELOW: Final = 0.15
@@ -35,7 +35,9 @@ class Gate:
     WORD: Final = 56
     """Blocks (0.9 s) in which a word is said, and…"""
     IN_A_WORD: Final = 0.25
-    """…the share of them in which whoever says it is heard."""
+    """…the share of them in which whoever says it is heard, in at least…"""
+    OF_A_WORD: Final = 0.3
+    """…this share of the spectrum."""
     LAST: Final = 120
     """Blocks of sound (2 s) within which an echo will be found, where there is one."""
     SOUNDS: Final = 1.0
@@ -98,7 +100,7 @@ class Gate:
         self._sounding += float(own.max()) > self.SOUNDS
         unknown = self.echoes or 0 < self._sounding < self.LAST
         own_only = not self._open if self._learnt else unknown
-        self._heard.append(self.likely > self.OPEN)
+        self._heard.append(self.likely > self.OF_A_WORD)
         target = self.CLOSED if own_only else 1.0
         ramp = np.linspace(self._gain, target, BLOCK) if target != self._gain else target
         self._gain = target

@@ -2,7 +2,8 @@
 
 ``python -m tests.bench.startup [--json] [--n 5]``. *First paint* is the first pane on the terminal, *usable* the whole
 status line, *robot* the robot ready behind it, all from the start of the process. *First plan* is from a request,
-made at the moment in which the robot of a new engine is ready, to the plan that the model of this machine makes of it.
+made at the moment in which the robot of a new engine is ready, or its model, to the plan that the model of this machine
+makes of it.
 The first start of each is not counted: it leaves the byte code that later ones have, and what the model has read.
 """
 
@@ -13,6 +14,7 @@ import json
 import subprocess
 import sys
 import time
+from typing import Any
 
 from tests.bench.report import figures, print_report, report
 from tests.bench.tui import USABLE, console, environment
@@ -44,8 +46,8 @@ def console_times() -> tuple[float, float, float]:
         return found[0], found[1], found[2]
 
 
-def first_plan() -> float:
-    """Seconds from a request to the model's plan, in an engine that has just started."""
+def first_plan(*, asked_with: str) -> float:
+    """Seconds from a request, made as soon as this part of a new engine is ready, to the model's plan."""
     command = [sys.executable, "-c", CONSOLE, "--set", f"platforms.local.timeout_s={READ_ANEW_S}"]
     command += ["--set", "planner.profile=local", "engine", "--source", "none"]
     streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
@@ -53,7 +55,7 @@ def first_plan() -> float:
         asked = None
         for line in engine.stdout:
             event = json.loads(line)
-            if event["kind"] == "robot.state" and asked is None:
+            if is_ready(asked_with, event) and asked is None:
                 asked = time.monotonic()
                 print(json.dumps({"do": "say", "text": REQUEST}), file=engine.stdin, flush=True)
             if event["kind"] in PLANNED and asked is not None:
@@ -63,6 +65,12 @@ def first_plan() -> float:
                     break
                 return took
     raise SystemExit("The model made no plan.")
+
+
+def is_ready(part: str, event: dict[str, Any]) -> bool:
+    """Whether an engine's event says so."""
+    body = event["body"]
+    return event["kind"] == "log" and body["source"] == part and body["message"].startswith("ready")
 
 
 def command_time(arguments: list[str]) -> float:
@@ -84,7 +92,9 @@ def main() -> None:
     }
     for name, command in COMMANDS.items():
         found[name] = figures([command_time(command) for _ in range(arguments.n + 1)][1:], "s")
-    found["first plan"] = figures([first_plan() for _ in range(arguments.n + 1)][1:], "s")
+    for part in ("robot", "model"):
+        plans = [first_plan(asked_with=part) for _ in range(arguments.n + 1)]
+        found[f"first plan, asked as soon as the {part} is ready"] = figures(plans[1:], "s")
     print_report(report("startup", arguments.n, found), arguments.json)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -100,3 +102,34 @@ def test_without_silero_webrtcvad_is_what_remains(monkeypatch: pytest.MonkeyPatc
     with pytest.raises(ModelError, match="Silero cannot be loaded") as caught:
         make_vad(settings("silero"))
     assert "webrtc" in caught.value.hint
+
+
+ONE_THREAD = """
+import os, subprocess, sys, threading
+import numpy as np
+from config.schema import Vad
+from engine.audio.source import Frame
+from engine.audio.vad import make_vad
+
+def threads():
+    return len(os.listdir("/proc/self/task"))
+
+before = threads()
+vad = make_vad(Vad(backend="silero", gate_mode=0, threshold=0.5))
+noise = np.random.default_rng(1).normal(0, 5000, 512).astype(np.int16)
+for number in range(20):
+    vad.process(Frame(noise, number * 0.032))
+told = subprocess.run(["sh", "-c", "echo ${OMP_THREAD_LIMIT-none}"], capture_output=True, text=True, env=None).stdout
+print(threads() - before, told.strip())
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="threads are counted in /proc")
+@pytest.mark.parametrize(("limit", "told"), [(None, "none"), ("7", "7")])
+def test_silero_works_in_the_thread_that_asks_and_others_learn_nothing_of_that(limit: str | None, told: str) -> None:
+    environment = {name: value for name, value in os.environ.items() if name != "OMP_THREAD_LIMIT"}
+    environment |= {"OMP_THREAD_LIMIT": limit} if limit else {}
+    found = subprocess.run(
+        [sys.executable, "-c", ONE_THREAD], capture_output=True, text=True, env=environment, check=True
+    )
+    assert found.stdout.split() == ["0", told]
