@@ -22,6 +22,10 @@ class Search:
     """How far the correlation at the delay must stand out, in standard deviations."""
     ALIKE: Final = 16
     """What was found twice, so many samples apart at most, is there."""
+    LASTS: Final = 16
+    """Looks (4 s of sound) for which what was found counts."""
+    APART: Final = WINDOW // FRAME_SAMPLES // EVERY
+    """Looks between two windows that have nothing in common."""
     EARLIEST: Final = -640
     LONGEST: Final = 10_000
     """Between these samples it is looked for: -40 ms to 0.62 s."""
@@ -32,8 +36,10 @@ class Search:
     def __init__(self) -> None:
         self._past: deque[Sound] = deque(maxlen=self.WINDOW // FRAME_SAMPLES)
         self._own: deque[Sound] = deque(maxlen=self.WINDOW // FRAME_SAMPLES)
+        self._places: deque[int | None] = deque(maxlen=self.LASTS)  # that were found, look by look
         self.evident = False
-        """An echo was found."""
+        """An echo was found in one place in two windows of the last seconds that have nothing in common: two voices may
+        sound alike for a moment, and then there is none."""
         self.begin()
 
     def begin(self) -> None:
@@ -63,11 +69,21 @@ class Search:
         delays = np.concatenate((found[self.EARLIEST :], found[: self.LONGEST]))
         peak = int(np.argmax(np.abs(delays)))
         before, self._found = self._found, None
-        if abs(delays[peak]) < self.CLEAR * delays.std():
+        if abs(delays[peak]) >= self.CLEAR * delays.std():
+            self._found = peak + self.EARLIEST
+        self._places.append(self._found)
+        self.evident = self._lasts()
+        if before is None or self._found is None or abs(self._found - before) >= self.ALIKE:
             return None
-        self.evident = True
-        self._found = peak + self.EARLIEST
-        return self._found if before is not None and abs(self._found - before) < self.ALIKE else None
+        return self._found
+
+    def _lasts(self) -> bool:
+        found = [(look, place) for look, place in enumerate(self._places) if place is not None]
+        return any(
+            late - early >= self.APART and abs(here - there) < self.ALIKE
+            for early, there in found
+            for late, here in found
+        )
 
 
 def shift_between(before: Spectrum, after: Spectrum) -> float:

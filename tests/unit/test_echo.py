@@ -128,6 +128,14 @@ def test_a_person_is_heard_whole_where_no_echo_comes() -> None:
     assert decibels(heard, others) == pytest.approx(0, abs=0.5)
 
 
+def test_who_sounds_like_the_robot_for_a_moment_is_no_echo_and_heard_whole_from_there_on() -> None:
+    played = answer(12)
+    alike = played[5 * RATE : round(5.5 * RATE)]
+    heard = mixed(at(5.1, alike, 12) + at(8.0, WORDS[0], 12))
+    _, others = clean(canceller(played), heard)
+    assert decibels(second(heard, 7.9, 11), second(others, 7.9, 11)) == pytest.approx(0, abs=0.5)
+
+
 def test_a_room_that_changes_is_learnt_anew() -> None:
     played = answer(24)
     before, after = (mixed(Room(drift_ppm=0, seed=seed).echo(played)) for seed in (3, 4))
