@@ -70,7 +70,7 @@ def first_plan(*, asked_with: str) -> float:
 def is_ready(part: str, event: dict[str, Any]) -> bool:
     """Whether an engine's event says so."""
     body = event["body"]
-    return event["kind"] == "log" and body["source"] == part and body["message"].startswith("ready")
+    return event["kind"] == "log" and body["source"] == part and str(body["message"]).startswith("ready")
 
 
 def command_time(arguments: list[str]) -> float:
