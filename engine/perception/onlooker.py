@@ -19,7 +19,7 @@ from engine.robot.camera import Picture
 from engine.robot.floor_map import FloorMap
 from engine.scheduling import workers
 
-ANSWER_LIMIT_S = 10.0
+ANSWER_LIMIT_S = 30.0
 """s for a process to start and understand a picture, on the busiest machine."""
 _WORKER = "engine.perception.onlooker_worker"
 _EPITAPH_S = 1.0  # from the end of the link to the end of the process

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import fcntl
 import os
 import signal
+import sys
+import termios
 from collections.abc import Iterator
 from typing import Final
 
@@ -58,6 +61,20 @@ async def process_of(onlooker: Onlooker, scene: tuple[Picture, FloorMap]) -> int
     return pid
 
 
+async def in_the_middle_of_a_picture(
+    onlooker: Onlooker, pid: int, scene: tuple[Picture, FloorMap]
+) -> asyncio.Future[Sight]:
+    """A process that has been given a picture and does not go on."""
+    os.kill(pid, signal.SIGSTOP)
+    waiting = asyncio.ensure_future(onlooker.perceive(*scene))
+    link = onlooker._link
+    assert link is not None
+    async with asyncio.timeout(LIMIT_S):
+        while not int.from_bytes(fcntl.ioctl(link.fileno(), termios.TIOCOUTQ, bytes(4)), sys.byteorder):  # noqa: ASYNC110
+            await asyncio.sleep(0)
+    return waiting
+
+
 def test_it_sees_what_perception_sees_and_goes_with_whoever_made_it(scene: tuple[Picture, FloorMap]) -> None:
     async def test() -> None:
         onlooker = Onlooker(prompt=False)
@@ -80,9 +97,7 @@ def test_a_process_that_is_lost_is_told_and_replaced_with_the_next_picture(scene
     async def test() -> None:
         onlooker = Onlooker(prompt=False)
         pid = await process_of(onlooker, scene)
-        os.kill(pid, signal.SIGSTOP)
-        waiting = asyncio.ensure_future(onlooker.perceive(*scene))
-        await asyncio.sleep(0)
+        waiting = await in_the_middle_of_a_picture(onlooker, pid, scene)
         os.kill(pid, signal.SIGKILL)
         with pytest.raises(CameraError, match="killed by SIGKILL"):
             await waiting
@@ -100,9 +115,7 @@ def test_closing_ends_it_in_the_middle_of_a_picture(scene: tuple[Picture, FloorM
     async def test() -> None:
         onlooker = Onlooker(prompt=False)
         pid = await process_of(onlooker, scene)
-        os.kill(pid, signal.SIGSTOP)
-        waiting = asyncio.ensure_future(onlooker.perceive(*scene))
-        await asyncio.sleep(0)
+        waiting = await in_the_middle_of_a_picture(onlooker, pid, scene)
         await onlooker.close()
         with pytest.raises(CameraError, match="has ended"):
             await waiting
