@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final, Literal
+
+from msgspec import Struct
 
 from tui.graphics.answers import ATTRIBUTES, CELL
 
@@ -32,16 +33,14 @@ _SIZE: Final = re.compile(r"\x1b\[6;(\d+);(\d+)t")
 _MOST_PIXELS: Final = 100
 
 
-@dataclass(frozen=True, slots=True)
-class Cell:
+class Cell(Struct, frozen=True):
     """The size of a character, pixels."""
 
     width: int
     height: int
 
 
-@dataclass(frozen=True, slots=True)
-class Graphics:
+class Graphics(Struct, frozen=True):
     """How pictures are sent. ``cell`` is known where ``protocol`` is sixel, which counts in pixels of the screen."""
 
     protocol: Protocol

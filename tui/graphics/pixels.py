@@ -7,8 +7,9 @@ screen's, so letters of 3 × 5 of them are about as large as those of the termin
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
+
+from msgspec import Struct
 
 if TYPE_CHECKING:
     import numpy as np
@@ -30,8 +31,7 @@ _DRAWN: Final = (
 _LETTERS: Final = dict(zip(_ALPHABET, _DRAWN.split(), strict=True))
 
 
-@dataclass(frozen=True, slots=True)
-class Inks:
+class Inks(Struct, frozen=True):
     """The colours of what is drawn into a picture."""
 
     frame: Colour
@@ -39,8 +39,7 @@ class Inks:
     plate: Colour  # behind a name
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Indexed:
+class Indexed(Struct, frozen=True, eq=False):
     """A picture of few colours."""
 
     colours: NDArray[np.uint8]  # (n, 3)

@@ -9,8 +9,9 @@ Where much changes at once, less is enough to be seen.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
+
+from msgspec import Struct
 
 if TYPE_CHECKING:
     import numpy as np
@@ -39,8 +40,7 @@ Mark = tuple[str, bool]
 """A character of a frame, and whether it is part of a name."""
 
 
-@dataclass(frozen=True, slots=True)
-class Extent:
+class Extent(Struct, frozen=True):
     """How large a picture is shown: ``columns`` × ``rows`` characters, two pixels a character."""
 
     columns: int

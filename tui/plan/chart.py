@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
+
+from msgspec import Struct
 
 from tui.plan.floor import Cell, Frame, ahead, arrow, thing_sign, way
 
@@ -43,8 +44,7 @@ _FOLDED: Final = 0.25
 """rad by which every joint of a folded arm may differ from it."""
 
 
-@dataclass(frozen=True, slots=True)
-class Moving:
+class Moving(Struct, frozen=True):
     """All of it at one moment."""
 
     robot: RobotState | None = None

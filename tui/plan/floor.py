@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final, Literal
 
+from msgspec import Struct
 from rich.cells import cell_len
 
 from tui.words.language import told
@@ -41,8 +41,7 @@ _DOTS: Final = ((0x01, 0x02, 0x04, 0x40), (0x08, 0x10, 0x20, 0x80))
 """Bit of the braille dot by column and row within the cell (Unicode, block Braille Patterns)."""
 
 
-@dataclass(frozen=True, slots=True)
-class Cell:
+class Cell(Struct, frozen=True):
     """One character of the plan. One that takes two columns is followed by a cell without any."""
 
     char: str
@@ -52,8 +51,7 @@ class Cell:
     fade: int = 0  # …and by how many steps it has faded
 
 
-@dataclass(frozen=True, slots=True)
-class Frame:
+class Frame(Struct, frozen=True):
     """Where the map lies on the characters: map metres → cells. North is up."""
 
     left: float  # m, map x at the left edge of column 0

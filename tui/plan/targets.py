@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from msgspec import Struct
 
 from tui.shown.facts import printable
 from tui.words import strings
@@ -21,8 +22,7 @@ if TYPE_CHECKING:
     from engine.robot.floor_map import FloorMap, Furniture, Room
 
 
-@dataclass(frozen=True, slots=True)
-class Target:
+class Target(Struct, frozen=True):
     """Something on the map."""
 
     x: float  # m, map frame

@@ -6,8 +6,10 @@ map lie on the same raster however far it is shifted, so that walls do not flick
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from tui.plan.floor import Frame, fit
 
@@ -28,8 +30,7 @@ Spot = tuple[float, float]
 """Map frame, m."""
 
 
-@dataclass(frozen=True, slots=True)
-class Viewport:
+class Viewport(Struct, frozen=True):
     """``centre`` is the spot in the middle; None: that of the whole map."""
 
     zoom: float = 1.0

@@ -7,8 +7,9 @@ to show no timer runs: an idle console computes and sends nothing.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Final, Literal
+
+from msgspec.structs import replace
 
 from engine.errors import ExitCode
 from engine.events import ActionProgress, ErrorRaised, Event, ListenLevel, Log, RobotStateView

@@ -41,6 +41,8 @@ from tui.words import strings
 from tui.words.language import told
 
 if TYPE_CHECKING:
+    from textual.geometry import Size
+
     from engine.handle import PartStatus
     from engine.perception.sighting import Sight
     from tui.palette.form import Form
@@ -94,6 +96,7 @@ class ConsoleScreen(Screen[None]):
         self._over: Palette | Form | None = None  # what lies over everything
 
     def compose(self) -> ComposeResult:
+        self._lay_out(self.app.size)  # before there is anything that would be styled anew
         yield self._status
         yield self._problem
         with Horizontal(id="main"):
@@ -315,17 +318,21 @@ class ConsoleScreen(Screen[None]):
         return True
 
     def on_resize(self, event: events.Resize) -> None:
-        layout = layout_for(*event.size)
         if self._over is not None and self._over.is_attached:
             self._over.place()
-        for name in ("tiny", "narrow", "wide"):
-            self.set_class(name == layout, f"-{name}")
-        self.set_class(layout in ("narrow", "compact"), "-compact")
-        self.set_class(event.size.height < SHORT_ROWS, "-short")
-        self.set_class(event.size.height >= TALL_ROWS, "-tall")
+        self._lay_out(event.size)
         self._panes.settle()
         self._panes.share()
         self._warn_if_tiny()
+
+    def _lay_out(self, size: Size) -> None:
+        """Have the classes that the style sheet goes by."""
+        layout = layout_for(*size)
+        for name in ("tiny", "narrow", "wide"):
+            self.set_class(name == layout, f"-{name}")
+        self.set_class(layout in ("narrow", "compact"), "-compact")
+        self.set_class(size.height < SHORT_ROWS, "-short")
+        self.set_class(size.height >= TALL_ROWS, "-tall")
 
     def _warn_if_tiny(self) -> None:
         if self.has_class("-tiny"):

@@ -8,9 +8,9 @@ What stands where is written in the style sheet alone. Here the screen gets the 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Final, Literal
 
+from msgspec import Struct
 from textual.content import Content
 from textual.screen import Screen
 from textual.widget import Widget
@@ -34,8 +34,7 @@ _EDGES: Final = 4
 _PARTED: Final = ".pane, #main, #left, #right, #below"
 
 
-@dataclass(frozen=True, slots=True)
-class Pane:
+class Pane(Struct, frozen=True):
     """A pane with a name: ``frame`` has border and title, ``body`` gets the keyboard. Often they are the same."""
 
     frame: Widget

@@ -7,8 +7,9 @@ and neither is one that loads. A plug that is loose is told once, with a count.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
+
+from msgspec import Struct
 
 from engine.events import Log
 
@@ -27,8 +28,7 @@ _PLATFORM: Final = {" is asked instead.": False, " answers again.": True}
 """How sentences of the log end that say that another model is asked than before, or the first one again."""
 
 
-@dataclass(frozen=True, slots=True)
-class News:
+class News(Struct, frozen=True):
     """A device is there again, or no longer. ``times``: how often it came or went since the last news of it."""
 
     device: Device
@@ -36,8 +36,7 @@ class News:
     times: int = 1
 
 
-@dataclass(slots=True)
-class _Known:
+class _Known(Struct):
     there: bool
     device: Device
     times: int = 0

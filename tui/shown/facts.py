@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import unicodedata
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final, Literal
+
+from msgspec import Struct
 
 from engine.events import Value
 
@@ -19,8 +20,7 @@ Stage = Literal["thinking", "made", "rejected", "refused", "question"]
 Path = tuple[tuple[float, float], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
+class Line(Struct, frozen=True):
     """One line of the conversation; ``note`` is a remark beside it."""
 
     who: Speaker
@@ -28,8 +28,7 @@ class Line:
     note: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Plan:
+class Plan(Struct, frozen=True):
     """What the planner made of the last request."""
 
     stage: Stage
@@ -41,8 +40,7 @@ class Plan:
     suggestions: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
+class Row(Struct, frozen=True):
     """One action of the queue."""
 
     action: str
@@ -63,8 +61,7 @@ class Row:
         return max(0.0, now - self.started)
 
 
-@dataclass(frozen=True, slots=True)
-class LogLine:
+class LogLine(Struct, frozen=True):
     """One line of the log."""
 
     t: float  # s since the session began
@@ -73,8 +70,7 @@ class LogLine:
     message: str
 
 
-@dataclass(frozen=True, slots=True)
-class Level:
+class Level(Struct, frozen=True):
     """Loudness and voice activity at one moment."""
 
     rms_db: float
@@ -82,8 +78,7 @@ class Level:
     in_speech: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Problem:
+class Problem(Struct, frozen=True):
     """Something that failed and wants to be read."""
 
     message: str

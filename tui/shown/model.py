@@ -7,9 +7,11 @@ recording shows the same screen as the session it was made from.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
 from functools import singledispatch
 from typing import Final, Literal
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from engine import events as ev
 from tui.shown.facts import Line, LogLine, Path, Plan, Problem, Row, call, printable
@@ -31,8 +33,7 @@ BUSY: Final = frozenset({"TRANSCRIBING", "DECIDING", "PLANNING", "SPEAKING", "AC
 """States in which the robot is at work on what was asked."""
 
 
-@dataclass(frozen=True, slots=True)
-class ConsoleModel:
+class ConsoleModel(Struct, frozen=True):
     """Everything the console shows, at one moment."""
 
     t: float = 0.0  # s, time of the newest event

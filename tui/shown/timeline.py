@@ -9,8 +9,9 @@ other work, is solid.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple
+
+from msgspec import Struct
 
 from engine.events import Outcome
 from tui.shown.turn import SAMPLE_S, STAGES, Span, Stage, Turn
@@ -29,8 +30,7 @@ _BLOCKS: Final = " ▏▎▍▌▋▊▉█"
 _GAP: Final = 1e-3
 
 
-@dataclass(frozen=True, slots=True)
-class Stretch:
+class Stretch(Struct, frozen=True):
     """Part of a bar, from and to seconds since the turn began."""
 
     began: float
@@ -38,8 +38,7 @@ class Stretch:
     look: Look = "work"
 
 
-@dataclass(frozen=True, slots=True)
-class Bar:
+class Bar(Struct, frozen=True):
     """One stage of a turn."""
 
     stage: Stage

@@ -6,8 +6,10 @@ loud it was, what counted as speech, where the end of speech was found, and what
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import Final, Literal
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from engine import events as ev
 from tui.shown.facts import Level, printable
@@ -19,8 +21,7 @@ MAX_TRACE: Final = 240
 Sign = Literal["wake", "endpoint", "understood", "rejected", "stopped"]
 
 
-@dataclass(frozen=True, slots=True)
-class Mark:
+class Mark(Struct, frozen=True):
     """Something that happened between two levels: ``word`` in few words, ``detail`` in more."""
 
     sign: Sign
@@ -29,8 +30,7 @@ class Mark:
     turn: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Trace:
+class Trace(Struct, frozen=True):
     """Levels and marks, oldest first."""
 
     items: tuple[Level | Mark, ...] = ()

@@ -5,8 +5,9 @@ A frozen value; :mod:`tui.shown.turns` makes it from events. All times are event
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final, Literal
+
+from msgspec import Struct
 
 from engine import events as ev
 from tui.shown.facts import Phase
@@ -25,8 +26,7 @@ SLOW_S: Final = 0.2
 """What is quicker than this is not called slow, s."""
 
 
-@dataclass(frozen=True, slots=True)
-class Span:
+class Span(Struct, frozen=True):
     """A stretch of a stage."""
 
     stage: Stage
@@ -36,8 +36,7 @@ class Span:
     of: str = ""  # id of the action
 
 
-@dataclass(frozen=True, slots=True)
-class Sample:
+class Sample(Struct, frozen=True):
     """How loud it was, and whether somebody spoke, in the tenth of a second that ended at ``t``."""
 
     t: float
@@ -46,8 +45,7 @@ class Sample:
     voiced: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Action:
+class Action(Struct, frozen=True):
     """One action of a plan, and its end."""
 
     id: str
@@ -60,8 +58,7 @@ class Action:
     data: str = ""  # what was found out
 
 
-@dataclass(frozen=True, slots=True)
-class Thought:
+class Thought(Struct, frozen=True):
     """What a planner came to: steps in words, a plan, or why there is none."""
 
     kind: Literal["decision", "plan", "question", "refusal", "rejection"]
@@ -72,16 +69,14 @@ class Thought:
     written: str = ""  # as JSON, indented
 
 
-@dataclass(frozen=True, slots=True)
-class Asked:
+class Asked(Struct, frozen=True):
     """A call of a large model: what it was told, and what it wrote."""
 
     call: ev.ModelAsked
     late: bool  # the turn was cut or over when it ended
 
 
-@dataclass(frozen=True, slots=True)
-class Answer:
+class Answer(Struct, frozen=True):
     """What the robot said, and what could be heard of it."""
 
     text: str
@@ -90,8 +85,7 @@ class Answer:
     outcome: ev.Outcome = "ok"
 
 
-@dataclass(frozen=True, slots=True)
-class Turn:
+class Turn(Struct, frozen=True):
     """Everything that is known of one turn."""
 
     id: str

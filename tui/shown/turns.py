@@ -7,11 +7,12 @@ nothing begins in it any more.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from functools import singledispatch
 from typing import Final, TypeVar
 
 import msgspec
+from msgspec import Struct
+from msgspec.structs import replace
 
 from engine import events as ev
 from tui.shown.facts import call, printable, printable_lines
@@ -31,8 +32,7 @@ MAX_JSON: Final = 20_000
 _Body = TypeVar("_Body", bound=msgspec.Struct)
 
 
-@dataclass(frozen=True, slots=True)
-class Turns:
+class Turns(Struct, frozen=True):
     """The turns of a session, oldest first, and the wake that waits for its turn."""
 
     kept: tuple[Turn, ...] = ()

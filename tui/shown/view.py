@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
+
+from msgspec import Struct, field
 
 if TYPE_CHECKING:
     from config.schema import Place
@@ -17,8 +18,7 @@ if TYPE_CHECKING:
     from tui.terminal.link import LinkFigures
 
 
-@dataclass(frozen=True, slots=True)
-class Hint:
+class Hint(Struct, frozen=True):
     """A key and its word in the status line."""
 
     action: str
@@ -36,8 +36,7 @@ class Hint:
         return self.action == "interrupt"
 
 
-@dataclass(frozen=True, slots=True)
-class View:
+class View(Struct, frozen=True):
     """Everything the screen shows at one moment."""
 
     model: ConsoleModel

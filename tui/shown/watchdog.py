@@ -7,8 +7,9 @@ meanwhile is not the console's doing: it halts by itself when its engine is sile
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Final, Literal
+
+from msgspec.structs import replace
 
 from tui.shown.facts import Line, Problem
 from tui.shown.model import ConsoleModel

@@ -11,9 +11,10 @@ Nothing here reads a clock or touches a terminal. All times are monotonic second
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 from statistics import median
 from typing import Final, Literal, NamedTuple
+
+from msgspec import Struct
 
 ASK: Final = "\x1b[5n"
 """Asks a terminal how it is."""
@@ -134,8 +135,7 @@ class Sample(NamedTuple):
     frames: int  # since the beginning
 
 
-@dataclass(frozen=True, slots=True)
-class LinkFigures:
+class LinkFigures(Struct, frozen=True):
     """The line in the last seconds."""
 
     delay: float | None  # s, from a frame to the report that it is drawn, usually; None: there was no report

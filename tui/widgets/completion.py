@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
+
+from msgspec import Struct
 
 LEAST: Final = 2
 """Letters of an English word after which it is completed; a Chinese one is after its first character."""
@@ -18,8 +19,7 @@ _LONGEST: Final = 40
 _BOUNDARY: Final = re.compile(r"(?<!\w)(?=\w)")
 
 
-@dataclass(frozen=True, slots=True)
-class Completion:
+class Completion(Struct, frozen=True):
     """What can be completed: names, and phrases in the order in which they are suggested."""
 
     names: tuple[str, ...] = ()
