@@ -95,6 +95,11 @@ class Child:
         """End the process for good, also one that has been stopped, and block until it is gone. Thread-safe."""
         end_for_good(self._process)
 
+    def discard(self) -> None:
+        """End the process for good, and leave nothing of it."""
+        self.kill()
+        self.release()
+
     def release(self) -> None:
         """Close what is ours."""
         self.link.close()

@@ -51,7 +51,7 @@ def prefer(thread: int = 0) -> bool:
 
 
 def workers(name: str, most: int | None = None, *, prompt: bool) -> ThreadPoolExecutor:
-    """A pool of threads (``most``: as many as the library thinks), which are :func:`prefer`-red if ``prompt``."""
+    """A pool of threads (``most``: as many as the library thinks), which :func:`prefer` raises if ``prompt``."""
     return ThreadPoolExecutor(most, thread_name_prefix=name, initializer=prefer if prompt else None)
 
 

@@ -165,8 +165,7 @@ class IsolatedRecogniser:
         """Leave nothing of the process."""
         child, self._child, self._wire = self._child, None, None
         if child is not None:
-            child.kill()
-            child.release()
+            child.discard()
 
     def _loss(self) -> ModelError:
         """Why there is nobody at the other end."""

@@ -141,7 +141,7 @@ class Microphone:
         if self._writer is not None:
             self._writer.close()
         if child is not None:
-            await asyncio.to_thread(_bury, child)
+            await asyncio.to_thread(child.discard)
 
 
 class Lost(DeviceError):
@@ -150,11 +150,6 @@ class Lost(DeviceError):
     def __init__(self, message: str, *, hint: str, for_good: bool) -> None:
         super().__init__(message, hint=hint)
         self.for_good = for_good
-
-
-def _bury(child: Child) -> None:
-    child.kill()
-    child.release()
 
 
 def _nonsense(answer: object) -> DeviceError:

@@ -139,8 +139,7 @@ class LlamaProcess:
         if self._over:
             return
         self._over = True
-        self._child.kill()
-        self._child.release()
+        self._child.discard()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def _signal(self, number: signal.Signals) -> None:

@@ -9,15 +9,19 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import threading
-from multiprocessing.connection import Connection
+from typing import TYPE_CHECKING
 
 from engine.child import Child
 from engine.errors import CameraError, ProcessError
-from engine.perception.onlooker_worker import Found
 from engine.perception.sighting import Sight
 from engine.robot.camera import Picture
 from engine.robot.floor_map import FloorMap
 from engine.scheduling import workers
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+
+    from engine.perception.onlooker_worker import Found
 
 ANSWER_LIMIT_S = 30.0
 """s for a process to start and understand a picture, on the busiest machine."""
@@ -45,9 +49,10 @@ class Onlooker:
         return child.pid if child is not None else None
 
     def begin(self) -> None:
-        """Start the process now, so that it is there when there is a picture."""
-        with contextlib.suppress(RuntimeError):  # closed
-            self._thread.submit(self._begin)
+        """Start the process now if there is none, so that it is there when there is a picture."""
+        if self._child is None:
+            with contextlib.suppress(RuntimeError):  # closed
+                self._thread.submit(self._begin)
 
     async def perceive(self, picture: Picture, house: FloorMap) -> Sight:
         """As :func:`engine.perception.perceive.perceive`. Raises ``CameraError``."""
@@ -65,7 +70,6 @@ class Onlooker:
             if self._child is not None:
                 self._child.kill()
         self._thread.submit(self._bury)
-        self._thread.shutdown(wait=False)
         await asyncio.to_thread(self._thread.shutdown)
 
     # In the thread
@@ -85,6 +89,8 @@ class Onlooker:
                     self._child = Child("perception", _WORKER)
                 except ProcessError as error:
                     raise CameraError(error.message, hint=_AGAIN) from error
+            from multiprocessing.connection import Connection  # nobody needs it who does not look on
+
             self._link = Connection(self._child.link.detach())
         return self._link
 
@@ -112,8 +118,7 @@ class Onlooker:
             child, self._child = self._child, None
         link, self._link, self._house = self._link, None, None
         if child is not None:
-            child.kill()
-            child.release()
+            child.discard()
         if link is not None:
             link.close()
 

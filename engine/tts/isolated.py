@@ -160,13 +160,8 @@ class IsolatedVoice:
             self._writer.close()
             self._writer = None
         if child is not None:
-            await asyncio.to_thread(_bury, child)
+            await asyncio.to_thread(child.discard)
 
     @staticmethod
     def _nonsense() -> ModelError:
         return ModelError("The voice process gave an answer that makes no sense.", hint=_AGAIN)
-
-
-def _bury(child: Child) -> None:
-    child.kill()
-    child.release()

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import fcntl
 import os
 import signal
-import sys
-import termios
+import threading
 from collections.abc import Iterator
+from multiprocessing.connection import Connection
 from typing import Final
 
 import psutil
@@ -61,18 +60,30 @@ async def process_of(onlooker: Onlooker, scene: tuple[Picture, FloorMap]) -> int
     return pid
 
 
+@pytest.fixture
+def given(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
+    """A process has been given a picture, and is waited for."""
+    given, poll = threading.Event(), Connection.poll
+
+    def told(link: Connection, timeout: float | None = 0.0) -> bool:
+        given.set()
+        return poll(link, timeout)
+
+    monkeypatch.setattr(Connection, "poll", told)
+    return given
+
+
 async def in_the_middle_of_a_picture(
-    onlooker: Onlooker, pid: int, scene: tuple[Picture, FloorMap]
-) -> asyncio.Future[Sight]:
-    """A process that has been given a picture and does not go on."""
+    scene: tuple[Picture, FloorMap], given: threading.Event
+) -> tuple[Onlooker, int, asyncio.Future[Sight]]:
+    """One whose process has been given a picture and does not go on."""
+    onlooker = Onlooker(prompt=False)
+    pid = await process_of(onlooker, scene)
     os.kill(pid, signal.SIGSTOP)
+    given.clear()
     waiting = asyncio.ensure_future(onlooker.perceive(*scene))
-    link = onlooker._link
-    assert link is not None
-    async with asyncio.timeout(LIMIT_S):
-        while not int.from_bytes(fcntl.ioctl(link.fileno(), termios.TIOCOUTQ, bytes(4)), sys.byteorder):  # noqa: ASYNC110
-            await asyncio.sleep(0)
-    return waiting
+    assert await asyncio.to_thread(given.wait, LIMIT_S)
+    return onlooker, pid, waiting
 
 
 def test_it_sees_what_perception_sees_and_goes_with_whoever_made_it(scene: tuple[Picture, FloorMap]) -> None:
@@ -93,11 +104,11 @@ def test_it_sees_what_perception_sees_and_goes_with_whoever_made_it(scene: tuple
     run(test)
 
 
-def test_a_process_that_is_lost_is_told_and_replaced_with_the_next_picture(scene: tuple[Picture, FloorMap]) -> None:
+def test_a_process_that_is_lost_is_told_and_replaced_with_the_next_picture(
+    scene: tuple[Picture, FloorMap], given: threading.Event
+) -> None:
     async def test() -> None:
-        onlooker = Onlooker(prompt=False)
-        pid = await process_of(onlooker, scene)
-        waiting = await in_the_middle_of_a_picture(onlooker, pid, scene)
+        onlooker, pid, waiting = await in_the_middle_of_a_picture(scene, given)
         os.kill(pid, signal.SIGKILL)
         with pytest.raises(CameraError, match="killed by SIGKILL"):
             await waiting
@@ -111,11 +122,9 @@ def test_a_process_that_is_lost_is_told_and_replaced_with_the_next_picture(scene
     run(test)
 
 
-def test_closing_ends_it_in_the_middle_of_a_picture(scene: tuple[Picture, FloorMap]) -> None:
+def test_closing_ends_it_in_the_middle_of_a_picture(scene: tuple[Picture, FloorMap], given: threading.Event) -> None:
     async def test() -> None:
-        onlooker = Onlooker(prompt=False)
-        pid = await process_of(onlooker, scene)
-        waiting = await in_the_middle_of_a_picture(onlooker, pid, scene)
+        onlooker, _, waiting = await in_the_middle_of_a_picture(scene, given)
         await onlooker.close()
         with pytest.raises(CameraError, match="has ended"):
             await waiting

@@ -105,7 +105,7 @@ def test_without_silero_webrtcvad_is_what_remains(monkeypatch: pytest.MonkeyPatc
 
 
 ONE_THREAD = """
-import os, subprocess, sys, threading
+import os, subprocess
 import numpy as np
 from config.schema import Vad
 from engine.audio.source import Frame
@@ -119,7 +119,7 @@ vad = make_vad(Vad(backend="silero", gate_mode=0, threshold=0.5))
 noise = np.random.default_rng(1).normal(0, 5000, 512).astype(np.int16)
 for number in range(20):
     vad.process(Frame(noise, number * 0.032))
-told = subprocess.run(["sh", "-c", "echo ${OMP_THREAD_LIMIT-none}"], capture_output=True, text=True, env=None).stdout
+told = subprocess.run(["sh", "-c", "echo ${OMP_THREAD_LIMIT-none}"], capture_output=True, text=True).stdout
 print(threads() - before, told.strip())
 """
 

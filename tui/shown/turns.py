@@ -29,7 +29,7 @@ MAX_CALLS: Final = 20
 MAX_JSON: Final = 20_000
 """Characters of a plan that are kept."""
 
-_Body = TypeVar("_Body", bound=msgspec.Struct)
+_Body = TypeVar("_Body", bound=Struct)
 
 
 class Turns(Struct, frozen=True):
@@ -226,7 +226,7 @@ def _(body: ev.ModelAsked, turn: Turn, event: ev.Event) -> Turn:
         turn = replace(turn, thoughts=tuple(thought for thought in turn.thoughts if thought is not asked[0]))
     messages = tuple(ev.MessageView(message.role, printable_lines(message.text)) for message in body.messages)
     texts = {"messages": messages, "reply": printable_lines(body.reply)}  # of the others, each is one line
-    clean = msgspec.structs.replace(_clean(body), **texts)
+    clean = replace(_clean(body), **texts)
     return _thought(turn, Asked(clean, late=turn.cut is not None or not turn.open))
 
 
@@ -352,4 +352,4 @@ def _clean(body: _Body) -> _Body:
         for name in body.__struct_fields__
         if isinstance(value := getattr(body, name), str) and printable(value) != value
     }
-    return msgspec.structs.replace(body, **texts) if texts else body
+    return replace(body, **texts) if texts else body
