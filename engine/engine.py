@@ -8,6 +8,7 @@ the engine takes commands from the first moment. Whatever ends the loop, the rob
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import gc
 import os
 import sys
@@ -62,7 +63,7 @@ from engine.planner.planner import Planner
 from engine.planner.worlds.house import build_vocabulary
 from engine.robot.floor_map import FloorMap
 from engine.robot.robot import Robot, RobotState, Scan
-from engine.scheduling import prefer, workers
+from engine.scheduling import collect_in_small_steps, prefer, preferred_session, workers
 from engine.session.dispatch import Dispatcher
 from engine.session.hesitation import Hesitation
 from engine.session.holds import Holds
@@ -120,6 +121,7 @@ class Engine:
     def start(self) -> None:
         """Start the engine thread; returns when it takes commands. Raises what kept it from starting."""
         sys.setswitchinterval(SWITCH_S)
+        collect_in_small_steps()
         self._thread.start()
         self._ready.wait()
         if self._failure is not None:
@@ -195,10 +197,12 @@ class Engine:
     # The engine thread
 
     def _run(self) -> None:
-        if self._settings.robot.realtime_priority:
+        prompt = self._settings.robot.realtime_priority
+        if prompt:
             prefer()
         try:
-            asyncio.run(self._main())
+            with preferred_session() if prompt else contextlib.nullcontext():
+                asyncio.run(self._main())
         except BaseException as error:  # noqa: BLE001 - handed to whoever waits in start(), or published
             self._robot.stop(self._epoch.advance())
             self._failure = error

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import re
 
@@ -10,6 +11,8 @@ from rich.segment import Segment
 from textual._compositor import ChopsUpdate
 from textual.strip import Strip
 
+from engine import events as ev
+from tests.tui.desk import console
 from tui.terminal.spans import cropped
 
 CONSOLE = Console(file=io.StringIO(), force_terminal=True, color_system="truecolor", width=20)
@@ -56,3 +59,22 @@ def test_a_span_that_cuts_a_wide_character_has_all_of_it() -> None:
 def test_anything_else_is_displayed_as_it_is() -> None:
     assert cropped(None) is None
     assert cropped("words") == "words"
+
+
+async def test_what_was_drawn_is_gone_without_a_garbage_collection() -> None:
+    """Collections hold the interpreter lock, for which those that stop the robot have to wait."""
+    async with console() as desk:
+        await desk.settled()
+        gc.collect()
+        gc.disable()
+        gc.set_debug(gc.DEBUG_SAVEALL)
+        try:
+            for number in range(5):
+                desk.engine.publish(ev.Log("info", "engine", f"line {number}"))
+                await desk.settled()
+            gc.collect()
+            assert not [thing for thing in gc.garbage if isinstance(thing, Strip)]
+        finally:
+            gc.set_debug(0)
+            gc.garbage.clear()
+            gc.enable()

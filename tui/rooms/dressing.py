@@ -105,6 +105,8 @@ class Dressing:
         if prompt and (reader := getattr(stage.terminal, "reader", None)) is not None:
             raise_priority(reader)
             prefer(threading.main_thread().native_id or 0)
+            if (writer := getattr(stage.terminal, "writer", None)) is not None:
+                prefer(writer)
         if doctor is not None:
             rooms.examining.know(doctor)
         if tour is not None:

@@ -117,6 +117,11 @@ def listening_driver(
             self._all_came = threading.Condition()
 
         @property
+        def writer(self) -> int | None:
+            """The thread that writes, as the system knows it."""
+            return self._writer_thread.native_id if self._writer_thread is not None else None
+
+        @property
         def written(self) -> int:
             """How many bytes the terminal has taken."""
             return int(self._file.written)
