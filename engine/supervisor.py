@@ -34,6 +34,7 @@ _KILL_LIMIT_S = 2.0  # after which whoever cannot be killed (another user's, stu
 _STORM = 100  # ends within the grace, after which it is over: they do not tidy up, they multiply
 _PASSES = 5  # rounds of SIGKILL without a pause: whoever sleeps in the middle of a fork storm does not wake up soon
 _PAUSE_S = 0.001
+_FIFO_PRIORITY = 1  # before everybody whom we end, after whoever stops a robot
 _DEFAULTS = tuple(signal.valid_signals() - {signal.SIGKILL, signal.SIGSTOP})
 """Signals that we, or Python, or whoever started the engine (a shell, for what it runs in the background) may ignore;
 the program shall not inherit that."""
@@ -50,6 +51,7 @@ class Watch:
         self.code: int | None = None  # exit code of the child, negative for signals; None while it lives
         self.ends = 0  # of children and orphans, ever
         self.childless = False
+        self._more_ended = False  # perhaps
         self._child = child
         self.tail = b""
         self._control = control
@@ -75,6 +77,8 @@ class Watch:
 
     def wait(self, seconds: float | None = None) -> None:
         """Until something happens, or for so long; then take note of it."""
+        if self._more_ended:
+            seconds = 0.0
         for source, _ in self._poll.poll(None if seconds is None else max(0.0, seconds * 1e3)):
             if source == self._signals:
                 with contextlib.suppress(BlockingIOError):
@@ -84,11 +88,12 @@ class Watch:
                 self._poll.unregister(source)  # a closed end would wake us for ever
             else:
                 self.read_stderr()
-        self.reap()
+        self.reap(_STORM)
 
-    def reap(self) -> None:
-        """Collect every child that has ended."""
-        while True:
+    def reap(self, most: int = sys.maxsize) -> None:
+        """Collect the children that have ended: at most so many, where others end all the time."""
+        self._more_ended = False
+        for _ in range(most):
             try:
                 pid, status = os.waitpid(-1, os.WNOHANG)
             except ChildProcessError:
@@ -100,6 +105,7 @@ class Watch:
             self.ends += 1
             if pid == self._child:
                 self.code = os.waitstatus_to_exitcode(status)
+        self._more_ended = True
 
     def read_stderr(self) -> None:
         """Take what is there now."""
@@ -190,7 +196,9 @@ def _keep(control: int, guard: int, program: list[str], grace: float) -> int:
 
 def end(watch: Watch, child: int, grace: float) -> list[int]:
     """End everybody below us; returns who could not be ended."""
-    watch.reap()
+    with contextlib.suppress(OSError, AttributeError):  # not allowed, another system; we sleep most of the time
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_FIFO_PRIORITY))
+    watch.reap(_STORM)
     for number in (signal.SIGTERM, signal.SIGCONT):  # the paused ones must wake up to hear of their end
         _signal_all(number, child)
     deadline, ends = time.monotonic() + grace, watch.ends
