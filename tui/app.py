@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from msgspec.structs import replace
 from rich.console import RenderableType
+from textual.app import App
 from textual.driver import Driver
 from textual.keys import _character_to_key
 from textual.screen import Screen
@@ -102,7 +103,9 @@ class SaysoApp(Stage):
         super().__init__(keys, clock)
         for one in (DARK, LIGHT, CONTRAST):
             self.register_theme(one)
-        self.theme = theme
+        self._begin_dark()
+        if theme != DARK.name:
+            self.theme = theme
         self.set_keymap(keys)
         self.sending = Sending(self)
         self.viewing = Viewing(self, self.sending)
@@ -118,6 +121,12 @@ class SaysoApp(Stage):
         self._choosing = Choosing(self)
         self._start_engine = start_engine
         self._asked_early: list[Say] = []  # typed before the engine was there
+
+    def _begin_dark(self) -> None:
+        """Have the usual theme. Setting it would read every style sheet twice before the first picture."""
+        self.set_reactive(App.theme, DARK.name)
+        self.add_class(f"-theme-{DARK.name}", update=False)  # as Textual does
+        self.stylesheet.set_variables(self.get_css_variables())
 
     @property
     def shown(self) -> View:

@@ -95,6 +95,11 @@ class ConsoleScreen(Screen[None]):
         self._camera_frame = camera
         self._over: Palette | Form | None = None  # what lies over everything
 
+    def _on_screen_resume(self, event: events.ScreenResume) -> None:
+        """Before Textual's own: what is shown for the first time has just got its styles."""
+        if not self._size:
+            event.refresh_styles = False
+
     def compose(self) -> ComposeResult:
         self._lay_out(self.app.size)  # before there is anything that would be styled anew
         yield self._status
