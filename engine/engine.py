@@ -8,7 +8,6 @@ the engine takes commands from the first moment. Whatever ends the loop, the rob
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import gc
 import os
 import sys
@@ -63,7 +62,7 @@ from engine.planner.planner import Planner
 from engine.planner.worlds.house import build_vocabulary
 from engine.robot.floor_map import FloorMap
 from engine.robot.robot import Robot, RobotState, Scan
-from engine.scheduling import collect_in_small_steps, prefer, preferred_session, workers
+from engine.scheduling import collect_in_small_steps, prefer, workers
 from engine.session.dispatch import Dispatcher
 from engine.session.hesitation import Hesitation
 from engine.session.holds import Holds
@@ -197,12 +196,10 @@ class Engine:
     # The engine thread
 
     def _run(self) -> None:
-        prompt = self._settings.robot.realtime_priority
-        if prompt:
+        if self._settings.robot.realtime_priority:
             prefer()
         try:
-            with preferred_session() if prompt else contextlib.nullcontext():
-                asyncio.run(self._main())
+            asyncio.run(self._main())
         except BaseException as error:  # noqa: BLE001 - handed to whoever waits in start(), or published
             self._robot.stop(self._epoch.advance())
             self._failure = error

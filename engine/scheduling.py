@@ -9,10 +9,7 @@ import contextlib
 import gc
 import os
 import sys
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
-from pathlib import Path
 from typing import Literal, get_args
 
 Scheduling = Literal["normal", "nice", "realtime"]
@@ -20,9 +17,6 @@ Scheduling = Literal["normal", "nice", "realtime"]
 
 _FIFO_PRIORITY = 10  # above everything that is not real-time, below the kernel's own threads (50 and up)
 _NICENESS = -10
-
-_SESSION = Path("/proc/self/autogroup")
-"""See "The autogroup feature" in sched(7)."""
 
 
 def raise_priority(thread: int = 0) -> Scheduling:
@@ -53,34 +47,6 @@ def prefer(thread: int = 0) -> bool:
         os.sched_setscheduler(thread, os.SCHED_OTHER | os.SCHED_RESET_ON_FORK, os.sched_param(0))
         os.setpriority(os.PRIO_PROCESS, thread, _NICENESS)
         return True
-    return False
-
-
-@contextmanager
-def preferred_session() -> Iterator[None]:
-    """For as long as this lasts, the processes of this session (a terminal's, usually) go before those of other
-    sessions, where the system allows it.
-
-    Linux shares its processors out between sessions first, and looks at the niceness of threads only inside of one:
-    without this, a thread that :func:`prefer` has raised waits for whatever computes in another terminal. The programs
-    that we start are in sessions of their own. A session that somebody has given a niceness keeps that; one in which
-    sayso is killed stays preferred.
-    """
-    if not _set_session_niceness(0, _NICENESS):
-        yield
-        return
-    try:
-        yield
-    finally:
-        _set_session_niceness(_NICENESS, 0)
-
-
-def _set_session_niceness(usual: int, wanted: int) -> bool:
-    """Whether this session now has the niceness that is wanted; only if it had the usual one."""
-    with contextlib.suppress(OSError, ValueError):  # another system, or not allowed
-        if int(_SESSION.read_text().rpartition(" ")[2]) == usual:
-            _SESSION.write_text(str(wanted))
-            return True
     return False
 
 
