@@ -104,8 +104,7 @@ class SaysoApp(Stage):
         for one in (DARK, LIGHT, CONTRAST):
             self.register_theme(one)
         self._begin_dark()
-        if theme != DARK.name:
-            self.theme = theme
+        self.theme = theme
         self.set_keymap(keys)
         self.sending = Sending(self)
         self.viewing = Viewing(self, self.sending)

@@ -64,7 +64,7 @@ def _divided(strip: Strip, x: int, cuts: Sequence[int], free: Sequence[int]) -> 
     """The strip, which begins at column ``x``, between neighbours of ``cuts``. Where a cut goes through a character and
     what is on both sides of it is ``free`` for this strip, the left piece goes on to the next cut."""
     ends = [cut - x for cut in cuts[1:]]
-    if [end for end in ends if end <= strip.cell_length] == [strip.cell_length]:
+    if ends[:1] == [strip.cell_length]:
         return (strip,)  # divide() would keep it in its own cache: a cycle for each line of each picture
     if len(ends) < 2 or len(text := strip.text) == strip.cell_length:
         return strip.divide(ends)
