@@ -63,6 +63,7 @@ $(INSTALLED): pyproject.toml constraints.txt
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade "pip>=25.1"
 	$(BIN)/python -m pip install --disable-pip-version-check --progress-bar on --quiet -c constraints.txt -e ".[dev]"
+	@$(BIN)/python -m compileall -q config engine tui # as pip does it for what it copies: the first start is as quick as the second
 	@touch $@
 
 clean:

@@ -3,8 +3,8 @@
 ``python -m tests.bench.startup [--json] [--n 5]``. *First paint* is the first pane on the terminal, *usable* the whole
 status line, *robot* the robot ready behind it, all from the start of the process. *First plan* is from a request,
 made at the moment in which the robot of a new engine is ready, or its model, to the plan that the model of this machine
-makes of it. The first start of each is not counted: it leaves the byte code that later ones have, and what the model
-has read.
+makes of it. The first start of each is not counted: it leaves what later ones have in memory, and what the model has
+read.
 """
 
 from __future__ import annotations
