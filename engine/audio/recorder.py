@@ -224,6 +224,7 @@ def main(argv: list[str]) -> int:
     args = parser.parse_args(argv)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the engine's business
     link = socket.socket(fileno=args.link)
+    portaudio.leave_with(link)
     device = msgspec.json.decode(args.device, type=str | int | None)
     with contextlib.suppress(OSError):  # the engine has gone
         send(link, record(link, device, patient=args.patient))

@@ -241,6 +241,7 @@ def main(argv: list[str]) -> int:
     args = parser.parse_args(argv)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the engine's business
     link = socket.socket(fileno=args.link)
+    portaudio.leave_with(link)
     device = msgspec.json.decode(args.device, type=str | int | None)
     with contextlib.suppress(OSError):  # the engine has gone
         sounder = opened(link, device, patient=args.patient)
