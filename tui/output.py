@@ -86,7 +86,9 @@ class LineWriter:
         self._ending = False
         self._changed = threading.Condition()
         self.closed = False
-        """The reader has gone; further lines are dropped."""
+        """The reader has gone, or there is no room for more; further lines are dropped."""
+        self.trouble = ""
+        """Why nothing can be written, where it is not for want of a reader."""
         self._thread = threading.Thread(target=self._run, name=f"lines to {fd}", daemon=True)
         self._thread.start()
 
@@ -118,7 +120,9 @@ class LineWriter:
         while (line := self._next()) is not None:
             try:
                 self._write(line)
-            except OSError:
+            except OSError as error:
+                if not isinstance(error, BrokenPipeError):
+                    self.trouble = error.strerror or str(error)
                 self.closed = True
             with self._changed:
                 self._held -= len(line)

@@ -125,6 +125,17 @@ def test_an_interrupt_ends_a_plan_that_waits_for_a_request(tmp_path: Path) -> No
         assert process.wait(LIMIT_S) == ExitCode.INTERRUPTED
 
 
+@pytest.mark.parametrize("arguments", [ENGINE, ("ask", "--json", "wait 60 seconds")], ids=["engine", "ask"])
+def test_a_full_disk_ends_the_engine_with_a_word(tmp_path: Path, arguments: tuple[str, ...]) -> None:
+    full = os.open("/dev/full", os.O_WRONLY)
+    with running(*arguments, state=tmp_path, stdout=full) as process:
+        os.close(full)
+        assert process.wait(LIMIT_S) == ExitCode.MISSING
+        words = process.stderr.read().decode()
+    assert "the output cannot be written: No space left on device; the robot was stopped." in words
+    assert "Traceback" not in words
+
+
 @pytest.mark.parametrize("arguments", [("plan", "--json", "beep"), ("skills",)], ids=["plan", "skills"])
 def test_a_full_disk_and_a_reader_who_has_gone_are_told_by_the_exit_code(
     tmp_path: Path, arguments: tuple[str, ...]

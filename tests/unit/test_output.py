@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import select
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -82,7 +83,7 @@ def test_words_that_a_stalled_stderr_does_not_take_are_lost_and_hold_nobody_up(
         with said_in_background():
             for _ in range(1000):
                 say("x" * 999)  # a thousand times more than the pipe takes: returning is the test
-            os.set_blocking(reading, False)
+            assert select.select([reading], [], [], 30)[0]  # written in a thread of its own
             first = os.read(reading, 1000)
         assert first == LINE + b"\n"
 

@@ -39,8 +39,8 @@ def perform_all(engine: Headless, texts: Iterator[str], arguments: Namespace) ->
     code = int(ExitCode.DONE)
     for text in texts:
         result = engine.perform(Say(text), arguments.timeout)
-        if engine.reader_gone:
-            return int(ExitCode.INTERRUPTED)
+        if engine.lost is not None:
+            return int(engine.lost)
         engine.report(result)
         code = code or result.exit_code
     return code

@@ -156,14 +156,17 @@ class Printer:
         return self._writer is not None
 
     @property
-    def reader_gone(self) -> bool:
-        """Nobody reads stdout any more."""
-        return self._writer is not None and self._writer.closed
+    def lost(self) -> ExitCode | None:
+        """What the command is to exit with where nothing can be written any more: nobody reads stdout, or the disk is
+        full."""
+        if self._writer is None or not self._writer.closed:
+            return None
+        return ExitCode.MISSING if self._writer.trouble else ExitCode.INTERRUPTED
 
     def started(self) -> None:
         """The engine takes commands from now on: it ends when nobody reads, also if nobody ever did."""
         self._started = True
-        if self.reader_gone:
+        if self.lost is not None:
             self._engine.send(Quit())
 
     def _see(self, event: Event) -> None:
@@ -177,7 +180,10 @@ class Printer:
 
     def _lost(self) -> None:
         """Runs in the writer's thread."""
-        say("sayso: nobody reads the output any more; the robot was stopped.")
+        assert self._writer is not None
+        trouble = self._writer.trouble
+        why = f"the output cannot be written: {trouble}" if trouble else "nobody reads the output any more"
+        say(f"sayso: {why}; the robot was stopped.")
         if self._started:
             self._engine.send(Quit())
 
@@ -194,8 +200,9 @@ class Headless:
         engine.subscribe(self._see)
 
     @property
-    def reader_gone(self) -> bool:
-        return self._printer.reader_gone
+    def lost(self) -> ExitCode | None:
+        """As of its printer."""
+        return self._printer.lost
 
     def report(self, result: TurnResult) -> None:
         """Tell a person how it ended, unless an error has said so; programs have read it in the events."""
