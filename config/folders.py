@@ -28,6 +28,11 @@ class Paths:
         return self.cache / "models"
 
     @property
+    def launch(self) -> Path:
+        """Pictures that the console begins with."""
+        return self.state / "launch"
+
+    @property
     def words(self) -> Path:
         """Heads of wake words that the user trained."""
         return self.config / "wake"

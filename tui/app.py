@@ -93,13 +93,16 @@ class SaysoApp(Stage):
         keymap: Mapping[str, str] | None = None,
         language: Language = "en",
         clock: Callable[[], float] = time.monotonic,
+        passing: Callable[[str], str] = lambda data: data,
     ) -> None:
-        """``keymap`` replaces keys by action id (see ``tui.keys.keys``); ``clock`` is monotonic seconds."""
+        """``keymap`` replaces keys by action id (see ``tui.keys.keys``); ``clock`` is monotonic seconds; ``passing``
+        says what is written of what is to be written to the terminal."""
         keys = {key.id: key.key for key in ALL_KEYS} | {
             action: ",".join(_character_to_key(key) if len(key) == 1 else key for key in chosen.split(","))
             for action, chosen in (keymap or {}).items()
         }
         speak(language)
+        self._passing = passing
         super().__init__(keys, clock)
         for one in (DARK, LIGHT, CONTRAST):
             self.register_theme(one)
@@ -158,6 +161,7 @@ class SaysoApp(Stage):
             lambda: self.leaving.hang_up(),
             lambda: self.post_message(Reported(self.clock())),
             lambda answer: self.post_message(Answered(answer)),
+            self._passing,
         )
 
     def on_mount(self) -> None:
@@ -471,11 +475,14 @@ class SaysoApp(Stage):
             self.sending.sent()
 
 
-def run_console(start_engine: Callable[[Callable[..., None]], EngineHandle]) -> int:
+def run_console(
+    start_engine: Callable[[Callable[..., None]], EngineHandle], passing: Callable[[str], str] = lambda data: data
+) -> int:
     """Run the console until somebody leaves it, and return the exit code of the process.
 
     ``start_engine`` runs in a thread behind the first picture and returns the engine. It is given
-    :meth:`SaysoApp.dress`, to tell theme, keys and the like once it has read the settings.
+    :meth:`SaysoApp.dress`, to tell theme, keys and the like once it has read the settings. ``passing`` is as in
+    :meth:`SaysoApp.__init__`.
     """
-    app = SaysoApp(lambda: start_engine(app.dress), language=of_environment(os.environ))
+    app = SaysoApp(lambda: start_engine(app.dress), language=of_environment(os.environ), passing=passing)
     return app.leaving.run()

@@ -1,7 +1,8 @@
 """How long sayso takes to be there: the console with the real engine on a pseudo-terminal, and the commands.
 
-``python -m tests.bench.startup [--json] [--n 5]``. *First paint* is the first pane on the terminal, *usable* the whole
-status line, *robot* the robot ready behind it, all from the start of the process. *First plan* is from a request,
+``python -m tests.bench.startup [--json] [--n 5]``. *First paint* is the first pane on the terminal, of the picture
+from an earlier start (``tui.terminal.launch``), *drawn* the first one that Textual draws, *usable* the whole status
+line, *robot* the robot ready behind it, all from the start of the process. *First plan* is from a request,
 made at the moment in which the robot of a new engine is ready, or its model, to the plan that the model of this machine
 makes of it. The first start of each is not counted: it leaves what later ones have in memory, and what the model has
 read.
@@ -27,6 +28,14 @@ COMMANDS = {
     "ask, simulated time at full speed": ["--set", "robot.speed=max", "ask", "go to the kitchen"],
 }
 
+FRAME = "╭".encode()
+MOMENTS = {
+    "first paint": (b"\x1b[?1049h", FRAME),
+    "drawn": (b"\x1b[?2004h", FRAME),  # bracketed paste: Textual has the terminal
+    "usable": (b"\x1b[?1049h", USABLE),
+    "robot": (b"\x1b[?1049h", b"at rest"),
+}
+"""What is on the terminal then, and what was written some time before it."""
 REQUEST = "kitchen is where I need you to be in a minute, and honk when there"
 """Nothing that phrases know, and short for a model: two actions."""
 PLANNED = ("plan.made", "plan.rejected", "clarification.asked", "refusal.made")
@@ -34,16 +43,17 @@ READ_ANEW_S = 300.0
 """How long a model may take that has to read its instructions first, s."""
 
 
-def console_times() -> tuple[float, float, float]:
-    """Seconds to the first paint, to a usable screen, and to a robot that can be driven."""
+def console_times() -> tuple[float, ...]:
+    """Seconds to each of the moments of :data:`MOMENTS`."""
     with console(120, 40, program=CONSOLE) as terminal:
         found = []
-        for wanted in ("╭".encode(), USABLE, b"at rest"):
-            when = terminal.read(30, lambda seen, wanted=wanted: wanted in seen)  # type: ignore[misc]
+        for name, (after, wanted) in MOMENTS.items():
+            come = lambda seen, after=after, wanted=wanted: wanted in seen.partition(after)[2]  # noqa: E731
+            when = terminal.read(30, come)
             if when is None:
-                raise SystemExit(f"{wanted.decode()} did not appear within 30 s.")
+                raise SystemExit(f"The console was not there within 30 s ({name}).")
             found.append(when)
-        return found[0], found[1], found[2]
+        return tuple(found)
 
 
 def first_plan(*, asked_with: str) -> float:
@@ -86,10 +96,7 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
     starts = [console_times() for _ in range(arguments.n + 1)][1:]
-    found = {
-        name: figures([start[place] for start in starts], "s")
-        for place, name in enumerate(("first paint", "usable", "robot"))
-    }
+    found = {name: figures([start[place] for start in starts], "s") for place, name in enumerate(MOMENTS)}
     for name, command in COMMANDS.items():
         found[name] = figures([command_time(command) for _ in range(arguments.n + 1)][1:], "s")
     for part in ("robot", "model"):

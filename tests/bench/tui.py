@@ -96,8 +96,8 @@ class Terminal:
 
 @cache
 def environment() -> dict[str, str]:
-    """As people have it, in whose Python byte code is there from the installation, or from an earlier start. Compilation
-    would be a fifth of a start, and holds the interpreter lock for 25 ms at a time."""
+    """As people have it: byte code is there from the installation, or from an earlier start. Compilation would be a
+    fifth of a start, and holds the interpreter lock for 25 ms at a time."""
     for folder in ("config", "engine", "tests", "tui"):
         compile_dir(Path(__file__).parents[2] / folder, quiet=2)
     return {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}

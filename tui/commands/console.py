@@ -9,8 +9,10 @@ from argparse import Namespace
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from config.folders import paths
 from engine.errors import UsageError
 from tui.commands.settings import load_settings, overrides
+from tui.terminal.launch import LaunchPicture
 from tui.terminal.terminal import why_not_usable
 
 if TYPE_CHECKING:
@@ -24,14 +26,15 @@ def run(arguments: Namespace) -> int:
     streams = (sys.stdin.isatty(), sys.stdout.isatty(), sys.stderr.isatty())
     if not arguments.tab and (reason := why_not_usable(os.environ, *streams)):
         raise UsageError(reason)
+    launch = LaunchPicture(paths().launch, os.environ)
+    if not arguments.tab:
+        launch.show()
     gc.disable()  # imports make no garbage worth looking for; the console enables it after the first picture
     os.environ.setdefault("ESCDELAY", "25")  # ms that Textual waits to tell the key from the start of a sequence
-    from tui.app import run_console
 
     def start(dress: Callable[..., None]) -> EngineHandle:
         """Everything that takes long: behind the first picture."""
         settings = load_settings(arguments)
-        from config import paths
         from config.changing import Layers
         from tui.kept.crash import secrets_in
         from tui.kept.history import RequestHistory
@@ -57,6 +60,7 @@ def run(arguments: Namespace) -> int:
             wording=wording_of(settings) if language == "zh" else None,
             doctor=lambda: _doctor(settings),
         )
+        launch.keep()
         from engine.engine import Engine
         from engine.parts.loading import Sound
 
@@ -64,7 +68,12 @@ def run(arguments: Namespace) -> int:
         engine.start()
         return engine
 
-    return run_console(start)
+    try:
+        from tui.app import run_console
+
+        return run_console(start, launch.passing)
+    finally:
+        launch.withdraw()
 
 
 def _doctor(settings: Settings) -> Examiner:

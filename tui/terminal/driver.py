@@ -63,10 +63,11 @@ def listening_driver(
     on_hang_up: Callable[[], None] = lambda: None,
     on_report: Callable[[], object] = lambda: None,
     on_answer: Callable[[str], object] = lambda answer: None,
+    passing: Callable[[str], str] = lambda data: data,
 ) -> type[Driver]:
     """A driver like ``base`` that calls ``on_key`` with the name of each key, ``on_hang_up`` when the terminal is gone,
     ``on_report`` when the terminal reports that it is well, and ``on_answer`` with what it answers to questions, all in
-    the reading thread."""
+    the reading thread. Of what is to be written, ``passing`` says what is."""
 
     class ListeningDriver(base):  # type: ignore[valid-type,misc]
         def process_message(self, message: Message) -> None:
@@ -130,7 +131,7 @@ def listening_driver(
             if data == ASK:
                 with self._all_came:
                     self._awaited += 1
-            super().write(data)
+            super().write(passing(data))
 
         def ask(self, question: str) -> None:
             self._answers.expect()
