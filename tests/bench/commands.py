@@ -8,7 +8,8 @@ ask, or say so.
 *No commands*: a kitchen's noise in several strengths, music, other talk (sentences of everyday life, and everyday words
 in no order, by several voices), and mixtures (talk in the noise of a kitchen, and over music), listened to for
 ``--minutes`` each by somebody who has been woken again as soon as a turn has ended. Every plan with an action in it is
-*invented*, and is printed with what was heard.
+*invented*, and is printed with what was heard; one that only stops the robot is a *false stop*, of which an hour of
+other speech may have one.
 """
 
 from __future__ import annotations
@@ -83,10 +84,9 @@ async def _run(
     lengths = []
     for name in nothing if minutes else ():
         sound = _no_command(name, minutes, _said_to_others(remembered, [*speakers, *_others()]))
-        heard, invented, seconds = await _nothing(ears, sound)
+        tally, seconds = await _nothing(ears, sound)
         lengths.append(seconds / 60)
-        ratios[f"turns with a transcript, {name}"] = heard
-        ratios[f"commands invented, {name}"] = invented
+        ratios |= {f"{what}, {name}": count for what, count in tally.items()}
     found = {"no commands": figures(lengths, "min")} if lengths else {}
     result = report(f"commands ({ears.recogniser.name})", len(known), found, ratios)
     print_report(result, json)
@@ -106,9 +106,10 @@ async def _known(ears: Ears, known: list[tuple[str, Samples]], snr: float | None
     return tally
 
 
-async def _nothing(ears: Ears, sound: Iterator[Samples]) -> tuple[int, int, float]:
-    """Turns that led to a transcript, those that led to a plan, and how long it was listened, s."""
-    heard = invented = 0
+async def _nothing(ears: Ears, sound: Iterator[Samples]) -> tuple[Counter[str], float]:
+    """Turns that led to a transcript, to a plan, or to a stop, and how long it was listened, s."""
+    transcripts, invented, stops = "turns with a transcript", "commands invented", "false stops"
+    tally: Counter[str] = Counter({transcripts: 0, invented: 0, stops: 0})
     at = 0.0
     for piece in sound:
         stream = iter(frames(piece))
@@ -117,12 +118,13 @@ async def _nothing(ears: Ears, sound: Iterator[Samples]) -> tuple[int, int, floa
             counted = _Counted(stream)
             text = (await ears.listen(clock, counted)).text
             left -= max(1, counted.count)
-            heard += bool(text)
+            tally[transcripts] += bool(text)
             if text and (found := await planned(ears.planner, text)):
-                invented += 1
-                _tell(f"{at:.0f} s: invented {', '.join(map(str, found))} from {text!r}")
+                actions = [*map(str, found)]
+                tally[stops if set(actions) == {"stop()"} else invented] += 1
+                _tell(f"{at:.0f} s: invented {', '.join(actions)} from {text!r}")
         at += len(piece) / RATE
-    return heard, invented, at
+    return tally, at
 
 
 class _Counted:
