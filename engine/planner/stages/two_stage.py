@@ -28,6 +28,7 @@ from engine.planner.phrases.phrases import Told
 from engine.planner.phrases.said import Calls
 from engine.planner.reply import SCHEMA, STEPS_SCHEMA, Proposal, UnreadableReply, read_reply, read_steps
 from engine.planner.request import Language, NoPlan, PlanRequest
+from engine.planner.stages.brief import full
 from engine.planner.stages.exchanges import last_said
 from engine.planner.stages.prompts import Now, Prompts
 from engine.skills.registry import NOT_SAID, SkillRegistry, UnknownSkill
@@ -196,7 +197,8 @@ class TwoStage:
             return Ask(messages, SCHEMA, grammar, MAX_TOKENS, shared=len(prompts.head), conversation=conversation)
 
         round = len(wrong) + 1
-        return await self._execution.answer(ask, tell=lambda call: request.record(call.as_event("execution", round)))
+        reply = await self._execution.answer(ask, tell=lambda call: request.record(call.as_event("execution", round)))
+        return replace(reply, text=full(reply.text)) if reply.kind == "local" else reply
 
     def _judged(
         self,
