@@ -22,6 +22,7 @@ from config.merge import node_at
 from config.mistakes import PACKAGED
 from config.schema import Settings
 from config.source import Node, SourceError, read
+from config.writing import write_whole
 
 
 class NotWritten(Exception):
@@ -142,7 +143,6 @@ def _why(error: ConfigError, path: Keys) -> str:
 def _edit(file: Path, edit: Callable[[str], str]) -> None:
     """Write the file anew as a whole; the old one stands until the new one is whole. Raises :class:`NotWritten`."""
     real = Path(os.path.realpath(file))  # whoever keeps it elsewhere and links to it keeps the link
-    new = real.with_name(f".{real.name}.{os.getpid()}")
     try:
         mode, old = 0o600, ""
         with contextlib.suppress(FileNotFoundError), real.open(encoding="utf-8", newline="") as written:
@@ -150,18 +150,10 @@ def _edit(file: Path, edit: Callable[[str], str]) -> None:
         text = edit(old)
         if text == old:
             return
-        real.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as writing:
-            os.fchmod(writing.fileno(), mode)
-            writing.write(text.encode())
-            writing.flush()
-            os.fsync(writing.fileno())
-        new.replace(real)
+        write_whole(real, text.encode(), mode=mode)
     except NotEditable as error:
         raise NotWritten(f"{file} cannot be changed from here ({error}); edit it by hand") from error
     except UnicodeDecodeError as error:
         raise NotWritten(f"{file} is not UTF-8 text; save it as UTF-8") from error
     except OSError as error:
-        with contextlib.suppress(OSError):
-            new.unlink()
         raise NotWritten(f"{file} could not be written: {error.strerror or error}; it is as it was") from error

@@ -6,7 +6,6 @@ comfort alone. Nothing here waits for the disk in the thread that calls.
 
 from __future__ import annotations
 
-import contextlib
 import os
 import queue
 import stat
@@ -14,6 +13,8 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
+
+from config.writing import write_whole
 
 MAX_REQUESTS: Final = 200
 """As many are recalled."""
@@ -86,16 +87,8 @@ class RequestHistory:
                 self._tell(str(error))
 
     def _rewrite(self) -> None:
-        """The file with what is recalled alone; the old one stands until the new one is whole."""
-        new = self._path.with_name(f"{self._path.name}.{os.getpid()}")
-        try:
-            with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as file:
-                file.write("".join(f"{line}\n" for line in self.earlier).encode())
-            new.replace(self._path)
-        except OSError:
-            with contextlib.suppress(OSError):
-                new.unlink()
-            raise
+        """The file with what is recalled alone. Raises ``OSError``."""
+        write_whole(self._path, "".join(f"{line}\n" for line in self.earlier).encode())
 
     def _tell(self, why: str) -> None:
         if not self._warned:

@@ -6,8 +6,6 @@ waits for the disk in the thread that calls.
 
 from __future__ import annotations
 
-import contextlib
-import os
 import queue
 import stat
 import threading
@@ -15,6 +13,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final, Literal, get_args
 
+from config.writing import write_whole
 from tui.words import strings
 
 Split = Literal["wide", "compact", "below"]
@@ -92,15 +91,9 @@ class SizeFile:
         import json
 
         while (shares := self._waiting.get()) is not None:
-            new = self._path.with_name(f"{self._path.name}.{os.getpid()}")
             try:
-                self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-                with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w") as file:
-                    file.write(json.dumps(shares) + "\n")
-                new.replace(self._path)  # the old one stands until the new one is whole
+                write_whole(self._path, json.dumps(shares).encode() + b"\n")
             except OSError as error:
-                with contextlib.suppress(OSError):
-                    new.unlink()
                 self._tell(str(error))
 
     def _tell(self, why: str) -> None:

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import contextlib
 import os
-import tempfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from config.writing import write_whole
 from engine import __version__
 
 ENTER: Final = "\x1b[?1049h"
@@ -83,10 +83,7 @@ class LaunchPicture:
         with contextlib.suppress(OSError):
             if self._file.exists() and self._file.read_bytes() == picture:
                 return
-            self._file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            with tempfile.NamedTemporaryFile(dir=self._file.parent, delete=False) as draft:
-                draft.write(picture)
-            Path(draft.name).replace(self._file)
+            write_whole(self._file, picture)
             kept = sorted(self._file.parent.iterdir(), key=lambda file: file.stat().st_mtime, reverse=True)
             for old in kept[_MOST:]:
                 old.unlink(missing_ok=True)
