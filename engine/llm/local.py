@@ -39,7 +39,7 @@ _ALIKE: Final = 0.9  # of a beginning: the rest is a tail that varies, and the s
 _AGAIN: Final = "Ask again: it is started anew. If it keeps happening, try a smaller model."
 _COMPLETIONS: Final = "http://localhost/v1/chat/completions"
 _ONCE: Final = {"Connection": "close"}  # llama.cpp closes a connection that is kept, perhaps just as it is used again
-_LAYOUT: Final = "plain attention"  # what llama.cpp saves looks otherwise with flash attention
+_LAYOUT: Final = "plain-attention"  # what llama.cpp saves looks otherwise with flash attention
 _SPEAKS: Final = {"return_progress": True, "cache_prompt": True}
 """Fields of every question. Without news of its progress, llama.cpp notices a closed connection too late."""
 
