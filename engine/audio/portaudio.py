@@ -30,7 +30,6 @@ PortAudio up to 20 ms of work."""
 LOOKS: Final = 60
 """After so many looks it has been away for long."""
 
-
 _OTHERS_S: Final = 2.0
 """How long it is waited for other processes that initialise PortAudio, s; each takes 0.2, unless a driver hangs."""
 _MEMORY: Final = Path("/dev/shm")  # noqa: S108 - not ours

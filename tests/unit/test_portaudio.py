@@ -50,11 +50,14 @@ def test_that_of_a_server_stays(memory: Path, server: str) -> None:
 def test_the_process_ends_with_the_engine_while_a_driver_hangs() -> None:
     ours, theirs = socket.socketpair()
     hanging = (
-        "import socket, time; from engine.audio.portaudio import leave_with\n"
-        f"link = socket.socket(fileno={theirs.fileno()}); leave_with(link); link.send(b'.'); time.sleep({10 * LIMIT_S})"
+        "import signal, socket; from engine.audio.portaudio import leave_with\n"
+        f"link = socket.socket(fileno={theirs.fileno()}); leave_with(link); link.send(b'.'); signal.pause()"
     )
     with closing(ours), subprocess.Popen([sys.executable, "-c", hanging], pass_fds=[theirs.fileno()]) as process:
         theirs.close()
-        assert ours.recv(1) == b"."
-        ours.close()
-        assert process.wait(LIMIT_S) == 0
+        try:
+            assert ours.recv(1) == b"."
+            ours.close()
+            assert process.wait(LIMIT_S) == 0
+        finally:
+            process.kill()
