@@ -75,4 +75,10 @@ class Scripted:
             raise answer
         return Transcript(answer, 0.9, SURE) if isinstance(answer, str) else answer
 
+    def likelihood(
+        self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False
+    ) -> float | None:
+        """None, as of those that cannot tell."""
+        return None
+
     def close(self) -> None: ...

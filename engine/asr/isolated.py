@@ -19,7 +19,20 @@ from numpy.typing import NDArray
 from config.schema import Asr
 from engine.asr.recogniser import Rejected, Transcript
 from engine.asr.whisper import WhisperRecogniser
-from engine.asr.wire import ANSWERS, Accepted, Answer, Cancel, Declined, Failed, Garbage, Loaded, Transcribe, Wire
+from engine.asr.wire import (
+    ANSWERS,
+    Accepted,
+    Answer,
+    Cancel,
+    Declined,
+    Failed,
+    Garbage,
+    Loaded,
+    Transcribe,
+    Weigh,
+    Weighed,
+    Wire,
+)
 from engine.child import Child
 from engine.errors import ModelError, ProcessError
 
@@ -68,17 +81,24 @@ class IsolatedRecogniser:
     ) -> Transcript | Rejected:
         """Recognise one utterance; see ``Recogniser``."""
         with self._work():
-            wire = self._ready()
-            self._number += 1
-            sound = samples.astype(np.float32, copy=False).tobytes()
-            request = Transcribe(self._number, sound, tuple(vocabulary), quick)
-            try:
-                wire.send(request, ANSWER_LIMIT_S)
-            except TimeoutError:
-                raise self._silence() from None
-            except OSError as error:
-                raise self._loss() from error
-            return self._found(wire, cancelled)
+            answer = self._asked(lambda number: Transcribe(number, _raw(samples), tuple(vocabulary), quick), cancelled)
+            match answer:
+                case Accepted(number, transcript) if number == self._number:
+                    return transcript
+                case Declined(number, rejected) if number == self._number:
+                    return rejected
+            raise self._nonsense(repr(answer))
+
+    def likelihood(
+        self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False
+    ) -> float | None:
+        """How likely it is that one of the texts was said and nothing else; see ``Recogniser``."""
+        with self._work():
+            answer = self._asked(lambda number: Weigh(number, _raw(samples), tuple(texts)), cancelled)
+            match answer:
+                case Weighed(number, likelihood) if number == self._number:
+                    return likelihood
+            raise self._nonsense(repr(answer))
 
     def close(self) -> None:
         """End the process at once. Thread-safe; who waits for an answer gets a ``ModelError`` instead."""
@@ -128,14 +148,17 @@ class IsolatedRecogniser:
         self._wire, self.name = wire, answer.name or self.name
         return wire
 
-    def _found(self, wire: Wire[Answer], cancelled: Callable[[], bool]) -> Transcript | Rejected:
-        match self._answer(wire, cancelled):
-            case Accepted(number, transcript) if number == self._number:
-                return transcript
-            case Declined(number, rejected) if number == self._number:
-                return rejected
-            case answer:
-                raise self._nonsense(repr(answer))
+    def _asked(self, request: Callable[[int], Transcribe | Weigh], cancelled: Callable[[], bool]) -> Answer:
+        """What the process answers to the request with a new number. Raises ``ModelError``."""
+        wire = self._ready()
+        self._number += 1
+        try:
+            wire.send(request(self._number), ANSWER_LIMIT_S)
+        except TimeoutError:
+            raise self._silence() from None
+        except OSError as error:
+            raise self._loss() from error
+        return self._answer(wire, cancelled)
 
     def _answer(self, wire: Wire[Answer], cancelled: Callable[[], bool] = lambda: False) -> Answer:
         """Wait for the next answer; a process that nobody needs to answer is told so, once. Raises ``ModelError``,
@@ -182,6 +205,10 @@ class IsolatedRecogniser:
     @staticmethod
     def _nonsense(what: str) -> ModelError:
         return ModelError(f"The recogniser process gave an answer that makes no sense: {what}.", hint=_AGAIN)
+
+
+def _raw(samples: NDArray[np.float32]) -> bytes:
+    return samples.astype(np.float32, copy=False).tobytes()
 
 
 def _closed() -> ModelError:

@@ -82,6 +82,17 @@ class Recogniser(Protocol):
         """
         ...
 
+    def likelihood(
+        self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False
+    ) -> float | None:
+        """How likely it is that one of ``texts`` was said and nothing else: the largest of their log-probabilities.
+
+        ``samples`` and ``cancelled`` as above; the texts are in one language. For a word that is to be told from all
+        others: which of several words that sound alike is written as the text, is decided by little. None: that is
+        more than this recogniser can tell, or it was cancelled. Raises ``ModelError``.
+        """
+        ...
+
     def close(self) -> None:
         """End what runs for this recogniser elsewhere, at once, also in the middle of a decoding. What is asked of one
         that lived elsewhere raises ``ModelError`` from then on."""

@@ -95,6 +95,13 @@ class RemoteRecogniser:
         )
         return judge(heard.text, decoding, self._settings, vocabulary)
 
+    def likelihood(
+        self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False
+    ) -> float | None:
+        """None: there is no such question in these protocols."""
+        del samples, texts, cancelled
+        return None
+
     def close(self) -> None:
         """End the conversation at once. Thread-safe."""
         with self._lock:

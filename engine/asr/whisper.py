@@ -60,6 +60,15 @@ VOCABULARY_WORDS = 60
 READING_WORDS = 8
 """So many of these are told to whoever looks for other readings: a long list draws every noise to one of its words."""
 
+LIKELIHOOD_WINDOW_S = 6.0
+"""Window in which the likelihood of short texts is looked for: each of them pays for all of it."""
+
+FRAME_S = 0.01
+"""Of Whisper's spectrogram."""
+
+ENDINGS = "。!！.,，"
+"""What may be written behind a text that was said, besides nothing."""
+
 FILES = ("model.bin", "config.json", "tokenizer.json")
 
 
@@ -139,6 +148,18 @@ class WhisperRecogniser:
             return found
         others = self._others(samples, vocabulary, found, cancelled)
         return replace(found, decoding=replace(decoding, decode_s=time.perf_counter() - began), others=others)
+
+    def likelihood(
+        self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False
+    ) -> float | None:
+        """How likely it is that one of the texts was said and nothing else; see ``Recogniser``."""
+        self.load()
+        language = "zh" if is_chinese(texts[0]) else "en"
+        spoken = self._model.model.is_multilingual or language == "en"
+        if not spoken or len(samples) < SHORTEST_S * RATE or cancelled():
+            return None
+        likelihood: float = self._model.likelihood(samples, texts, language, math.ceil(LIKELIHOOD_WINDOW_S / FRAME_S))
+        return likelihood
 
     def close(self) -> None:
         """Nothing runs elsewhere."""
@@ -265,6 +286,8 @@ def _open_model(folder: Path, threads: int) -> Any:
     os.environ["HF_HUB_OFFLINE"] = "1"  # before the import: huggingface_hub reads it once
     import ctranslate2
     from faster_whisper import WhisperModel
+    from faster_whisper.audio import pad_or_trim
+    from faster_whisper.tokenizer import Tokenizer
 
     logging.getLogger("faster_whisper").setLevel(logging.WARNING)
     ctranslate2.set_log_level(logging.ERROR)
@@ -281,6 +304,37 @@ def _open_model(folder: Path, threads: int) -> Any:
             if self.last is None or not np.array_equal(self.last[0], taken):  # else the language was found in it
                 self.last = taken, super().encode(taken)
             return self.last[1]
+
+        def likelihood(
+            self, samples: NDArray[np.float32], texts: Sequence[str], language: str, window_frames: int
+        ) -> float:
+            """The largest log-probability of a text and an end behind it, of all that could be written."""
+            tokenizer = Tokenizer(self.hf_tokenizer, self.model.is_multilingual, task="transcribe", language=language)
+            ends = [tokenizer.eot, *(tokenizer.encode(sign)[0] for sign in ENDINGS)]
+            start = [*tokenizer.sot_sequence, tokenizer.no_timestamps]
+            # Whisper begins with a space in languages that have any
+            written = [tokenizer.encode(text if is_chinese(text) else f" {text}") for text in texts]
+            longest = max(map(len, written))
+            self.window_frames = window_frames
+            heard = self.encode(pad_or_trim(self.feature_extractor(samples)[..., :-1]))
+            heard = np.asarray(heard.to(ctranslate2.DataType.float32))
+            found = self.model.generate(
+                ctranslate2.StorageView.from_array(np.repeat(heard, len(written), axis=0)),
+                # of equal length; what follows a text is asked before what is written in its place here
+                [[*start, *tokens, *tokens[-1:] * (longest - len(tokens))] for tokens in written],
+                beam_size=1,
+                max_length=len(start) + longest + 1,
+                return_logits_vocab=True,
+                suppress_blank=False,
+                suppress_tokens=[],
+            )
+            chances = []
+            for tokens, result in zip(written, found, strict=True):
+                steps = [np.asarray(step, np.float32).ravel() for step in result.logits[0][: len(tokens) + 1]]
+                steps = [step - np.logaddexp.reduce(step) for step in steps]
+                said = sum(float(step[token]) for step, token in zip(steps, tokens, strict=False))
+                chances.append(said + float(np.logaddexp.reduce(steps[-1][ends])))
+            return max(chances)
 
         def generate_with_fallback(self, encoder_output: Any, prompt: list[int], tokenizer: Any, options: Any) -> Any:
             # faster-whisper's own throws all readings but the best away; falling back is our business anyway

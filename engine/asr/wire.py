@@ -1,7 +1,8 @@
 """What an engine and its recogniser process say to each other: messages with their length before them.
 
-The engine asks (:class:`Transcribe`) and waits for the answer, and may say meanwhile that nobody needs it any more
-(:class:`Cancel`). The process speaks first: it has loaded its model (:class:`Loaded`), or could not (:class:`Failed`).
+The engine asks (:class:`Transcribe`, :class:`Weigh`) and waits for the answer, and may say meanwhile that nobody needs
+it any more (:class:`Cancel`). The process speaks first: it has loaded its model (:class:`Loaded`), or could not
+(:class:`Failed`).
 """
 
 from __future__ import annotations
@@ -28,6 +29,14 @@ class Transcribe(msgspec.Struct, frozen=True, tag=True):
     quick: bool
 
 
+class Weigh(msgspec.Struct, frozen=True, tag=True):
+    """How likely one of these texts is, and nothing else. ``number`` as above."""
+
+    number: int
+    samples: bytes
+    texts: tuple[str, ...]
+
+
 class Cancel(msgspec.Struct, frozen=True, tag=True):
     """Nobody needs the answer to this one any more; it comes nevertheless."""
 
@@ -50,6 +59,11 @@ class Declined(msgspec.Struct, frozen=True, tag=True):
     rejected: Rejected
 
 
+class Weighed(msgspec.Struct, frozen=True, tag=True):
+    number: int
+    likelihood: float | None
+
+
 class Failed(msgspec.Struct, frozen=True, tag=True):
     """A ``ModelError``, by its parts; the process ends after it."""
 
@@ -57,8 +71,8 @@ class Failed(msgspec.Struct, frozen=True, tag=True):
     hint: str
 
 
-Request = Transcribe | Cancel
-Answer = Loaded | Accepted | Declined | Failed
+Request = Transcribe | Weigh | Cancel
+Answer = Loaded | Accepted | Declined | Weighed | Failed
 T = TypeVar("T")
 
 

@@ -22,7 +22,7 @@ from config.schema import Asr
 from engine.asr import wire as w
 from engine.asr.recogniser import Transcript
 from engine.asr.whisper import WhisperRecogniser
-from engine.asr.wire import Answer, Cancel, Request, Transcribe, Wire
+from engine.asr.wire import Answer, Cancel, Request, Transcribe, Weigh, Wire
 from engine.errors import ModelError
 
 
@@ -31,14 +31,14 @@ class Requests:
 
     def __init__(self, wire: Wire[Request]) -> None:
         self._wire = wire
-        self._waiting: queue.SimpleQueue[Transcribe] = queue.SimpleQueue()
+        self._waiting: queue.SimpleQueue[Transcribe | Weigh] = queue.SimpleQueue()
         self._cancelled = 0  # number of the last request that nobody needs any more
         threading.Thread(target=self._listen, name="requests", daemon=True).start()
 
-    def next(self) -> Transcribe:
+    def next(self) -> Transcribe | Weigh:
         return self._waiting.get()
 
-    def is_cancelled(self, request: Transcribe) -> bool:
+    def is_cancelled(self, request: Transcribe | Weigh) -> bool:
         return self._cancelled >= request.number
 
     def _listen(self) -> None:
@@ -55,12 +55,16 @@ class Requests:
             os._exit(1)
 
 
-def recognise(recogniser: WhisperRecogniser, request: Transcribe, requests: Requests) -> Answer:
+def answer_to(request: Transcribe | Weigh, recogniser: WhisperRecogniser, requests: Requests) -> Answer:
     samples = np.frombuffer(request.samples, np.float32)
+
+    def cancelled() -> bool:
+        return requests.is_cancelled(request)
+
     try:
-        found = recogniser.transcribe(
-            samples, request.vocabulary, lambda: requests.is_cancelled(request), quick=request.quick
-        )
+        if isinstance(request, Weigh):
+            return w.Weighed(request.number, recogniser.likelihood(samples, request.texts, cancelled))
+        found = recogniser.transcribe(samples, request.vocabulary, cancelled, quick=request.quick)
     except ModelError as error:
         return w.Failed(error.message, error.hint)
     return w.Accepted(request.number, found) if isinstance(found, Transcript) else w.Declined(request.number, found)
@@ -86,7 +90,7 @@ def main(argv: list[str]) -> int:
         answer = w.Failed(error.message, error.hint)
     wire.send(answer)
     while not isinstance(answer, w.Failed):
-        answer = recognise(recogniser, requests.next(), requests)
+        answer = answer_to(requests.next(), recogniser, requests)
         wire.send(answer)
     return int(ModelError.exit_code)
 

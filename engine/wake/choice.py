@@ -21,9 +21,9 @@ MODEL: Final = "speech-embedding"
 STOPS: Final[Mapping[str, str]] = {"en": "stop", "zh": "停"}
 """What is listened for while the robot moves or speaks, by language: the name of a head, which may know other words
 that mean the same."""
-SUSPECTED: Final[Mapping[str, float]] = {"stop": 0.5, "停": 0.9}
+SUSPECTED: Final[Mapping[str, float]] = {"stop": 0.5, "停": 0.7}
 """How sure a head has to be of a stop for somebody to ask the recogniser, and do no more. Each Chinese syllable is like
-another one: from 0.5 on it would be asked ten times a minute while people talk."""
+another one: from 0.5 on it would be asked ten times a minute while people talk, and from 0.7 on three times."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,7 @@ import asyncio
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -48,7 +49,9 @@ from tests.bench.talk_zh import EVERYDAY, LIKE_A_STOP
 from tests.bench.wake_words import CONDITIONS, SPEECH, natural, others, trained_by, unseen
 
 ENGLISH = (("Stop.", 1.0), ("Stop!", 1.15))
-CHINESE = (("停！", 1.0), ("停下！", 1.1), ("停下来！", 1.0), ("停止！", 1.0), ("别动！", 1.1))
+CHINESE = tuple(
+    (text, pace) for text in ("停！", "停下！", "停下来！", "停止！", "别动！") for pace in (0.88, 1.0, 1.15)
+)
 LATE_S = 1.2
 """What comes later after the word is no answer to it."""
 
@@ -73,11 +76,21 @@ class Timed:
         *,
         quick: bool = False,
     ) -> Transcript | Rejected:
+        with self._timed():
+            return self._recogniser.transcribe(samples, vocabulary, cancelled, quick=quick)
+
+    def likelihood(
+        self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False
+    ) -> float | None:
+        with self._timed():
+            return self._recogniser.likelihood(samples, texts, cancelled)
+
+    @contextmanager
+    def _timed(self) -> Iterator[None]:
         began = time.process_time()
-        found = self._recogniser.transcribe(samples, vocabulary, cancelled, quick=quick)
+        yield
         self.decode_s.append(time.process_time() - began)
         self.free = max(self.now, self.free) + self.decode_s[-1]
-        return found
 
 
 @dataclass

@@ -121,6 +121,9 @@ def test_it_answers_as_the_recogniser_in_this_process_does() -> None:
             else:
                 assert there == replace(here, decoding=decoding)
         assert made.transcribe(silence[:100]) == recogniser().transcribe(silence[:100])
+        stop, texts = spoken("stop.wav"), ("Stop", "stop")
+        assert made.likelihood(stop, texts) == pytest.approx(recogniser().likelihood(stop, texts), abs=1e-3)
+        assert made.likelihood(silence[:100], texts) is None
         assert made.name.rpartition(", ")[0] == recogniser().name.rpartition(", ")[0], "all but how long a pass takes"
 
 

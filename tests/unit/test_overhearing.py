@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
 from dataclasses import replace
@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from config import load
 from config.schema import Endpoint, Vad
@@ -27,7 +28,16 @@ from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import ModelError
 from engine.hearing.hearing import Hearing
-from engine.hearing.overhearing import DOUBTFUL_LOGPROB, SURE_LOGPROB, Alert, Overhearing, SpeechWatch
+from engine.hearing.overhearing import (
+    ALONE,
+    ALONE_FRAMES,
+    AT_ONCE,
+    DOUBTFUL_LOGPROB,
+    SURE_LOGPROB,
+    Alert,
+    Overhearing,
+    SpeechWatch,
+)
 from engine.parts.ears import Ears
 from engine.parts.loading import Sound
 from engine.parts.part import Part
@@ -45,6 +55,7 @@ ENDPOINT = Endpoint(
     pre_roll_s=0.3, start_s=0.1, silence_s=0.6, complete_s=0.35, incomplete_s=1.2, max_length_s=15, no_speech_s=2
 )
 VAD = Vad(backend="auto", gate_mode=3, threshold=0.5)
+LATER_S = (ALONE_FRAMES + 1) * FRAME_S
 DECODING = Decoding("en", -0.1, 0.02, 1.0, 0.1, 10)
 
 
@@ -288,6 +299,10 @@ class Listening(Scripted):
 
     def __init__(self, *answers: Transcript | Rejected | ModelError | str) -> None:
         super().__init__(*answers)
+        self.likelihoods: Sequence[float] = ()
+        """One after the other; the last one again and again. None: it cannot tell."""
+        self.weighed: list[tuple[str, ...]] = []
+        self.on_weighing: Callable[[], None] = lambda: None
         self.settled = 0
         self.told: list[str] = []
         self._worker = ThreadPoolExecutor(1)
@@ -308,11 +323,19 @@ class Listening(Scripted):
             self.overhearing.push(Frame(sound[at : at + FRAME_SAMPLES], self._frames * FRAME_S))
             await self.rest()
 
-    def suspect(self, *, sure: bool = True) -> None:
+    def likelihood(
+        self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False
+    ) -> float | None:
+        self.weighed.append(tuple(texts))
+        self.on_weighing()
+        count = len(self.likelihoods)
+        return self.likelihoods[min(len(self.weighed), count) - 1] if count else None
+
+    def suspect(self, phrase: str = "stop", *, sure: bool = True) -> None:
         def settled() -> None:
             self.settled += 1
 
-        self.overhearing.suspect("stop", settled, sure=sure)
+        self.overhearing.suspect(phrase, settled, sure=sure)
 
     async def rest(self) -> None:
         """Until nothing is being recognised, unless it may not be answered."""
@@ -364,10 +387,113 @@ def test_two_suspicions_at_once_are_looked_into_together() -> None:
         ears.overhearing.suspect("停", lambda: None, sure=False)
         ears.may_answer.set()
         await ears.rest()
-        assert ears.expected[-1] == ("stop", "停")
+        assert ears.settled == 0
+        await ears.hear(quiet(LATER_S))
+        assert ears.expected == [("stop",), ("stop", "停")]
+        assert ears.told == ["停。"]
         assert ears.settled == 1
 
-    suspecting(scenario, "Shop.", "Shop.", "停。")
+    suspecting(scenario, "Shop.", "停。")
+
+
+# What is so short that its likelihood counts
+
+
+@pytest.mark.parametrize(
+    ("likelihoods", "looks", "stops"),
+    [
+        ((AT_ONCE + 0.1,), 1, True),
+        ((AT_ONCE - 0.1, ALONE + 0.1), 2, True),
+        ((AT_ONCE - 0.1, ALONE - 0.1), 2, False),
+    ],
+    ids=["certain at once", "alone", "the beginning of more"],
+)
+def test_a_short_stop_counts_at_once_when_it_is_certain_and_later_when_it_was_all(
+    likelihoods: tuple[float, ...], looks: int, stops: bool
+) -> None:
+    async def scenario(ears: Listening) -> None:
+        ears.likelihoods = likelihoods
+        await ears.hear(quiet(2))
+        ears.suspect("停", sure=True)
+        await ears.rest()
+        assert len(ears.weighed) == 1
+        assert ears.settled == (looks == 1)
+        await ears.hear(quiet(LATER_S))
+        assert len(ears.weighed) == looks
+        assert ears.told == (["停"] if stops else [])
+        assert ears.settled == 1
+        assert ears.expected == []  # nobody was asked for a text
+
+    suspecting(scenario, "Nobody asks.")
+
+
+@pytest.mark.parametrize(("likelihood", "stops"), [(ALONE + 0.1, True), (ALONE - 0.1, False)])
+def test_a_doubtful_short_stop_is_looked_for_once_when_it_shows_whether_it_was_all(
+    likelihood: float, stops: bool
+) -> None:
+    async def scenario(ears: Listening) -> None:
+        ears.likelihoods = (likelihood,)
+        await ears.hear(quiet(2))
+        ears.suspect("停", sure=False)
+        await ears.rest()
+        assert ears.weighed == []
+        assert ears.settled == 0
+        await ears.hear(quiet(LATER_S))
+        assert len(ears.weighed) == 1
+        assert ears.told == (["停"] if stops else [])
+        assert ears.settled == 1
+
+    suspecting(scenario, "Nobody asks.")
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_what_a_pause_asks_for_waits_for_the_look_at_a_short_stop_and_is_not_lost(alone: bool) -> None:
+    async def scenario(ears: Listening) -> None:
+        ears.likelihoods = (ALONE + (0.1 if alone else -0.1),)
+        await ears.hear(quiet(1))
+        for at in range(0, len(STOP), FRAME_SAMPLES):
+            await ears.hear(STOP[at : at + FRAME_SAMPLES])
+            if len(ears.passes) == 1:  # as much as a stop was said; the pause comes next
+                break
+        ears.suspect("停", sure=False)
+        await ears.hear(STOP[at + FRAME_SAMPLES :][: (ALONE_FRAMES - 1) * FRAME_SAMPLES])
+        assert ears.weighed == []
+        assert len(ears.passes) == 1
+        await ears.hear(quiet(2 * FRAME_S))
+        assert len(ears.weighed) == 1
+        assert ears.told == (["停"] if alone else ["站住。"])
+        assert len(ears.passes) == (1 if alone else 2)
+        assert ears.settled == 1
+
+    suspecting(scenario, "听", "站住。")
+
+
+def test_beside_a_short_stop_another_one_is_looked_for_as_ever() -> None:
+    async def scenario(ears: Listening) -> None:
+        ears.likelihoods = (-9.0,)
+        await ears.hear(quiet(2))
+        ears.may_answer.clear()
+        ears.suspect()
+        ears.suspect("停")
+        ears.may_answer.set()
+        await ears.rest()
+        assert ears.expected == [("stop",), ("stop",)]
+        assert ears.told == ["Stop."]
+
+    suspecting(scenario, "Shop.", "Stop.")
+
+
+def test_a_likelihood_that_nobody_needs_any_more_is_no_stop() -> None:
+    async def scenario(ears: Listening) -> None:
+        ears.likelihoods = (0.0,)
+        ears.on_weighing = ears.overhearing.drop
+        await ears.hear(quiet(2))
+        ears.suspect("停")
+        await ears.rest()
+        assert ears.told == []
+        assert ears.settled == 1
+
+    suspecting(scenario, "Nobody asks.")
 
 
 def test_without_a_suspicion_the_recogniser_is_told_nothing() -> None:

@@ -83,6 +83,11 @@ class Counting:
             return Rejected("no_speech", "It is silent.")
         return Transcript(f"{len(samples)} samples", 0.9, Decoding("en", -0.1, 0.0, len(samples) / RATE, 0.1, 10.0))
 
+    def likelihood(
+        self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False
+    ) -> float | None:
+        return None
+
     def close(self) -> None: ...
 
 

@@ -102,6 +102,51 @@ def test_the_language_is_found_among_those_that_are_spoken_here() -> None:
     assert ", auto, " in either.name
 
 
+# How likely a text is
+
+STOPS = ("Stop", "stop")
+
+
+@pytest.mark.model
+def test_what_was_said_is_likelier_than_what_was_not() -> None:
+    stop, kitchen = spoken("stop.wav"), spoken("go_to_the_kitchen.wav")
+    made = recogniser()
+    said = made.likelihood(stop, STOPS)
+    assert said is not None
+    assert -1.5 < said <= 0
+    for sound, texts in ((kitchen, STOPS), (stop, ("Go to the kitchen",)), (stop, ("Stop the train",))):
+        other = made.likelihood(sound, texts)
+        assert other is not None
+        assert other < said - 4
+    assert made.likelihood(stop, ("Kitchen", "stop", "Stop")) == pytest.approx(said, abs=1e-3), "however many are asked"
+
+
+@pytest.mark.model
+def test_the_beginning_of_a_sentence_was_not_said_alone() -> None:
+    start, whole = spoken("go_to_the_kitchen.wav"), ("Go", "Go to the")
+    likelihood = recogniser().likelihood(start, whole)
+    assert likelihood is not None
+    assert likelihood < -4
+
+
+@pytest.mark.model
+def test_asking_for_a_likelihood_changes_nothing_of_what_is_recognised_next() -> None:
+    sound, made = spoken("go_to_the_kitchen.wav"), recogniser()
+    before = made.transcribe(sound, NOUNS)
+    made.likelihood(sound, STOPS)
+    after = made.transcribe(sound, NOUNS)
+    assert isinstance(before, Transcript)
+    assert isinstance(after, Transcript)
+    assert after.text == before.text
+
+
+@pytest.mark.model
+def test_of_what_it_cannot_hear_it_says_nothing() -> None:
+    sound = spoken("stop.wav")
+    assert recogniser().likelihood(sound[:100], STOPS) is None
+    assert recogniser().likelihood(sound, STOPS, lambda: True) is None
+
+
 # What is no speech
 
 
