@@ -35,6 +35,7 @@ from engine.hearing.overhearing import Alert, Overhearing
 from engine.parts.loading import make_recogniser, model_store
 from engine.parts.words import load_spotters
 from engine.planner.phrases.stopping import is_stop
+from engine.wake.choice import STOPS
 from engine.wake.training.voices import Espeak, Piper, Remembered, Voice, find_voices
 from engine.wake.words import Spotter
 from tests.bench.report import figures, print_report, report
@@ -177,7 +178,7 @@ async def own_voice(
             found[f"echo removed, {room.echo_db:g} dB"].append(decibels(heard[known], left[known]))
             found[f"removed and faded, {room.echo_db:g} dB"].append(decibels(heard[known], others[known]))
         came = await ears.hear(left, others, alone)
-        counts["suspected stops"] += len(came.spotted.pop("stop", ()))
+        counts["suspected stops"] += sum(len(came.spotted.pop(word, ())) for word in STOPS.values())
         counts["wakes"] += sum(map(len, came.spotted.values()))
         counts["overheard stops"] += len(came.stops)
         counts["words known to be its own"] += came.own
