@@ -63,9 +63,6 @@ READING_WORDS = 8
 LIKELIHOOD_WINDOW_S = 6.0
 """Window in which the likelihood of short texts is looked for: each of them pays for all of it."""
 
-FRAME_S = 0.01
-"""Of Whisper's spectrogram."""
-
 ENDINGS = "。!！.,，"
 """What may be written behind a text that was said, besides nothing."""
 
@@ -158,7 +155,8 @@ class WhisperRecogniser:
         spoken = self._model.model.is_multilingual or language == "en"
         if not spoken or len(samples) < SHORTEST_S * RATE or cancelled():
             return None
-        likelihood: float = self._model.likelihood(samples, texts, language, math.ceil(LIKELIHOOD_WINDOW_S / FRAME_S))
+        self._model.window_frames = math.ceil(LIKELIHOOD_WINDOW_S * self._model.frames_per_second)
+        likelihood: float = self._model.likelihood(samples, texts, language)
         return likelihood
 
     def close(self) -> None:
@@ -305,9 +303,7 @@ def _open_model(folder: Path, threads: int) -> Any:
                 self.last = taken, super().encode(taken)
             return self.last[1]
 
-        def likelihood(
-            self, samples: NDArray[np.float32], texts: Sequence[str], language: str, window_frames: int
-        ) -> float:
+        def likelihood(self, samples: NDArray[np.float32], texts: Sequence[str], language: str) -> float:
             """The largest log-probability of a text and an end behind it, of all that could be written."""
             tokenizer = Tokenizer(self.hf_tokenizer, self.model.is_multilingual, task="transcribe", language=language)
             ends = [tokenizer.eot, *(tokenizer.encode(sign)[0] for sign in ENDINGS)]
@@ -315,7 +311,6 @@ def _open_model(folder: Path, threads: int) -> Any:
             # Whisper begins with a space in languages that have any
             written = [tokenizer.encode(text if is_chinese(text) else f" {text}") for text in texts]
             longest = max(map(len, written))
-            self.window_frames = window_frames
             heard = self.encode(pad_or_trim(self.feature_extractor(samples)[..., :-1]))
             heard = np.asarray(heard.to(ctranslate2.DataType.float32))
             found = self.model.generate(

@@ -108,9 +108,9 @@ class _Suspicion:
     phrases: list[str]
     sure: bool
     settled: Callable[[], None]
-    looks: dict[asyncio.Future[Verdict], _Look] = field(default_factory=dict)  # that are not over
+    looks: set[asyncio.Future[Verdict]] = field(default_factory=set)  # that are not over
     looked: int = 0  # looks that are
-    later: bool = False  # one of them was late enough
+    later: bool = False  # one was asked for that is late enough
     held: Samples | None = None  # what else is to be recognised, but must not be in the way of that
     frames: int = 0  # that have come since
 
@@ -122,16 +122,16 @@ class _Suspicion:
     @property
     def waits(self) -> bool:
         """It is short, and the look that tells most has not been asked for."""
-        return self.short and not self.later and not any(look.later for look in self.looks.values())
+        return self.short and not self.later
 
     def is_due(self, *, paused: bool) -> bool:
         """It is time to look again; ``paused``: who spoke has just stopped."""
         if self.short:
-            return self.frames >= ALONE_FRAMES and not self.later
+            return self.waits and self.frames >= ALONE_FRAMES
         return self.frames >= SECOND_FRAMES or paused
 
     def is_over(self, *, talking: bool) -> bool:
-        """There was a look at all that is to be known."""
+        """No look is missing but those that are not over."""
         return self.later if self.short else self.looked >= (2 if talking else 1)
 
 
@@ -210,16 +210,17 @@ class Overhearing:
         self._newest.append(frame)
         sound = self._watch.push(frame, alert.vad.process(others or frame).speech)
         suspicion = self._suspicion
+        if suspicion is not None and suspicion.waits:
+            suspicion.held = sound if sound is not None else suspicion.held
+        elif sound is not None:
+            self._ask(alert, sound)
         if suspicion is not None:
             suspicion.frames += 1
             if not suspicion.looks and suspicion.is_due(paused=sound is not None):
                 self._look()
-            if suspicion.waits:
-                suspicion.held = sound if sound is not None else suspicion.held
-                return
-            sound, suspicion.held = sound if sound is not None else suspicion.held, None
-        if sound is not None:
-            self._ask(alert, sound)
+            if suspicion.held is not None and not suspicion.waits:
+                self._ask(alert, suspicion.held)
+                suspicion.held = None
 
     def _look(self) -> None:
         """Recognise the newest stretch with the suspicion in mind."""
@@ -227,12 +228,13 @@ class Overhearing:
         if self._alert is None or suspicion is None or not self._newest:
             return
         sound = np.concatenate([frame.samples for frame in self._newest])
-        look = _Look(tuple(suspicion.phrases), suspicion.sure, later=suspicion.frames >= ALONE_FRAMES)
-        suspicion.looks[self._ask(self._alert, sound, look)] = look
+        suspicion.later = suspicion.frames >= ALONE_FRAMES
+        look = _Look(tuple(suspicion.phrases), suspicion.sure, suspicion.later)
+        suspicion.looks.add(self._ask(self._alert, sound, look))
 
     def _ask(self, alert: Alert, sound: Samples, look: _Look | None = None) -> asyncio.Future[Verdict]:
-        looks = set(self._suspicion.looks) if self._suspicion is not None else set()
-        for waiting in looks if look is not None else self._works - looks:
+        looks = self._suspicion.looks if self._suspicion is not None else set()
+        for waiting in tuple(looks) if look is not None else self._works - looks:
             waiting.cancel()  # of no effect on one that is running
         loop, period = asyncio.get_running_loop(), self._period
         work = loop.run_in_executor(self._worker, self._recognise, alert, sound, period, look)
@@ -246,15 +248,15 @@ class Overhearing:
         suspicion = self._suspicion
         if suspicion is None:
             return
-        look = suspicion.looks.pop(work, None)
+        looked = work in suspicion.looks
+        suspicion.looks.discard(work)
         if work.cancelled():
             return
         verdict = work.result()
         if verdict == "unknown":
             self._suspicion = None  # and nobody will ever know
             return
-        suspicion.looked += look is not None
-        suspicion.later |= look is not None and look.later
+        suspicion.looked += looked
         if verdict == "stop" or (suspicion.is_over(talking=self._watch.talking) and not self._works):
             self._settle()
 
@@ -298,7 +300,7 @@ class Overhearing:
                 expected.append(phrase)
             elif likelihood >= (ALONE if look.later else AT_ONCE):
                 return phrase
-        if not expected:
+        if not expected or dropped():
             return None
         found = self._recogniser.transcribe(samples, tuple(expected), dropped, quick=True)
         logprob = SURE_LOGPROB if look.sure else DOUBTFUL_LOGPROB

@@ -300,7 +300,7 @@ class Listening(Scripted):
     def __init__(self, *answers: Transcript | Rejected | ModelError | str) -> None:
         super().__init__(*answers)
         self.likelihoods: Sequence[float] = ()
-        """One after the other; the last one again and again. None: it cannot tell."""
+        """One after the other; the last one again and again. Empty: it cannot tell."""
         self.weighed: list[tuple[str, ...]] = []
         self.on_weighing: Callable[[], None] = lambda: None
         self.settled = 0
