@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from engine.asr.recogniser import Decoding, Rejected, Transcript
 from engine.audio.source import RATE
 from engine.errors import SaysoError
+from engine.lead import Lead
 
 SURE: Final = Decoding("en", -0.1, 0.02, 1.4, 0.2, 10)
 PATIENCE_S: Final = 20
@@ -28,6 +29,7 @@ class Given:
     vocabulary: tuple[str, ...]
     quick: bool
     thread: str
+    lead: Lead | None = None
 
     @property
     def seconds(self) -> float:
@@ -62,9 +64,10 @@ class Scripted:
         cancelled: Callable[[], bool] = lambda: False,
         *,
         quick: bool = False,
+        lead: Lead | None = None,
     ) -> Transcript | Rejected:
         answer = self.answers[min(len(self.passes), len(self.answers) - 1)]
-        given = Given(samples, tuple(vocabulary), quick, threading.current_thread().name)
+        given = Given(samples, tuple(vocabulary), quick, threading.current_thread().name, lead)
         self.passes.append(given)
         self.began.set()
         assert self.may_answer.wait(PATIENCE_S)

@@ -35,6 +35,7 @@ from engine.asr.wire import (
 )
 from engine.child import Child
 from engine.errors import ModelError, ProcessError
+from engine.lead import Lead
 
 ANSWER_LIMIT_S = 120.0
 """s after which a process that neither answers nor ends counts as lost; the slowest machine needs less for anything."""
@@ -78,10 +79,16 @@ class IsolatedRecogniser:
         cancelled: Callable[[], bool] = lambda: False,
         *,
         quick: bool = False,
+        lead: Lead | None = None,
     ) -> Transcript | Rejected:
         """Recognise one utterance; see ``Recogniser``."""
+        before = (lead.text, lead.samples.tobytes()) if lead is not None else None
+
+        def request(number: int) -> Transcribe:
+            return Transcribe(number, _raw(samples), tuple(vocabulary), quick, before)
+
         with self._work():
-            answer = self._asked(lambda number: Transcribe(number, _raw(samples), tuple(vocabulary), quick), cancelled)
+            answer = self._asked(request, cancelled)
             match answer:
                 case Accepted(number, transcript) if number == self._number:
                     return transcript

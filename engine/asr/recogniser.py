@@ -13,6 +13,8 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.lead import Lead
+
 RejectReason = Literal["no_speech", "low_confidence", "too_short", "empty", "artefact"]
 
 
@@ -72,12 +74,14 @@ class Recogniser(Protocol):
         cancelled: Callable[[], bool] = lambda: False,
         *,
         quick: bool = False,
+        lead: Lead | None = None,
     ) -> Transcript | Rejected:
         """Recognise one utterance.
 
         ``samples``: shape (n,), 16 kHz, ±1. ``vocabulary``: nouns and names to be expected; never verbs or phrases,
         which a recogniser would hear in silence. ``cancelled`` is asked between stretches of work; once true, the
         result is whatever there is so far and will not be used. ``quick``: no second look, however doubtful the first.
+        ``lead``: what was said right before ``samples``; it is no part of the result.
         Raises ``ModelError``.
         """
         ...

@@ -22,6 +22,7 @@ from engine.asr.gates import judge
 from engine.asr.recogniser import Decoding, Rejected, Transcript
 from engine.errors import ModelError
 from engine.han import is_chinese
+from engine.lead import Lead
 
 RATE = 16_000
 LOOK_S = 0.02
@@ -75,9 +76,10 @@ class RemoteRecogniser:
         cancelled: Callable[[], bool] = lambda: False,
         *,
         quick: bool = False,
+        lead: Lead | None = None,
     ) -> Transcript | Rejected:
         """Recognise one utterance; see ``Recogniser``. Raises ``SaysoError``."""
-        del quick  # there is only one way to ask
+        del quick, lead  # there is only one way to ask, and nobody to be told what is known already
         audio_s = len(samples) / RATE
         if audio_s < SHORTEST_S:
             return Rejected("too_short", f"{audio_s:.2f} s of sound is too short for a word.")

@@ -14,6 +14,7 @@ from __future__ import annotations
 import logging
 import math
 import os
+import re
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -28,6 +29,7 @@ from engine.asr.gates import judge
 from engine.asr.recogniser import Decoding, Rejected, Transcript
 from engine.errors import ModelError
 from engine.han import is_chinese
+from engine.lead import Lead
 
 RATE = 16_000
 FULL_WINDOW_S = 30.0
@@ -77,7 +79,8 @@ class WhisperRecogniser:
         self._settings = settings
         self._threads = settings.threads or max(1, (os.cpu_count() or 1) // 2)
         self._model: Any = None
-        self._first: tuple[NDArray[np.float32], tuple[str, ...], _Result] | None = None  # the last short pass
+        self._first: tuple[_Sound, tuple[str, ...], _Result] | None = None  # the last short pass
+        self._spoken: tuple[NDArray[np.float32], str] | None = None  # the last sound whose language was looked for
         self.name = self._name = f"{folder.name} (int8, {self._threads} thread{'s' if self._threads > 1 else ''})"
 
     def load(self) -> None:
@@ -102,7 +105,7 @@ class WhisperRecogniser:
         self._model = model
         for _ in range(2):  # the first one takes longer
             began = time.perf_counter()
-            self._decode(np.zeros(RATE, np.float32), (), self._settings.window_s, lambda: False)
+            self._decode(_Sound(np.zeros(RATE, np.float32)), (), self._settings.window_s, lambda: False)
             took = time.perf_counter() - began
         self.name = f"{self._name}, {self._settings.language}, {took:.1f} s a pass"
 
@@ -113,6 +116,7 @@ class WhisperRecogniser:
         cancelled: Callable[[], bool] = lambda: False,
         *,
         quick: bool = False,
+        lead: Lead | None = None,
     ) -> Transcript | Rejected:
         """Recognise one utterance; see ``Recogniser``."""
         began = time.perf_counter()
@@ -120,13 +124,14 @@ class WhisperRecogniser:
         audio_s = len(samples) / RATE
         if audio_s < SHORTEST_S:
             return Rejected("too_short", f"{audio_s:.2f} s of sound is too short for a word.")
-        short = audio_s + MARGIN_S <= self._settings.window_s  # as commands are
-        window_s = min(FULL_WINDOW_S, max(self._settings.window_s, audio_s + MARGIN_S))
-        result = self._first_look(samples, tuple(vocabulary), window_s, cancelled)
-        hopeless = result.no_speech_probability > self._settings.max_no_speech  # a second look would not save it
-        doubtful = result.doubtful and not hopeless and window_s < FULL_WINDOW_S
+        sound = _Sound(samples, lead)
+        needed_s = len(sound.whole) / RATE + MARGIN_S
+        short = needed_s <= self._settings.window_s  # as commands are
+        window_s = min(FULL_WINDOW_S, max(self._settings.window_s, needed_s))
+        result = self._first_look(sound, tuple(vocabulary), window_s, cancelled)
+        doubtful = result.doubtful and not self._is_hopeless(result) and window_s < FULL_WINDOW_S
         if doubtful and not quick and not cancelled():
-            second = self._decode(samples, vocabulary, FULL_WINDOW_S, cancelled)
+            second = self._decode(sound, vocabulary, FULL_WINDOW_S, cancelled)
             window_s = FULL_WINDOW_S
             if second.avg_logprob > result.avg_logprob:
                 result = second
@@ -141,9 +146,11 @@ class WhisperRecogniser:
             only_reading=quick and short,
         )
         found = judge(result.text, decoding, self._settings, vocabulary)
+        if isinstance(found, Rejected) and found.reason == "empty" and lead is not None:
+            return replace(found, reason="no_speech", detail=f"Nothing was said after “{lead.text}”.")
         if isinstance(found, Rejected) or quick or cancelled() or not short:
             return found
-        others = self._others(samples, vocabulary, found, cancelled)
+        others = self._others(sound, vocabulary, found, cancelled)
         return replace(found, decoding=replace(decoding, decode_s=time.perf_counter() - began), others=others)
 
     def likelihood(
@@ -162,32 +169,31 @@ class WhisperRecogniser:
     def close(self) -> None:
         """Nothing runs elsewhere."""
 
+    def _is_hopeless(self, result: _Result) -> bool:
+        """It is no speech: another look would not save it."""
+        return result.no_speech_probability > self._settings.max_no_speech
+
     def _first_look(
-        self,
-        samples: NDArray[np.float32],
-        vocabulary: tuple[str, ...],
-        window_s: float,
-        cancelled: Callable[[], bool],
+        self, sound: _Sound, vocabulary: tuple[str, ...], window_s: float, cancelled: Callable[[], bool]
     ) -> _Result:
         """A pass with a short window; after a quick one, whoever looks twice need not look at the same again."""
         last, self._first = self._first, None
-        if last is not None and last[1] == vocabulary and np.array_equal(last[0], samples):
+        if last is not None and last[1] == vocabulary and last[0] == sound:
             return last[2]
-        result = self._decode(samples, vocabulary, window_s, cancelled)
+        result = self._decode(sound, vocabulary, window_s, cancelled)
+        if sound.said is not None and result.doubtful and not cancelled():  # speech there is, but perhaps in the lead
+            alone = self._decode(_Sound(sound.request), vocabulary, window_s, cancelled)
+            result = alone if self._is_hopeless(alone) else result
         if not cancelled():
-            self._first = samples, vocabulary, result
+            self._first = sound, vocabulary, result
         return result
 
     def _others(
-        self,
-        samples: NDArray[np.float32],
-        vocabulary: Sequence[str],
-        found: Transcript,
-        cancelled: Callable[[], bool],
+        self, sound: _Sound, vocabulary: Sequence[str], found: Transcript, cancelled: Callable[[], bool]
     ) -> tuple[str, ...]:
         """Other readings of a short sound, which pass the same gates: the right one is often the second or third."""
         self._model.readings = []
-        self._decode(samples, vocabulary, self._settings.window_s, cancelled, readings=READINGS)
+        self._decode(sound, vocabulary, self._settings.window_s, cancelled, readings=READINGS)
         readings: list[tuple[str, float]] = self._model.readings
         least = max(found.decoding.avg_logprob, readings[0][1]) - NEARLY if readings else 0.0
         others = []
@@ -200,7 +206,7 @@ class WhisperRecogniser:
 
     def _decode(
         self,
-        samples: NDArray[np.float32],
+        sound: _Sound,
         vocabulary: Sequence[str],
         window_s: float,
         cancelled: Callable[[], bool],
@@ -210,12 +216,14 @@ class WhisperRecogniser:
         """One pass with an encoder window of ``window_s``: greedy, or with a beam for several readings."""
         self._model.window_frames = math.ceil(window_s * self._model.frames_per_second)
         self._model.compares = readings > 1
-        language = self._language_of(samples)
+        language = self._language_of(sound.request)
+        if is_chinese(sound.said or "") and language != "zh":  # it would be an invitation to write Chinese
+            sound = _Sound(sound.request)
         if language is not None:  # a list in another language would be an invitation to write it
             vocabulary = [noun for noun in vocabulary if is_chinese(noun) == (language == "zh")]
         words = VOCABULARY_WORDS if readings == 1 else READING_WORDS
         segments, info = self._model.transcribe(
-            samples,
+            sound.whole,
             language=language,
             beam_size=readings,
             temperature=0.0,
@@ -223,7 +231,8 @@ class WhisperRecogniser:
             condition_on_previous_text=False,
             without_timestamps=True,
             initial_prompt=_prompt(vocabulary[:words]),
-            max_new_tokens=16 + math.ceil(TOKENS_PER_S * len(samples) / RATE),
+            prefix=sound.said,
+            max_new_tokens=16 + math.ceil(TOKENS_PER_S * len(sound.whole) / RATE),
             no_speech_threshold=None,  # the gates are ours: faster-whisper's would drop the text without a reason
             log_prob_threshold=None,
             compression_ratio_threshold=None,
@@ -233,7 +242,7 @@ class WhisperRecogniser:
             found.append(segment)
             if cancelled():
                 break
-        return _Result.of(found, info.language)
+        return _Result.of(found, info.language, sound.said or "", self._model.tokens_of(sound.said))
 
     def _language_of(self, samples: NDArray[np.float32]) -> str | None:
         """The one that is set, or the likeliest of those that are spoken here: of a short command alone, Whisper
@@ -242,10 +251,33 @@ class WhisperRecogniser:
             return self._settings.language
         if not self._model.model.is_multilingual:
             return None
+        if self._spoken is not None and np.array_equal(self._spoken[0], samples):
+            return self._spoken[1]
         features = self._model.feature_extractor(samples)[..., :-1]  # which is what transcribing encodes: see encode()
         _, _, found = self._model.detect_language(features=features)
         chances: dict[str, float] = dict(found)
-        return max(self._settings.languages, key=lambda language: chances.get(language, 0.0))
+        language = max(self._settings.languages, key=lambda language: chances.get(language, 0.0))
+        self._spoken = samples, language
+        return language
+
+
+class _Sound:
+    """A request, and the sound to recognise: the request with what was said right before it, which is known."""
+
+    __slots__ = ("request", "said", "whole")
+
+    def __init__(self, request: NDArray[np.float32], lead: Lead | None = None) -> None:
+        self.request = self.whole = request
+        self.said: str | None = None
+        """What the text has to begin with."""
+        if lead is not None:
+            self.whole = np.concatenate((lead.samples * np.float32(1 / 32768), request))
+            self.said = lead.text.title() + ","  # as in subtitles; the comma is where the request begins
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Sound) and self.said == other.said and np.array_equal(self.whole, other.whole)
+
+    __hash__ = None  # type: ignore[assignment]
 
 
 class _Result:
@@ -261,17 +293,33 @@ class _Result:
         self.doubtful = logprob < DOUBTFUL_LOGPROB or compression > REPETITIVE
 
     @classmethod
-    def of(cls, segments: Sequence[Any], language: str) -> _Result:
+    def of(cls, segments: Sequence[Any], language: str, said: str, known: int) -> _Result:
+        """``said`` is what the text had to begin with, ``known`` how many tokens that was."""
         if not segments:  # only specials were written: nothing was said, and no number tells how sure that is
             return cls("", language, 0.0, 1.0, 0.0)
-        tokens = sum(len(segment.tokens) + 1 for segment in segments)
+        tokens = sum(len(segment.tokens) + 1 for segment in segments) - known  # nothing was uncertain in those
         return cls(
-            " ".join(segment.text.strip() for segment in segments).strip(),
+            after(said, " ".join(segment.text.strip() for segment in segments)),
             language,
             sum(segment.avg_logprob * (len(segment.tokens) + 1) for segment in segments) / tokens,
             max(segment.no_speech_prob for segment in segments),
             max(segment.compression_ratio for segment in segments),
         )
+
+
+def after(said: str, text: str) -> str:
+    """A text without what it had to begin with, as a sentence of its own. Where nothing follows that, Whisper likes to
+    write it, or the beginning of it, once more."""
+    text = text.strip()
+    if not said:
+        return text
+    known = re.findall(r"\w+", said.casefold())
+    again = r"\W+".join(known)
+    rest = re.sub(rf"^(?:{again}\b\W*)+", "", text, flags=re.IGNORECASE)
+    left = re.findall(r"\w+", rest.casefold())
+    if left == known[: len(left)]:
+        return ""
+    return rest[:1].upper() + rest[1:]
 
 
 def _prompt(vocabulary: Sequence[str]) -> str | None:
@@ -302,6 +350,10 @@ def _open_model(folder: Path, threads: int) -> Any:
             if self.last is None or not np.array_equal(self.last[0], taken):  # else the language was found in it
                 self.last = taken, super().encode(taken)
             return self.last[1]
+
+        def tokens_of(self, text: str | None) -> int:
+            """How many tokens a text takes that has to come first."""
+            return len(self.hf_tokenizer.encode(f" {text}", add_special_tokens=False).ids) if text else 0
 
         def likelihood(self, samples: NDArray[np.float32], texts: Sequence[str], language: str) -> float:
             """The largest log-probability of a text and an end behind it, of all that could be written."""
@@ -347,8 +399,12 @@ def _open_model(folder: Path, threads: int) -> Any:
                 suppress_blank=options.suppress_blank,
                 suppress_tokens=options.suppress_tokens,
             )
+            known = self.tokens_of(options.prefix)
             self.readings = [
-                (tokenizer.decode(tokens).strip(), score * len(tokens) / (len(tokens) + 1))
+                (
+                    after(options.prefix or "", tokenizer.decode(tokens)),
+                    score * len(tokens) / (len(tokens) - known + 1),
+                )
                 for tokens, score in zip(found.sequences_ids, found.scores, strict=True)
             ]
             return found, self.readings[0][1], 0.0, 1.0

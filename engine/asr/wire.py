@@ -27,6 +27,7 @@ class Transcribe(msgspec.Struct, frozen=True, tag=True):
     samples: bytes  # float32 of this machine, 16 kHz, ±1
     vocabulary: tuple[str, ...]
     quick: bool
+    lead: tuple[str, bytes] | None = None  # the text, and int16 of this machine, 16 kHz
 
 
 class Weigh(msgspec.Struct, frozen=True, tag=True):

@@ -24,6 +24,7 @@ from engine.asr.recogniser import Transcript
 from engine.asr.whisper import WhisperRecogniser
 from engine.asr.wire import Answer, Cancel, Request, Transcribe, Weigh, Wire
 from engine.errors import ModelError
+from engine.lead import Lead
 
 
 class Requests:
@@ -64,7 +65,8 @@ def answer_to(request: Transcribe | Weigh, recogniser: WhisperRecogniser, reques
     try:
         if isinstance(request, Weigh):
             return w.Weighed(request.number, recogniser.likelihood(samples, request.texts, cancelled))
-        found = recogniser.transcribe(samples, request.vocabulary, cancelled, quick=request.quick)
+        lead = Lead(request.lead[0], np.frombuffer(request.lead[1], np.int16)) if request.lead is not None else None
+        found = recogniser.transcribe(samples, request.vocabulary, cancelled, quick=request.quick, lead=lead)
     except ModelError as error:
         return w.Failed(error.message, error.hint)
     return w.Accepted(request.number, found) if isinstance(found, Transcript) else w.Declined(request.number, found)

@@ -19,6 +19,7 @@ import numpy as np
 from config.schema import Endpoint
 from engine.audio.source import FRAME_S, RATE, Frame, Samples
 from engine.audio.vad import VadResult
+from engine.lead import Lead
 
 TAIL_S = 0.2
 """Silence that is left at an utterance's end, s: recognisers drop last consonants that touch the edge."""
@@ -37,6 +38,7 @@ class Utterance:
     start: float  # stream time of the first sample, s
     end: float  # stream time after the last sample, s
     speech_s: float  # frames judged to be speech, s
+    lead: Lead | None = None  # what was said right before it, where that is known
 
     @property
     def duration(self) -> float:
@@ -64,10 +66,12 @@ class Endpointer:
 
     Lengths of the settings are rounded to whole frames, up for the silence and the pre-roll, down for the greatest
     length. ``silence_s`` and ``no_speech_s`` only run out in a frame without speech, so that a word that begins just
-    then is heard.
+    then is heard. ``lead`` is what was said right before the first frame; it is of no account for an utterance that
+    begins later.
     """
 
-    def __init__(self, settings: Endpoint) -> None:
+    def __init__(self, settings: Endpoint, lead: Lead | None = None) -> None:
+        self._lead = lead
         self._start_frames = _frames_up(settings.start_s)
         self._usual_silence = self._silence_frames = _frames_up(settings.silence_s)
         self._max_frames = max(self._start_frames, _frames_down(settings.max_length_s))
@@ -94,6 +98,11 @@ class Endpointer:
     def pause(self) -> int:
         """Frames of the pause so far, 0 while somebody speaks. A click in it does not end it."""
         return self._silence
+
+    @property
+    def lead(self) -> Lead | None:
+        """What was said right before the utterance, once that has begun."""
+        return self._lead if self._frames else None
 
     @property
     def so_far(self) -> Samples:
@@ -137,6 +146,8 @@ class Endpointer:
         self._pre_roll = len(self._before)
         self._speech = len(self._run)
         self._frames = [*self._before, *self._run]
+        if len(self._frames) < self._pushed:
+            self._lead = None  # there was a pause
 
     def _during(self, frame: Frame, vad: VadResult) -> Ended | None:
         self._frames.append(frame)
@@ -167,6 +178,7 @@ class Endpointer:
                 start=kept[0].end - FRAME_S,
                 end=kept[-1].end,
                 speech_s=self._speech * FRAME_S,
+                lead=self._lead,
             ),
         )
 

@@ -14,7 +14,8 @@ LOOKBACK_S = 10.0
 """How much sound after a mark waits for the listener, s."""
 
 PAST_S = 1.0
-"""How long before its mark a request can have begun, s."""
+"""How long before its mark a request can have begun, s…"""
+_PAST_FRAMES = math.ceil(PAST_S / FRAME_S)  # …and how much before that is kept
 
 CATCH_UP_S = 0.003
 """Pause before each frame that has waited, s: the pre-roll is caught up within 0.04 s, ten seconds within two."""
@@ -33,7 +34,7 @@ class Ring:
         self._pre_roll = pre_roll
         self._marked_limit = pre_roll + math.ceil(LOOKBACK_S / FRAME_S)
         self._frames: deque[Frame] = deque()  # for a listener
-        self._past: deque[Frame] = deque(maxlen=2 * math.ceil(PAST_S / FRAME_S))  # given to one, or too old for one
+        self._past: deque[Frame] = deque(maxlen=2 * _PAST_FRAMES)  # given to one, or too old for one
         self._again: Frame | None = None  # in the past, and the first one for the next listener
         self._lock = threading.Lock()
         self._marked = False
@@ -72,14 +73,15 @@ class Ring:
         self._ended, self.error = True, error
         self._arrived.set()
 
-    def listen(self) -> None:
-        """From now on frames belong to a listener: none is dropped."""
+    def listen(self) -> tuple[Frame, ...]:
+        """From now on frames belong to a listener: none is dropped. Returns those right before them, the last 1 s."""
         with self._lock:
             while self._again is not None and self._past:
                 self._frames.appendleft(self._past.pop())
                 if self._frames[0] is self._again:
                     break
             self._listening, self._marked, self._again = True, False, None
+            return tuple(self._past)[-_PAST_FRAMES:]
 
     def release(self) -> None:
         with self._lock:

@@ -76,5 +76,6 @@ def joined(first: Utterance, second: Utterance) -> Utterance:
         second,
         samples=np.concatenate((first.samples, second.samples)),
         start=first.start,
+        lead=first.lead,
         speech_s=first.speech_s + second.speech_s,
     )

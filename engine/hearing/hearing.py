@@ -39,6 +39,7 @@ from engine.hearing.going_on import GOES_ON_S, GoingOn, joined, may_have_no_end
 from engine.hearing.overhearing import Alert, Overhearing
 from engine.hearing.readings import Judge
 from engine.hearing.transcriber import Transcriber, as_event
+from engine.lead import Lead
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,6 +125,7 @@ class Hearing:
         self._on_going_on = on_going_on
         self._after: GoingOn | None = None  # the last utterance of a live source
         self._begun: Utterance | None = None  # by whoever goes on now
+        self._phrase = ""  # what was said right before the mark
         self._ahead: tuple[Utterance, Decoding] | None = None  # the last utterance, if it is being recognised already
 
     async def __aenter__(self) -> Hearing:
@@ -182,10 +184,12 @@ class Hearing:
         """Load the recogniser in its thread. Raises ``ModelError``; :meth:`transcribe` would raise the same."""
         await self._transcriber.load()
 
-    def mark(self, ago_s: float | None = None) -> None:
+    def mark(self, ago_s: float | None = None, phrase: str = "") -> None:
         """The wake is now: the next :meth:`listen` of a live source begins here, less the pre-roll, or ``ago_s`` (up to
-        1 s) ago, however long it takes until it is called (up to 10 s). Thread-safe, returns at once."""
+        1 s) ago, when the ``phrase`` ended that woke, however long it takes until it is called (up to 10 s).
+        Thread-safe, returns at once."""
         self._begun = None
+        self._phrase = phrase if ago_s is not None else ""
         self._ring.mark(None if ago_s is None else int(ago_s / FRAME_S))  # rather too little than some of a word
 
     def overhear(self, on: bool) -> None:
@@ -223,14 +227,16 @@ class Hearing:
         self._drop_ahead()
         self._after = None
         begun, self._begun = self._begun, None
+        phrase, self._phrase = self._phrase, ""
         source = self._source
         if source is None or self._missing is not None or self._ring.error is not None:
             raise self._missing or self._ring.error or DeviceError("There is nothing to hear with.")
-        self._ring.listen()
+        before = self._ring.listen()
+        lead = Lead(phrase, np.concatenate([frame.samples for frame in before])) if phrase and before else None
         emit(events.ListenStarted(source.name, restarted))
         ended = events.ListenEnded("cancelled", 0.0, 0.0)
         try:
-            end = await self._find_utterance(source, emit, begun)
+            end = await self._find_utterance(source, emit, begun, lead)
             heard = end.utterance
             ended = events.ListenEnded(
                 end.reason, heard.duration if heard is not None else 0.0, heard.speech_s if heard is not None else 0.0
@@ -257,7 +263,7 @@ class Hearing:
         self._overhearing.drop()
         ahead, self._ahead = self._ahead, None
         begun = ahead[1] if ahead is not None and ahead[0] is utterance else None
-        result = as_event(await self._transcriber.transcribe(utterance.samples, emit, begun))
+        result = as_event(await self._transcriber.transcribe(utterance, emit, begun))
         emit(result)
         self._await_more(utterance, result)
         if isinstance(result, events.TranscriptFinal) and self._gain.learn(utterance.samples):
@@ -294,18 +300,19 @@ class Hearing:
                 self._told.add(warning)
                 emit(events.Log("warning", "microphone", warning))
 
-    async def _find_utterance(self, source: Source, emit: Emit, begun: Utterance | None) -> Ended:
-        """Feed frames to the endpointer until it has an end; what was ``begun`` comes before it. Raises what the source
-        raises."""
+    async def _find_utterance(self, source: Source, emit: Emit, begun: Utterance | None, lead: Lead | None) -> Ended:
+        """Feed frames to the endpointer until it has an end; what was ``begun``, or a ``lead``, comes before it. Raises
+        what the source raises."""
         self._vad.reset()
         patience = {} if begun is None else {"no_speech_s": GOES_ON_S}  # it may have been no voice that went on
-        endpointer = Endpointer(self._endpoint.model_copy(update=patience))
+        endpointer = Endpointer(self._endpoint.model_copy(update=patience), lead)
         meter = Meter()
         work = self._transcriber
 
         def recognise(samples: Samples, cancelled: Callable[[], bool], quick: bool) -> Transcript | Rejected:
-            whole = samples if begun is None else np.concatenate((begun.samples, samples))
-            return work.recognise(whole, cancelled, quick)
+            if begun is None:
+                return work.recognise(samples, cancelled, quick, endpointer.lead)
+            return work.recognise(np.concatenate((begun.samples, samples)), cancelled, quick, begun.lead)
 
         ahead = DecodingAhead(recognise, work.start, self._endpoint, self._judge, emit, partials=self._partials)
         try:

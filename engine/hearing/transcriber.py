@@ -15,12 +15,14 @@ import numpy as np
 from engine import events
 from engine.asr.recogniser import Recogniser, Rejected, Transcript
 from engine.asr.transcription import Found, Transcription
+from engine.audio.endpoint import Utterance
 from engine.audio.source import Samples
 from engine.bus import Emit
 from engine.errors import ModelError, SaysoError
 from engine.hearing.ahead import Decoding
 from engine.hearing.near_sounding import heard_as_command
 from engine.hearing.readings import Judge, sensible
+from engine.lead import Lead
 from engine.scheduling import workers
 
 
@@ -49,10 +51,12 @@ class Transcriber:
         self.thread.shutdown(wait=False, cancel_futures=True)
         self._recogniser.close()  # the thread comes back by that
 
-    def recognise(self, samples: Samples, cancelled: Callable[[], bool], quick: bool = False) -> Transcript | Rejected:
+    def recognise(
+        self, samples: Samples, cancelled: Callable[[], bool], quick: bool = False, lead: Lead | None = None
+    ) -> Transcript | Rejected:
         """In the recogniser's thread. What only a quick look was taken at is left as it was found."""
         sound = samples * np.float32(1 / 32768)
-        found = self._recogniser.transcribe(sound, self._vocabulary, cancelled, quick=quick)
+        found = self._recogniser.transcribe(sound, self._vocabulary, cancelled, quick=quick, lead=lead)
         if quick or cancelled():
             return found
         return heard_as_command(sensible(found, self._judge), self._judge, self._vocabulary)
@@ -68,7 +72,7 @@ class Transcriber:
         work.add_done_callback(self._pending.discard)
         return work
 
-    async def transcribe(self, samples: Samples, emit: Emit, begun: Decoding | None) -> Transcript | Rejected:
+    async def transcribe(self, utterance: Utterance, emit: Emit, begun: Decoding | None) -> Transcript | Rejected:
         """Recognise an utterance, or wait for whoever has ``begun`` with it. Raises ``ModelError``.
 
         Cancelling returns at once. The recogniser stops at the next stretch of work, and what it found by then is
@@ -78,7 +82,8 @@ class Transcriber:
             found = await self._awaited(begun.transcription, begun.future, emit)
             if not begun.is_doubtful:
                 return _used(found)
-        transcription = Transcription(lambda cancelled: self.recognise(samples, cancelled))
+        samples, lead = utterance.samples, utterance.lead
+        transcription = Transcription(lambda cancelled: self.recognise(samples, cancelled, lead=lead))
         return _used(await self._awaited(transcription, self.start(transcription), emit))
 
     async def _awaited(self, transcription: Transcription, work: asyncio.Future[Found], emit: Emit) -> Found:

@@ -24,6 +24,7 @@ from engine.audio.simulated import SimulatedMicrophone
 from engine.audio.sounded import Sounded
 from engine.audio.source import Source
 from engine.audio.vad import make_vad
+from engine.commands import Wake
 from engine.errors import DeviceError, SaysoError, StorageError
 from engine.hearing.hearing import Hearing, HearingFault, Listener
 from engine.hearing.overhearing import Alert
@@ -98,11 +99,11 @@ class Ears:
         self._pushed.push(pcm)
         return True
 
-    def mark(self, ago_s: float | None = None) -> None:
-        """The wake is now: what is said from here on counts, or since ``ago_s``, however late somebody listens.
+    def mark(self, wake: Wake) -> None:
+        """The wake is now: what is said from here on counts, or since its phrase ended, however late somebody listens.
         Thread-safe."""
         if (hearing := self._hearing.value) is not None:
-            hearing.mark(ago_s)
+            hearing.mark(wake.ago_s, wake.phrase)
         else:
             self._woken_early = True
 

@@ -40,7 +40,7 @@ class Inbox(Generic[T]):
     """Requests from any thread, and news of type ``T`` from the loop itself, in one order. Made in the loop.
 
     ``busy`` is what a new command does while one runs; ``state`` tells where the session is; ``mark_wake`` is told of a
-    wake at once, and how long ago the request began, so that nothing said after it is lost.
+    wake at once, so that nothing said after it is lost.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class Inbox(Generic[T]):
         epoch: Epoch,
         busy: Literal["interrupt", "queue", "reject"],
         state: Callable[[], State],
-        mark_wake: Callable[[float | None], None],
+        mark_wake: Callable[[Wake], None],
     ) -> None:
         self._epoch = epoch
         self._busy = busy
@@ -67,7 +67,7 @@ class Inbox(Generic[T]):
             if scope not in (None, "halted"):
                 self._newest = epoch
         if isinstance(command, Wake):
-            self._mark_wake(command.ago_s)
+            self._mark_wake(command)
         with contextlib.suppress(RuntimeError):  # the loop has ended: there is nothing left to ask, and it stands
             self._loop.call_soon_threadsafe(self._queue.put_nowait, Request(command, epoch, scope))
 

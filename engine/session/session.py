@@ -59,7 +59,7 @@ class Session:
         needs: Needs,
         *,
         hear_audio: Callable[[bytes], bool] = lambda pcm: False,
-        mark_wake: Callable[[float | None], None] = lambda ago_s: None,
+        mark_wake: Callable[[Wake], None] = lambda wake: None,
     ) -> None:
         self._settings = settings
         self._bus = bus

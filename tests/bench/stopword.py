@@ -37,6 +37,7 @@ from engine.audio.source import RATE, Samples
 from engine.audio.vad import make_vad
 from engine.errors import ModelError
 from engine.hearing.overhearing import Alert, Overhearing
+from engine.lead import Lead
 from engine.parts.loading import make_recogniser
 from engine.parts.words import load_spotters
 from engine.planner.phrases.stopping import is_stop
@@ -75,9 +76,10 @@ class Timed:
         cancelled: Callable[[], bool] = lambda: False,
         *,
         quick: bool = False,
+        lead: Lead | None = None,
     ) -> Transcript | Rejected:
         with self._timed():
-            return self._recogniser.transcribe(samples, vocabulary, cancelled, quick=quick)
+            return self._recogniser.transcribe(samples, vocabulary, cancelled, quick=quick, lead=lead)
 
     def likelihood(
         self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 from config.schema import Endpoint
 from engine.audio.endpoint import Ended, Endpointer, Started
-from engine.audio.source import FRAME_S, FRAME_SAMPLES, Frame
+from engine.audio.source import FRAME_S, FRAME_SAMPLES, RATE, Frame
 from engine.audio.vad import VadResult
+from engine.lead import Lead
 
 SETTINGS = Endpoint(
     pre_roll_s=0.3, start_s=0.1, silence_s=0.6, complete_s=0.35, incomplete_s=1.2, max_length_s=3, no_speech_s=2
@@ -20,9 +21,14 @@ SETTINGS = Endpoint(
 START, SILENCE, LONGEST, NO_SPEECH, PRE_ROLL = 4, 19, 93, 63, 10  # the settings, in frames of 32 ms
 
 
-def hear(pattern: Sequence[bool], settings: Endpoint = SETTINGS) -> tuple[Started | None, Ended | None, int]:
+LEAD = Lead("hey jarvis", np.zeros(RATE, np.int16))
+
+
+def hear(
+    pattern: Sequence[bool], settings: Endpoint = SETTINGS, lead: Lead | None = None
+) -> tuple[Started | None, Ended | None, int]:
     """Push one frame per entry (is it speech?); frame ``i`` holds the number ``i``. Until the end, or all of them."""
-    machine = Endpointer(settings)
+    machine = Endpointer(settings, lead)
     started = None
     for index, speech in enumerate(pattern):
         frame = Frame(np.full(FRAME_SAMPLES, index, np.int16), (index + 1) * FRAME_S)
@@ -53,6 +59,15 @@ def test_an_utterance_has_a_pre_roll_and_a_short_tail() -> None:
     assert ended.utterance.start == pytest.approx(20 * FRAME_S)
     assert ended.utterance.end == pytest.approx(57 * FRAME_S)
     assert ended.utterance.speech_s == pytest.approx(20 * FRAME_S)
+
+
+@pytest.mark.parametrize(("silence", "follows"), [(0, True), (PRE_ROLL, True), (PRE_ROLL + 1, False), (50, False)])
+def test_what_was_said_before_belongs_to_an_utterance_that_begins_at_once(silence: int, follows: bool) -> None:
+    _, ended, _ = hear([False] * silence + [True] * 20 + [False] * 40, lead=LEAD)
+    assert ended is not None
+    assert ended.utterance is not None
+    assert ended.utterance.lead is (LEAD if follows else None)
+    assert (numbers(ended)[0] == 0) == follows, "without a gap"
 
 
 def test_a_blip_shorter_than_the_start_never_starts() -> None:

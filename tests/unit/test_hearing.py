@@ -20,7 +20,7 @@ from engine.audio.level import SILENT
 from engine.audio.pipe import PushSource
 from engine.audio.ring import CATCH_UP_S, Ring
 from engine.audio.simulated import SimulatedMicrophone
-from engine.audio.source import FRAME_S, RATE, Frame, Framer, Samples, Source
+from engine.audio.source import FRAME_S, FRAME_SAMPLES, RATE, Frame, Framer, Samples, Source
 from engine.audio.vad import make_vad
 from engine.audio.wav import WavSource, read_wav
 from engine.bus import Bus
@@ -262,6 +262,74 @@ def test_the_gain_comes_before_everything_else() -> None:
             assert isinstance(heard, Utterance)
             await it.hearing.transcribe(heard, it.emit)
             assert np.abs(it.recogniser.passes[0].samples).max() == pytest.approx(0.25, rel=0.05)
+
+    asyncio.run(scenario())
+
+
+# What was said right before a request
+
+BEFORE = np.arange(RATE, dtype=np.int16)
+
+
+@pytest.mark.parametrize("cut_s", [0.0, 0.2])
+def test_the_recogniser_is_told_of_a_phrase_that_a_request_follows_without_a_pause(cut_s: float) -> None:
+    async def scenario() -> None:
+        source, cut = PushSource(), round(cut_s * RATE)
+        async with ears(lambda: source) as it:
+            source.push(np.concatenate((quiet(1), BEFORE, COMMAND[:cut])).tobytes())
+            await settle()
+            it.hearing.mark(0.0, "hey jarvis")
+            source.push(np.concatenate((COMMAND[cut:], quiet(1))).tobytes())
+            heard = await it.hearing.listen(it.emit)
+            assert isinstance(heard, Utterance)
+            await it.hearing.transcribe(heard, it.emit)
+        everything = np.concatenate((quiet(1), BEFORE, COMMAND, quiet(1)))
+        marked = (2 * RATE + cut) // FRAME_SAMPLES * FRAME_SAMPLES  # what was heard then, in whole frames
+        assert it.recogniser.passes
+        for given in it.recogniser.passes:
+            assert given.lead is not None
+            assert given.lead.text == "hey jarvis"
+            whole = np.concatenate((given.lead.samples, (given.samples * 32768).astype(np.int16)))
+            start = marked - len(given.lead.samples)
+            assert len(given.lead.samples) == 32 * FRAME_SAMPLES, "about a second"
+            assert np.array_equal(whole, everything[start : start + len(whole)]), "without a gap"
+
+    asyncio.run(scenario())
+
+
+@pytest.mark.parametrize(
+    ("ago_s", "phrase", "pause_s"), [(0.0, "hey jarvis", 0.5), (None, "hey jarvis", 0.0), (0.0, "", 0.0)]
+)
+def test_what_came_before_a_pause_or_is_not_known_is_not_told(ago_s: float | None, phrase: str, pause_s: float) -> None:
+    async def scenario() -> None:
+        source = PushSource()
+        async with ears(lambda: source) as it:
+            source.push(np.concatenate((quiet(1), BEFORE)).tobytes())
+            await settle()
+            it.hearing.mark(ago_s, phrase)
+            source.push(np.concatenate((quiet(pause_s), COMMAND, quiet(1))).tobytes())
+            heard = await it.hearing.listen(it.emit)
+            assert isinstance(heard, Utterance)
+            await it.hearing.transcribe(heard, it.emit)
+        assert it.recogniser.passes
+        assert [given.lead for given in it.recogniser.passes] == [None] * len(it.recogniser.passes)
+
+    asyncio.run(scenario())
+
+
+def test_a_phrase_counts_for_the_listening_that_it_woke_and_for_no_other() -> None:
+    async def scenario() -> None:
+        source = PushSource()
+        async with ears(lambda: source) as it:
+            for phrase in ("hey jarvis", None):
+                source.push(np.concatenate((quiet(1), BEFORE)).tobytes())
+                await settle()
+                if phrase is not None:
+                    it.hearing.mark(0.0, phrase)
+                source.push(np.concatenate((COMMAND, quiet(1))).tobytes())
+                heard = await it.hearing.listen(it.emit)
+                assert isinstance(heard, Utterance)
+                assert (heard.lead is not None) == (phrase is not None)
 
     asyncio.run(scenario())
 

@@ -34,6 +34,7 @@ from engine.child import Child
 from engine.clock import SystemClock
 from engine.errors import ModelError
 from engine.hearing.hearing import Hearing
+from engine.lead import Lead
 from engine.parts.ears import Ears
 from engine.parts.loading import Sound
 from engine.parts.part import Part
@@ -121,6 +122,10 @@ def test_it_answers_as_the_recogniser_in_this_process_does() -> None:
             else:
                 assert there == replace(here, decoding=decoding)
         assert made.transcribe(silence[:100]) == recogniser().transcribe(silence[:100])
+        lead = Lead("go to the kitchen", (spoken(COMMAND) * 32768).astype(np.int16))
+        turn = spoken("turn_left_ninety_degrees.wav")
+        assert made.transcribe(turn, lead=lead).text == recogniser().transcribe(turn, lead=lead).text
+        assert "kitchen" not in made.transcribe(turn, lead=lead).text
         stop, texts = spoken("stop.wav"), ("Stop", "stop")
         assert made.likelihood(stop, texts) == pytest.approx(recogniser().likelihood(stop, texts), abs=1e-3)
         assert made.likelihood(silence[:100], texts) is None

@@ -35,6 +35,7 @@ from engine.asr.remote import RemoteRecogniser
 from engine.asr.wyoming import WyomingTranscription
 from engine.audio.wav import read_wav
 from engine.errors import DeviceError, ModelError, UsageError
+from engine.lead import Lead
 from engine.parts.loading import make_isolated_recogniser, make_synthesiser
 from engine.serving import Server, is_private
 from engine.tts.sentences import Sentence, sentences
@@ -72,6 +73,7 @@ class Counting:
         cancelled: Callable[[], bool] = lambda: False,
         *,
         quick: bool = False,
+        lead: Lead | None = None,
     ) -> Transcript | Rejected:
         self.asked.append((len(samples), tuple(vocabulary)))
         self.busy.set()

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from config.folders import paths
 from config.schema import Asr
 from engine.asr.recogniser import Decoding, Rejected, RejectReason, Transcript
-from engine.asr.whisper import FILES, WhisperRecogniser, judge
+from engine.asr.whisper import FILES, WhisperRecogniser, after, judge
 from engine.audio.source import RATE
 from engine.audio.wav import read_wav
 from engine.errors import ExitCode, ModelError
+from engine.lead import Lead
 from engine.models import ModelStore
 from tests.bench.wer import errors, normalised
 
@@ -100,6 +101,83 @@ def test_the_language_is_found_among_those_that_are_spoken_here() -> None:
         assert found.decoding is not None
         assert found.decoding.language == language
     assert ", auto, " in either.name
+
+
+# What was said right before it
+
+KITCHEN, TURN = "go_to_the_kitchen.wav", "turn_left_ninety_degrees.wav"
+
+
+def behind(first: str, request: NDArray[np.float32], cut_s: float, text: str = "go to the kitchen") -> Lead:
+    """A lead that ends so far in the request, which loses that."""
+    whole = np.concatenate((spoken(first), request[: round(cut_s * RATE)]))
+    return Lead(text, (whole * 32768).astype(np.int16))
+
+
+@pytest.mark.model
+@pytest.mark.parametrize("cut_s", [0.0, 0.2])
+@pytest.mark.parametrize("quick", [False, True])
+def test_a_request_is_understood_behind_what_is_known_wherever_it_is_cut(cut_s: float, quick: bool) -> None:
+    request = spoken(TURN)
+    rest = request[round(cut_s * RATE) :]
+    found = recogniser().transcribe(rest, NOUNS, quick=quick, lead=behind(KITCHEN, request, cut_s))
+    assert isinstance(found, Transcript)
+    assert normalised(found.text) == normalised("turn left 90 degrees")
+    assert found.text[0].isupper(), "a sentence of its own"
+    assert found.decoding.audio_s == len(rest) / RATE
+    alone = recogniser().transcribe(request, NOUNS, quick=quick)
+    assert alone.decoding is not None
+    assert found.decoding.avg_logprob == pytest.approx(alone.decoding.avg_logprob, abs=0.15), "of the request alone"
+    assert not any("kitchen" in other.lower() for other in found.others)
+
+
+@pytest.mark.model
+def test_a_look_without_a_lead_is_another_one_than_with_it() -> None:
+    sound = spoken(TURN)
+    made = recogniser()
+    for lead in (None, behind(KITCHEN, sound, 0.0), None):
+        found = made.transcribe(sound, NOUNS, quick=True, lead=lead)
+        assert normalised(found.text) == normalised("turn left 90 degrees")
+
+
+@pytest.mark.model
+def test_nothing_but_what_is_known_is_no_speech() -> None:
+    rest = np.random.default_rng(0).normal(0, 0.0005, RATE).astype(np.float32)
+    found = recogniser().transcribe(rest, NOUNS, lead=behind(KITCHEN, rest, 0.0))
+    assert isinstance(found, Rejected)
+    assert (found.reason, found.text) == ("no_speech", "")
+    assert "go to the kitchen" in found.detail
+
+
+@pytest.mark.parametrize(
+    ("written", "left"),
+    [
+        (" Hey Jarvis, go to the kitchen.", "Go to the kitchen."),
+        (" Hey Jarvis, Stop!", "Stop!"),
+        (" Hey Jarvis, Hey, Jarvis. Hey jarvis turn left.", "Turn left."),
+        (" Hey Jarvis, Hey Jarvis.", ""),
+        (" Hey Jarvis, Hey", ""),
+        (" Hey Jarvis,", ""),
+        (" Hey Jarvis, Hey Jarvisson is here.", "Hey Jarvisson is here."),
+        (" Hey Jarvis, 去厨房", "去厨房"),
+    ],
+)
+def test_what_had_to_come_first_is_no_part_of_a_text(written: str, left: str) -> None:
+    assert after("Hey Jarvis,", written) == left
+
+
+def test_a_text_that_had_to_begin_with_nothing_is_left_as_it_is() -> None:
+    assert after("", " go, go. ") == "go, go."
+
+
+@pytest.mark.model
+def test_the_language_is_that_of_the_request_and_a_chinese_lead_invites_nobody_to_write_chinese() -> None:
+    either = WhisperRecogniser(model_folder(), SETTINGS.model_copy(update={"language": "auto"}))
+    sound = spoken(TURN)
+    found = either.transcribe(sound, NOUNS, lead=behind(KITCHEN, sound, 0.0, "你好小智"))
+    assert isinstance(found, Transcript)
+    assert found.decoding.language == "en"
+    assert normalised(found.text) == normalised("turn left 90 degrees")
 
 
 # How likely a text is
