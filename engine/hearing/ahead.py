@@ -27,11 +27,12 @@ from engine.audio.source import Samples
 from engine.bus import Emit
 from engine.hearing.readings import Completeness, Judge, makes_no_sense, sensible
 
-PAUSE_FRAMES = 2
-"""Frames without speech (64 ms) after which somebody may have ended: as many are in few words."""
+PAUSE_FRAMES = 1
+"""Frames without speech (32 ms) after which somebody may have ended. With two, fewer passes are for nothing, and
+commands are understood that much later."""
 
 BURST_FRAMES = 7
-"""What began this shortly (0.2 s) before has heard all but the end of a word: a pause is 64 ms of it, and a detector of
+"""What began this shortly (0.2 s) before has heard all but the end of a word: a pause is 32 ms of it, and a detector of
 voices takes another 0.1 s to notice one. "Box" has two pauses; what was found in the first is asked first."""
 
 FIRST_FRAMES = 32
@@ -51,7 +52,11 @@ UNSURE = 0.55
 
 CERTAIN = 0.7
 """Confidence below which a complete command may be the beginning of another, or be made of one: in noise, and after a
-thorough look, the usual silence has to follow it. What makes no sense may be the half of something that does."""
+thorough look, more silence has to follow it. What makes no sense may be the half of something that does."""
+
+CAUTION = 2 / 3
+"""How far that is from the usual silence towards that after a command: of 139 recordings at 10 and at 5 dB, with and
+without pauses, as many were cut off as with the usual one."""
 
 NOT_UNDERSTOOD = ("low_confidence", "no_speech")
 """A voice was heard, and no words: in noise, the first half of a sentence alone sounds like that."""
@@ -143,6 +148,8 @@ class DecodingAhead:
             "incomplete": max(settings.incomplete_s, settings.silence_s),
             "unknown": settings.silence_s,
         }
+        usual = self._silence_s["unknown"]
+        self._uncertain_s = usual - CAUTION * (usual - self._silence_s["complete"])
         self._agreement = Agreement()
         self._shown = ("", 0)
         self._until_next = FIRST_FRAMES  # frames of speech until something is recognised though there is no pause
@@ -160,8 +167,8 @@ class DecodingAhead:
         elif self._whole is not None:
             known = self._whole.is_over and not self._whole.is_doubtful
             verdict = self._whole.verdict if known else "incomplete"
-            hasty = verdict == "complete" and not self._whole.is_certain
-            endpointer.wait(self._silence_s["unknown" if hasty else verdict])
+            uncertain = verdict == "complete" and not self._whole.is_certain
+            endpointer.wait(self._uncertain_s if uncertain else self._silence_s[verdict])
 
     def follow(self, endpointer: Endpointer) -> None:
         """After a frame that did not end the utterance: recognise what there is, if it is time to."""

@@ -74,7 +74,7 @@ class Rig:
     def become_ready(self) -> None:
         """Wait until everything is loaded."""
         self._expect("ready", 0.0)
-        self.memory = _memory_of(self._terminal.pid)
+        self.memory = memory_of(self._terminal.pid)
 
     def close(self) -> None:
         """Take no more notice of the terminal."""
@@ -196,7 +196,7 @@ def _environment(name: str, value: str) -> Iterator[None]:
             os.environ[name] = kept
 
 
-def _memory_of(pid: int) -> Memory:
+def memory_of(pid: int) -> Memory:
     """The memory that an engine shares with its robot process, mapped once more."""
     for link in Path(f"/proc/{pid}/fd").iterdir():
         if "sayso-robot" in str(link.readlink()):

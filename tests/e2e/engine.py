@@ -21,9 +21,10 @@ class Engine:
         self.process = process
         self.seen: list[dict[str, Any]] = []
 
-    def until_loaded(self) -> None:
-        """Wait for the robot and the recogniser: while models load, a busy machine can starve the heartbeat."""
-        waited = {"robot", "recogniser"}
+    def until_loaded(self, *more: str) -> None:
+        """Wait for the robot and the recogniser, and ``more``: while models load, a busy machine can starve the
+        heartbeat."""
+        waited = {"robot", "recogniser", *more}
         while waited:
             waited.discard(self.until("log")["source"])
 
@@ -32,13 +33,18 @@ class Engine:
         self.process.stdin.write(json.dumps(words).encode() + b"\n")
         self.process.stdin.flush()
 
-    def until(self, kind: str, met: Callable[[dict[str, Any]], object] = lambda body: True) -> dict[str, Any]:
-        """Read events until one of this kind meets the condition; its body."""
+    def each(self) -> Iterator[dict[str, Any]]:
+        """The events that are still to come, to the end."""
         assert self.process.stdout is not None
         for line in self.process.stdout:
             self.seen.append(json.loads(line))
-            if self.seen[-1]["kind"] == kind and met(self.seen[-1]["body"]):
-                body: dict[str, Any] = self.seen[-1]["body"]
+            yield self.seen[-1]
+
+    def until(self, kind: str, met: Callable[[dict[str, Any]], object] = lambda body: True) -> dict[str, Any]:
+        """Read events until one of this kind meets the condition; its body."""
+        for event in self.each():
+            if event["kind"] == kind and met(event["body"]):
+                body: dict[str, Any] = event["body"]
                 return body
         raise AssertionError(f"ended without {kind}: {[event['kind'] for event in self.seen]}")
 

@@ -26,7 +26,7 @@ from engine.audio.wav import read_wav
 from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import ModelError
-from engine.hearing.ahead import DecodingAhead
+from engine.hearing.ahead import CAUTION, DecodingAhead
 from engine.hearing.hearing import Hearing
 from engine.hearing.readings import Completeness
 from engine.parts.loading import at_home, vocabulary
@@ -147,7 +147,9 @@ def test_a_command_that_was_hardly_understood_may_be_the_beginning_of_another() 
         scripted = Scripted(Transcript("Go back.", 0.6, SURE))
         async with listening(scripted, KITCHEN, judge=verdict("complete")) as it:
             silent, _ = await it.hear()
-            assert silent == pytest.approx(ENDPOINT.silence_s, abs=0.12)
+            usual = ENDPOINT.silence_s - CAUTION * (ENDPOINT.silence_s - ENDPOINT.complete_s)
+            assert ENDPOINT.complete_s < usual < ENDPOINT.silence_s
+            assert silent == pytest.approx(usual, abs=0.12)
 
     run(scenario())
 
