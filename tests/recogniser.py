@@ -49,6 +49,9 @@ class Scripted:
     def __init__(self, *answers: Answer | Callable[[Given], Answer]) -> None:
         self.answers = answers
         self.passes: list[Given] = []
+        self.likely: float | None = None
+        """What it says of every text."""
+        self.weighed: list[tuple[str, ...]] = []
         self.cancelled: list[bool] = []
         """Of each answer, whether nobody needed it any more when it was given."""
         self.began = threading.Event()
@@ -81,7 +84,8 @@ class Scripted:
     def likelihood(
         self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False
     ) -> float | None:
-        """None, as of those that cannot tell."""
-        return None
+        """None, as of those that cannot tell, unless something was chosen."""
+        self.weighed.append(tuple(texts))
+        return self.likely
 
     def close(self) -> None: ...

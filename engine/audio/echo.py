@@ -96,6 +96,11 @@ class EchoCanceller:
         """It has heard the loudspeaker long enough to tell its echo from everybody else. Any thread."""
         return self._gate.learnt
 
+    @property
+    def sounds(self) -> bool:
+        """What is heard now has something of the robot's own in it, or had just now. Any thread."""
+        return self._active
+
     def reset(self) -> None:
         """Another source begins, with another clock and perhaps elsewhere."""
         self._path, self._gate, self._search = EchoPath(), Gate(), Search()

@@ -42,6 +42,11 @@ class Ring:
         self._ended = False
         self._arrived = asyncio.Event()
 
+    @property
+    def is_listened_to(self) -> bool:
+        """There is a listener. Any thread."""
+        return self._listening
+
     def restart(self) -> None:
         """Another source begins. What is left of the last one is for a listener; without one it is forgotten."""
         with self._lock:

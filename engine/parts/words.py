@@ -21,21 +21,23 @@ from engine.events import ErrorRaised, Log
 from engine.parts.loading import model_store
 from engine.parts.part import Part
 from engine.wake.choice import MODEL, make_spotters, stop_words, usual_words
-from engine.wake.words import Spotted, Spotter, WordListener
+from engine.wake.words import Ask, Spotted, Spotter, WordListener
 
 FRESH_STARTS: Final = 3
 """How often listening begins anew after a fault, before it is given up."""
 
 
 class WordsPart:
-    """Listens while :meth:`keep` runs; :meth:`push` and :meth:`reset` are for who hears. ``wake`` and ``suspect`` (for
-    what may have been a stop) are called in the thread that listens. Without ``wakes`` nothing wakes."""
+    """Listens while :meth:`keep` runs; :meth:`push` and :meth:`reset` are for who hears. ``wake``, ``suspect`` (for
+    what may have been a stop) and ``ask`` (for what may have been a wake word) are called in the thread that listens.
+    Without ``wakes`` nothing wakes."""
 
     def __init__(
         self,
         settings: Settings,
         wake: Callable[[Wake], None],
         suspect: Callable[[Spotted], None],
+        ask: Ask,
         emit: Emit,
         *,
         wakes: bool = True,
@@ -43,6 +45,7 @@ class WordsPart:
         self._settings = settings
         self._wake = wake
         self._suspect = suspect
+        self._ask = ask
         self._emit = emit
         self._wakes = wakes
         self._listener: WordListener | None = None
@@ -72,10 +75,12 @@ class WordsPart:
         def fail(error: Exception) -> None:
             loop.call_soon_threadsafe(faults.put_nowait, error)
 
-        spotters = await asyncio.to_thread(load_spotters, self._settings, phrases, stops=True)
+        spotters = await asyncio.to_thread(load_spotters, self._settings, phrases, stops=True, doubts=True)
         prompt = self._settings.robot.realtime_priority
         stops = stops_of(self._settings, phrases)
-        listener = WordListener(spotters, self._wake, fail, prompt=prompt, suspect=self._suspect, stops=stops)
+        listener = WordListener(
+            spotters, self._wake, fail, prompt=prompt, suspect=self._suspect, ask=self._ask, stops=stops
+        )
         listener.start()
         self._listener = listener
         named = (
@@ -114,10 +119,14 @@ def stops_of(settings: Settings, phrases: Sequence[str]) -> Sequence[str]:
     return [stop for stop in stop_words(spoken) if stop not in phrases]
 
 
-def load_spotters(settings: Settings, phrases: Sequence[str], *, stops: bool = False) -> Sequence[Spotter]:
-    """Spotters for phrases, and with ``stops`` for what stops, ready to listen. Raises ``ModelError``."""
+def load_spotters(
+    settings: Settings, phrases: Sequence[str], *, stops: bool = False, doubts: bool = False
+) -> Sequence[Spotter]:
+    """Spotters for phrases, and with ``stops`` for what stops, ready to listen; with ``doubts`` they tell of what may
+    have been a phrase, too. Raises ``ModelError``."""
     heard = stops_of(settings, phrases) if stops else ()
-    return make_spotters(phrases, paths().words, _embedding(settings), settings.wake.threshold, stops=heard)
+    own, embedding = paths().words, _embedding(settings)
+    return make_spotters(phrases, own, embedding, settings.wake.threshold, stops=heard, doubts=doubts)
 
 
 def _embedding(settings: Settings) -> Path | None:

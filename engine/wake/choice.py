@@ -25,6 +25,10 @@ SUSPECTED: Final[Mapping[str, float]] = {"stop": 0.5, "停": 0.7}
 """How sure a head has to be of a stop for somebody to ask the recogniser, and do no more. Each Chinese syllable is like
 another one: from 0.5 on it would be asked ten times a minute while people talk, and from 0.7 on three times."""
 
+DOUBTED: Final[Mapping[str, float]] = {"hey jarvis": 0.05, "hey sayso": 0.3}
+"""How sure whoever spots a phrase that wakes has to be of it for the recogniser to be asked: ten or twenty times an
+hour while people talk."""
+
 
 @dataclass(frozen=True, slots=True)
 class Word:
@@ -66,10 +70,12 @@ def make_spotters(
     threshold: float | None = None,
     *,
     stops: Collection[str] = (),
+    doubts: bool = False,
 ) -> list[Spotter]:
     """Spotters for all the phrases. ``own`` is the folder of the user's heads, ``embedding`` that of the model where it
     is there; ``threshold`` is in the place of each phrase's own. They hear the ``stops`` as well, where the model is
-    there; of those they tell when they are not sure, too. Raises ``ModelError``."""
+    there; of those they tell when they are not sure, too, and with ``doubts`` also of what wakes. Raises
+    ``ModelError``."""
     known = {word.phrase: word for word in known_words(own)}
     words = []
     for phrase in phrases:
@@ -77,21 +83,23 @@ def make_spotters(
             hint = f'Train it: sayso wake train "{phrase}". There are: {", ".join(known)}.'
             raise ModelError(f"Nobody knows how “{phrase}” sounds.", hint=hint)
         words.append(known[phrase.casefold()])
-    made: list[Spotter] = [micro.MicroSpotter(word.phrase, threshold) for word in words if word.file is None]
+    asked = dict(DOUBTED) if doubts and threshold is None else {}
+    made: list[Spotter] = [
+        micro.MicroSpotter(word.phrase, threshold, asked.get(word.phrase, 1.0)) for word in words if word.file is None
+    ]
     heads = [Head.load(word.file) for word in words if word.file is not None]
     if threshold is not None:
         heads = [replace(head, threshold=threshold) for head in heads]
-    doubts = {}
     for stop in stops if embedding is not None else ():
         if stop in known and known[stop] not in words and (file := known[stop].file) is not None:
             heads.append(Head.load(file))
-            doubts[stop] = SUSPECTED[stop]
+            asked[stop] = SUSPECTED[stop]
     if heads:
         if embedding is None:
             raise ModelError(
                 f"The model that “{heads[0].phrase}” needs is not here.", hint=f"Run: sayso models pull {MODEL}"
             )
-        made.append(TrainedSpotter(Embedding(embedding), heads, doubts=doubts))
+        made.append(TrainedSpotter(Embedding(embedding), heads, doubts=asked))
     return made
 
 

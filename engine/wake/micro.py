@@ -43,10 +43,12 @@ class MicroSpotter:
     _waiting: NDArray[np.int16]  # less than a chunk
     _heard: int  # samples
     _refractory: Refractory
+    _doubted: Refractory
     _delay: int  # samples, see DELAY
 
-    def __init__(self, phrase: str, threshold: float | None = None) -> None:
-        """Load it; ``threshold``: another than the usual one. Raises ``ModelError``."""
+    def __init__(self, phrase: str, threshold: float | None = None, doubt: float = 1.0) -> None:
+        """Load it; ``threshold``: another than the usual one. From ``doubt`` on it is spotted as well, and not sure.
+        Raises ``ModelError``."""
         try:
             import pymicro_wakeword as library
 
@@ -64,6 +66,8 @@ class MicroSpotter:
             self._library = library
         except (ImportError, OSError, ValueError, AttributeError, TypeError) as error:  # or it is another version
             raise ModelError(f"“{phrase}” cannot be listened for: {error}.", hint=INSTALL) from error
+        self._cutoff = self._word.probability_cutoff
+        self._doubt = doubt
         self._delay = DELAY - (word.sliding_window_size - steps) * STEP
         self.phrases = (phrase,)
         self._begin()
@@ -75,8 +79,11 @@ class MicroSpotter:
             chunk, self._waiting = self._waiting[:CHUNK], self._waiting[CHUNK:]
             self._heard += CHUNK
             for features in self._features.process_streaming(chunk.tobytes()):
-                if self._word.process_streaming(features) and self._refractory.lets(self._heard):
-                    found.append(Spotted(self.phrases[0], self._heard, self._heard - self._delay))
+                mean = self._word.process_streaming_prob(features) or 0.0
+                sure = mean > self._cutoff
+                refractory = self._refractory if sure else self._doubted
+                if (sure or mean > self._doubt) and refractory.lets(self._heard):
+                    found.append(Spotted(self.phrases[0], self._heard, self._heard - self._delay, sure))
         return found
 
     def reset(self) -> None:
@@ -87,4 +94,4 @@ class MicroSpotter:
         self._features = self._library.MicroWakeWordFeatures()
         self._waiting = np.zeros(0, np.int16)
         self._heard = 0
-        self._refractory = Refractory()
+        self._refractory, self._doubted = Refractory(), Refractory()

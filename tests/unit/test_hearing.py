@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -27,6 +28,7 @@ from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import DeviceError, ModelError, SaysoError
 from engine.hearing.hearing import Hearing, NothingHeard
+from engine.hearing.transcriber import SAID
 from tests import recogniser
 from tests.room import BEGUN, Room, Speaker, decibels, mixed, said_in_turn
 from tests.room import samples as sampled
@@ -330,6 +332,41 @@ def test_a_phrase_counts_for_the_listening_that_it_woke_and_for_no_other() -> No
                 heard = await it.hearing.listen(it.emit)
                 assert isinstance(heard, Utterance)
                 assert (heard.lead is not None) == (phrase is not None)
+
+    asyncio.run(scenario())
+
+
+# Whether a phrase was said
+
+
+@pytest.mark.parametrize(("likely", "woken"), [(SAID + 0.1, True), (SAID - 0.1, False), (None, False)])
+def test_a_phrase_was_said_where_the_recogniser_finds_it_likely(likely: float | None, woken: bool) -> None:
+    async def scenario() -> None:
+        answers: list[str] = []
+        async with ears(PushSource) as it:
+            it.recogniser.likely = likely
+            it.hearing.ask("hey jarvis", COMMAND, lambda: answers.append(threading.current_thread().name))
+            await asyncio.get_running_loop().run_in_executor(it.hearing._transcriber.thread, lambda: None)
+        assert bool(answers) == woken
+        assert all(name.startswith("recogniser") for name in answers)
+        assert {"hey jarvis", "Hey Jarvis"} <= set(it.recogniser.weighed[0])
+        it.hearing.ask("hey jarvis", COMMAND, lambda: answers.append("after the end"))  # and nothing comes of it
+        assert len(it.recogniser.weighed) == 1
+
+    asyncio.run(scenario())
+
+
+def test_nobody_is_asked_about_a_phrase_while_somebody_is_listened_to() -> None:
+    async def scenario() -> None:
+        async with ears(PushSource) as it:
+            it.recogniser.likely = 0.0
+            listening = asyncio.create_task(it.hearing.listen(it.emit))
+            await settle()
+            it.hearing.ask("hey jarvis", COMMAND, lambda: pytest.fail("it was a part of the request"))
+            listening.cancel()
+            await asyncio.gather(listening, return_exceptions=True)
+            await asyncio.get_running_loop().run_in_executor(it.hearing._transcriber.thread, lambda: None)
+            assert it.recogniser.weighed == []
 
     asyncio.run(scenario())
 

@@ -9,7 +9,7 @@ import itertools
 import json
 import shutil
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -41,7 +41,7 @@ from engine.wake.training.texts import near
 from engine.wake.training.trainer import Effort, train
 from engine.wake.training.trial import Point, chosen
 from engine.wake.training.voices import Espeak, Kokoro, KokoroVoice, Remembered, Sound, find_voices, trimmed
-from engine.wake.words import Spotted, Spotter, WordListener
+from engine.wake.words import ASKED_S, Spotted, Spotter, WordListener
 
 SPEECH = Path(__file__).parents[2] / "assets" / "speech"
 LIMIT_S = 20
@@ -395,6 +395,93 @@ def test_a_stop_is_suspected_in_the_thread_that_listens_and_wakes_nobody() -> No
     assert wakes == []
 
 
+class Doubting(Clapping):
+    """A spotter that is sure of what is loud."""
+
+    def push(self, samples: NDArray[np.int16]) -> list[Spotted]:
+        claps = super().push(samples)
+        begun = self._heard - len(samples)
+        return [replace(found, sure=samples[found.at - begun] > 5000) for found in claps]
+
+
+def soft_clap() -> NDArray[np.int16]:
+    return (clap() // 4).astype(np.int16)
+
+
+class Asked:
+    """A listener, and somebody who is asked whether a clap was one."""
+
+    def __init__(self) -> None:
+        self.wakes: SimpleQueue[Wake] = SimpleQueue()
+        self.asked: SimpleQueue[tuple[str, NDArray[np.int16], Callable[[], None]]] = SimpleQueue()
+        self.listener = WordListener(
+            [Doubting()],
+            self.wakes.put,
+            lambda error: None,
+            prompt=False,
+            ask=lambda phrase, sound, said: self.asked.put((phrase, sound, said)),
+        )
+
+    def __enter__(self) -> Asked:
+        self.listener.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.listener.close()
+
+
+def test_of_a_doubtful_word_somebody_is_asked_and_it_wakes_once_that_is_known() -> None:
+    with Asked() as it:
+        before = np.arange(2 * RATE, dtype=np.int16) % 900
+        heard = np.concatenate((before, soft_clap(), silence(0.1)))
+        it.listener.push(heard[:RATE])
+        it.listener.push(heard[RATE:])
+        phrase, sound, said = it.asked.get(timeout=LIMIT_S)
+        assert phrase == "clap"
+        assert it.wakes.empty()
+        known = int(np.flatnonzero(heard > 1000)[0])
+        assert np.array_equal(sound, heard[known - round(ASKED_S * RATE) : known]), "to where it was known, no farther"
+        said()
+        wake = it.wakes.get(timeout=LIMIT_S)
+        assert (wake.source, wake.phrase) == ("word", "clap")
+        assert wake.ago_s is not None
+        assert 0.2 - 0.001 <= wake.ago_s <= 1.0
+        said()
+        assert it.wakes.empty(), "once"
+
+
+def test_whoever_was_asked_wakes_nobody_if_somebody_was_sure_meanwhile() -> None:
+    with Asked() as it:
+        it.listener.push(np.concatenate((silence(1), soft_clap())))
+        _, _, said = it.asked.get(timeout=LIMIT_S)
+        it.listener.push(clap())
+        assert it.wakes.get(timeout=LIMIT_S).phrase == "clap"
+        said()
+        assert it.wakes.empty()
+
+
+def test_whoever_is_sure_a_little_later_does_not_wake_again() -> None:
+    with Asked() as it:
+        it.listener.push(np.concatenate((silence(1), soft_clap())))
+        _, _, said = it.asked.get(timeout=LIMIT_S)
+        said()
+        it.wakes.get(timeout=LIMIT_S)
+        it.listener.push(np.concatenate((silence(0.3), clap(), silence(1.2), soft_clap())))
+        it.asked.get(timeout=LIMIT_S)  # so that the clap before has been heard
+        assert it.wakes.empty()
+        it.listener.push(clap())
+        assert it.wakes.get(timeout=LIMIT_S).phrase == "clap"
+
+
+def test_nobody_is_asked_about_what_has_just_woken_nor_twice_about_the_same() -> None:
+    with Asked() as it:
+        it.listener.push(np.concatenate((silence(1), clap(), silence(0.5), soft_clap())))  # the echo of a clap
+        it.listener.push(np.concatenate((silence(1), soft_clap(), silence(0.3), soft_clap(), silence(1), clap())))
+        it.wakes.get(timeout=LIMIT_S)
+        it.wakes.get(timeout=LIMIT_S)
+        assert it.asked.qsize() == 1
+
+
 def test_a_fault_is_told() -> None:
     class Broken(Clapping):
         def push(self, samples: NDArray[np.int16]) -> list[Spotted]:
@@ -519,6 +606,19 @@ def test_hey_jarvis_is_known_sooner_than_its_makers_chose_and_ends_where_it_ende
     (late,) = MicroSpotter("hey jarvis").push(sound)
     assert late.at - soon.at > 0.02 * RATE
     assert abs(late.ended - soon.ended) < 0.05 * RATE
+
+
+@NEEDS_ESPEAK
+@pytest.mark.skipif(not is_installed(), reason="pymicro-wakeword is not installed")
+def test_a_hey_jarvis_that_may_be_one_is_told_only_where_doubts_are_wanted() -> None:
+    sound = said(Espeak("en-gb-scotland", "f2", 40), "Hey Jarvis")
+    assert MicroSpotter("hey jarvis", 1.0).push(sound) == []
+    (doubtful,) = MicroSpotter("hey jarvis", 1.0, doubt=0.1).push(sound)
+    assert not doubtful.sure
+    (sure,) = [found for found in MicroSpotter("hey jarvis", doubt=0.1).push(sound) if found.sure]
+    assert sure.at >= doubtful.at
+    (chosen,) = make_spotters(["hey jarvis"], SHIPPED, None)
+    assert all(found.sure for found in chosen.push(sound))
 
 
 @pytest.mark.skipif(not is_installed(), reason="pymicro-wakeword is not installed")

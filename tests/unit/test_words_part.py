@@ -63,6 +63,7 @@ def test_after_a_fault_listening_begins_anew_but_not_for_ever(faults: int, monke
             load(overrides=("wake.words=[clap]",), environ={}),
             wake,
             lambda spotted: None,
+            lambda phrase, sound, said: None,
             bus.bound(turn=None, epoch=0),
         )
         keeping = asyncio.create_task(words.keep(lambda: Part("wake words", told.put_nowait)))
