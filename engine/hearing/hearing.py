@@ -41,6 +41,9 @@ from engine.hearing.readings import Judge
 from engine.hearing.transcriber import Transcriber, as_event
 from engine.lead import Lead
 
+LONGEST_PHRASE = 40
+"""Characters of what can have been said in the second before a request; whoever sends commands may write more."""
+
 
 @dataclass(frozen=True, slots=True)
 class NothingHeard:
@@ -189,7 +192,7 @@ class Hearing:
         1 s) ago, when the ``phrase`` ended that woke, however long it takes until it is called (up to 10 s).
         Thread-safe, returns at once."""
         self._begun = None
-        self._phrase = phrase if ago_s is not None else ""
+        self._phrase = phrase if ago_s is not None and len(phrase) <= LONGEST_PHRASE else ""
         self._ring.mark(None if ago_s is None else int(ago_s / FRAME_S))  # rather too little than some of a word
 
     def overhear(self, on: bool) -> None:

@@ -300,7 +300,8 @@ def test_the_recogniser_is_told_of_a_phrase_that_a_request_follows_without_a_pau
 
 
 @pytest.mark.parametrize(
-    ("ago_s", "phrase", "pause_s"), [(0.0, "hey jarvis", 0.5), (None, "hey jarvis", 0.0), (0.0, "", 0.0)]
+    ("ago_s", "phrase", "pause_s"),
+    [(0.0, "hey jarvis", 0.5), (None, "hey jarvis", 0.0), (0.0, "", 0.0), (0.0, "hey " * 99, 0.0)],
 )
 def test_what_came_before_a_pause_or_is_not_known_is_not_told(ago_s: float | None, phrase: str, pause_s: float) -> None:
     async def scenario() -> None:
