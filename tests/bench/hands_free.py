@@ -42,16 +42,14 @@ from tests.bench.listening import planned
 from tests.bench.report import figures, print_report, report
 from tests.bench.rig import memory_of
 from tests.bench.speech import mixed, noise, silence, speech_bounds
-from tests.bench.wake_words import natural, trained_by, unseen
+from tests.bench.wake_words import SPEECH, natural, trained_by, unseen
 from tests.e2e.engine import Engine, engine
 
 PHRASES = ("hey jarvis", "hey sayso")
 DRIVES = ("go to the kitchen", "turn left", "go to the bedroom", "turn around", "go to the study", "turn right")
 OTHERS = ("end the current task", "open the gripper", "what do you see", "where are you", "raise your arm")
 CONDITIONS = {"clean": None, "10 dB": 10.0}
-LEAD_S, TAIL_S = 1.5, 2.5
-SPEECH = 0.08
-"""How loud a voice is, root of the mean square of ±1."""
+LEAD_S, TAIL_S, BETWEEN_S = 1.5, 2.5, 0.5
 PATIENCE_S = 60.0
 
 
@@ -101,6 +99,7 @@ class Watch:
         self._engine = running
         self._memory: Memory = memory_of(running.process.pid)
         self._closing = threading.Event()
+        self._came = threading.Condition()
         for work in (self._read, self._look):
             threading.Thread(target=work, daemon=True).start()
 
@@ -111,12 +110,20 @@ class Watch:
         """The first event of a kind that is remembered: when it was read, and its body."""
         return next(((at, body) for at, found, body in tuple(self.events) if found == kind), None)
 
+    def wait_for(self, kind: str) -> None:
+        """Until an event of a kind is remembered. Raises ``SystemExit`` where none comes."""
+        with self._came:
+            if not self._came.wait_for(lambda: self.first(kind) is not None, PATIENCE_S):
+                raise SystemExit(f"{PATIENCE_S:g} s without {kind}.")
+
     def close(self) -> None:
         self._closing.set()
 
     def _read(self) -> None:
         for event in self._engine.each():
-            self.events.append((time.monotonic(), event["kind"], event["body"]))
+            with self._came:
+                self.events.append((time.monotonic(), event["kind"], event["body"]))
+                self._came.notify_all()
 
     def _look(self) -> None:
         while not self._closing.wait(0.001):
@@ -140,16 +147,7 @@ def listening(phrase: str) -> Iterator[tuple[Engine, Watch, Room]]:
     options = ("--set", f"wake.words=[{phrase}]", "--set", "models.fetch=false")
     with tempfile.TemporaryDirectory() as state, engine(Path(state), "", *options) as running:
         running.until_loaded("wake words")
-        lock = threading.Lock()
-        send = running.send
-
-        def one_at_a_time(**words: Any) -> None:
-            with lock:
-                send(**words)
-
-        running.send = one_at_a_time  # type: ignore[method-assign]
-        watch = Watch(running)
-        room = Room(one_at_a_time)
+        watch, room = Watch(running), Room(running.send)
         try:
             yield running, watch, room
         finally:
@@ -203,10 +201,8 @@ def run(phrase: str, voices: Sequence[Voice], takes: int) -> dict[str, Tally]:
                     print(f"{condition}: {text!r} {why} ({voices[index % len(voices)].name})", file=sys.stderr)
                 watch.forget()
                 running.send(do="end_task")
-                deadline = time.monotonic() + PATIENCE_S
-                while watch.first("task.ended") is None and time.monotonic() < deadline:
-                    time.sleep(0.01)
-                time.sleep(0.5)
+                watch.wait_for("task.ended")
+                room.say(silence(BETWEEN_S))
     return tallies
 
 

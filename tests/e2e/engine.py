@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import subprocess
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,6 +20,7 @@ class Engine:
 
     def __init__(self, process: subprocess.Popen[bytes]) -> None:
         self.process = process
+        self._sending = threading.Lock()
         self.seen: list[dict[str, Any]] = []
 
     def until_loaded(self, *more: str) -> None:
@@ -29,9 +31,11 @@ class Engine:
             waited.discard(self.until("log")["source"])
 
     def send(self, **words: Any) -> None:
+        """Thread-safe."""
         assert self.process.stdin is not None
-        self.process.stdin.write(json.dumps(words).encode() + b"\n")
-        self.process.stdin.flush()
+        with self._sending:
+            self.process.stdin.write(json.dumps(words).encode() + b"\n")
+            self.process.stdin.flush()
 
     def each(self) -> Iterator[dict[str, Any]]:
         """The events that are still to come, to the end."""
