@@ -433,7 +433,8 @@ class SaysoApp(Stage):
     # Leaving
 
     def action_leave(self) -> None:
-        """Quit; while a task is running, only when asked twice."""
+        """Quit; while a task is running, only when asked twice. A task that has ended is none, drawn or not."""
+        self.drawing.now()
         if self.drawing.model.busy and not self.leaving.asked and not self.engine_hangs:
             self.leaving.asked = True
             self.redraw()

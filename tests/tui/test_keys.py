@@ -130,6 +130,15 @@ async def test_q_asks_once_more_while_a_task_is_running() -> None:
         assert desk.engine.sent == [Quit()]
 
 
+async def test_q_does_not_ask_about_a_task_whose_end_has_not_been_drawn_yet() -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.acting())
+        await desk.settled()
+        desk.engine.play(scripted.done()[len(scripted.acting()) :])
+        desk.app.action_leave()
+        assert desk.engine.sent == [Quit()]
+
+
 async def test_the_question_is_forgotten_when_the_task_ends() -> None:
     async with console() as desk:
         desk.engine.play(scripted.acting())
