@@ -11,6 +11,7 @@ of its own process (``engine.asr.isolated``): loading and decoding hold the inte
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
 import os
@@ -239,10 +240,12 @@ class WhisperRecogniser:
             compression_ratio_threshold=None,
         )
         found = []
-        for segment in segments:
-            found.append(segment)
-            if cancelled():
-                break
+        self._model.cancelled = cancelled
+        with contextlib.suppress(_Cancelled):
+            for segment in segments:
+                found.append(segment)
+                if cancelled():
+                    break
         return _Result.of(found, info.language, sound.said or "", self._model.tokens_of(sound.said))
 
     def _language_of(self, samples: NDArray[np.float32]) -> str | None:
@@ -260,6 +263,10 @@ class WhisperRecogniser:
         language = max(self._settings.languages, key=lambda language: chances.get(language, 0.0))
         self._spoken = samples, language
         return language
+
+
+class _Cancelled(Exception):
+    """Nobody needs the text of what has been encoded."""
 
 
 class _Sound:
@@ -343,6 +350,7 @@ def _open_model(folder: Path, threads: int) -> Any:
         window_frames = 3000
         last: tuple[NDArray[np.float32], Any] | None = None
         compares = False  # several readings, which are kept
+        cancelled: Callable[[], bool] = staticmethod(lambda: False)
         readings: list[tuple[str, float]] = []  # noqa: RUF012 (of the last pass, with their mean log-probabilities)
 
         def encode(self, features: NDArray[np.float32]) -> Any:
@@ -363,28 +371,36 @@ def _open_model(folder: Path, threads: int) -> Any:
             start = [*tokenizer.sot_sequence, tokenizer.no_timestamps]
             # Whisper begins with a space in languages that have any
             written = [tokenizer.encode(text if is_chinese(text) else f" {text}") for text in texts]
-            longest = max(map(len, written))
+            # what is the beginning of another text costs nothing: its end is asked on the way
+            rows = [row for row in written if not any(row == other[: len(row)] != other for other in written)]
+            longest = max(map(len, rows))
             heard = self.encode(pad_or_trim(self.feature_extractor(samples)[..., :-1]))
             heard = np.asarray(heard.to(ctranslate2.DataType.float32))
             found = self.model.generate(
-                ctranslate2.StorageView.from_array(np.repeat(heard, len(written), axis=0)),
+                ctranslate2.StorageView.from_array(np.repeat(heard, len(rows), axis=0)),
                 # of equal length; what follows a text is asked before what is written in its place here
-                [[*start, *tokens, *tokens[-1:] * (longest - len(tokens))] for tokens in written],
+                [[*start, *tokens, *tokens[-1:] * (longest - len(tokens))] for tokens in rows],
                 beam_size=1,
-                max_length=len(start) + longest + 1,
+                max_length=2 * (len(start) + longest + 1),  # half of it is what may be written
                 return_logits_vocab=True,
                 suppress_blank=False,
                 suppress_tokens=[],
             )
             chances = []
-            for tokens, result in zip(written, found, strict=True):
-                steps = [np.asarray(step, np.float32).ravel() for step in result.logits[0][: len(tokens) + 1]]
+            for row, result in zip(rows, found, strict=True):
+                steps = [np.asarray(step, np.float32).ravel() for step in result.logits[0][: len(row) + 1]]
                 steps = [step - np.logaddexp.reduce(step) for step in steps]
-                said = sum(float(step[token]) for step, token in zip(steps, tokens, strict=False))
-                chances.append(said + float(np.logaddexp.reduce(steps[-1][ends])))
+                said = np.cumsum([step[token] for step, token in zip(steps, row, strict=False)])
+                chances += [
+                    float(said[len(tokens) - 1] + np.logaddexp.reduce(steps[len(tokens)][ends]))
+                    for tokens in written
+                    if row[: len(tokens)] == tokens
+                ]
             return max(chances)
 
         def generate_with_fallback(self, encoder_output: Any, prompt: list[int], tokenizer: Any, options: Any) -> Any:
+            if self.cancelled():
+                raise _Cancelled
             # faster-whisper's own throws all readings but the best away; falling back is our business anyway
             if not self.compares:
                 return super().generate_with_fallback(encoder_output, prompt, tokenizer, options)

@@ -27,6 +27,10 @@ TAIL_S = 0.2
 RESUME_FRAMES = 3
 """Frames of speech in a row (0.1 s) that break a silence: fewer are a click, or a spike of the detector in noise."""
 
+FADING = 0.8
+"""Probability of speech below which a word may be at its end: in noise it falls for 0.1 s and more before a detector
+with hysteresis calls it a pause, and within words it seldom does."""
+
 EndReason = Literal["silence", "max_length", "source_ended", "no_speech"]
 
 
@@ -86,6 +90,7 @@ class Endpointer:
         self._silence = 0  # frames since speech was last certain
         self._resumed = 0  # speech frames in a row within that silence
         self._speech = 0
+        self._fading = False
         self._concluded = False
         self._ended = False
 
@@ -98,6 +103,11 @@ class Endpointer:
     def pause(self) -> int:
         """Frames of the pause so far, 0 while somebody speaks. A click in it does not end it."""
         return self._silence
+
+    @property
+    def fading(self) -> bool:
+        """Somebody speaks, and may be about to pause."""
+        return self._fading
 
     @property
     def lead(self) -> Lead | None:
@@ -158,6 +168,7 @@ class Endpointer:
             self._silence_frames = self._usual_silence
         else:
             self._silence += 1
+        self._fading = not self._silence and vad.probability < FADING
         silent = self._silence >= self._silence_frames and not vad.speech  # a word that has just begun is heard first
         if silent or self._concluded:
             return self._end("silence", trim=True)

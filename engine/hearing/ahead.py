@@ -4,7 +4,8 @@ In every pause the utterance so far is recognised as if it were whole, in a quic
 leaves a doubt. If nobody goes on, that is the transcript, and it is ready when the silence is. What it says also tells
 how long to wait: not long after a complete command, longer after "go to the", and as long as it takes while it is not
 known what was said, since nothing could be done before that. While somebody talks, a quick pass every half second shows
-the words so far.
+the words so far. Where a voice fades, in noise long before the pause, a pass begins; it serves this pause if one comes,
+and is given up if the voice goes on.
 
 In noise a detector of voices hears somebody go on who has ended. Words tell: a complete command to which 0.4 s of sound
 added none has been said, and the turn ends.
@@ -34,6 +35,12 @@ commands are understood that much later."""
 BURST_FRAMES = 7
 """What began this shortly (0.2 s) before has heard all but the end of a word: a pause is 32 ms of it, and a detector of
 voices takes another 0.1 s to notice one. "Box" has two pauses; what was found in the first is asked first."""
+
+FADING_FRAMES = 6
+"""Speech (0.2 s) before which no word is at its end: its beginning looks the same."""
+
+FADED_FRAMES = 3
+"""What follows in a voice that fades (0.1 s) and may be missing for all to have been heard."""
 
 FIRST_FRAMES = 32
 """Speech (1 s) after which somebody talks on: most commands are over by then, and nothing delays their last pass."""
@@ -155,6 +162,7 @@ class DecodingAhead:
         self._until_next = FIRST_FRAMES  # frames of speech until something is recognised though there is no pause
         self._heard = 0  # frames of the utterance
         self._newest: Decoding | None = None
+        self._early: Decoding | None = None  # one that began when a pause seemed to come
         self._whole: Decoding | None = None  # the one of the present pause
         self._command: Decoding | None = None  # the first in which the complete command was found that is the newest
         self._confirmed: Decoding | None = None  # a later one that found no more
@@ -190,7 +198,13 @@ class DecodingAhead:
                 self._whole = None
             self._until_next -= 1
             idle = self._newest is None or self._newest.is_over
-            if idle and ((self._partials and self._until_next <= 0) or self._may_be_confirmed):
+            if endpointer.fading:
+                if self._partials and idle and self._early is None and self._heard >= FADING_FRAMES:
+                    self._early = self._begin(endpointer.so_far, self._heard)
+            elif self._early is not None:
+                self._early.transcription.cancel()  # the word went on
+                self._early = None
+            elif idle and ((self._partials and self._until_next <= 0) or self._may_be_confirmed):
                 self._begin(endpointer.so_far, self._heard)
 
     def end(self) -> Decoding | None:
@@ -215,7 +229,8 @@ class DecodingAhead:
 
     def _is_outdated(self, decoding: Decoding, endpointer: Endpointer) -> bool:
         """It did not hear all up to this pause, and found no command in what it heard."""
-        missed = decoding.at < self._heard - endpointer.pause + PAUSE_FRAMES
+        heard = decoding.at + (FADED_FRAMES if decoding is self._early else 0)
+        missed = heard < self._heard - endpointer.pause + PAUSE_FRAMES
         return missed and decoding.is_over and decoding.verdict != "complete"
 
     @property

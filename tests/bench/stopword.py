@@ -4,7 +4,7 @@ What is measured are the engine's own parts, frame by frame in the time of the s
 recogniser, which overhears by itself and confirms what the spotter suspects. *Spotter* is the share of words at which
 motion paused, *recogniser* that of those that it heard without being asked, *both* that of those that became a stop.
 Latency is from the last sample of the word; the recogniser's part in it is the processor time that its decodings took
-here, one after the other.
+here, one after the other. The robot is told to *rest* by a pause, or by a stop where none came before it.
 
 The voices are those synthetic ones on this machine and in ``--voices`` that the head does not know: it names the
 speakers that trained it. Noise is that of a kitchen where the shared data are, else white. False pauses and false stops
@@ -169,6 +169,7 @@ class Tally:
     found: list[bool] = field(default_factory=list)
     pause_ms: list[float] = field(default_factory=list)
     stop_ms: list[float] = field(default_factory=list)
+    rest_ms: list[float] = field(default_factory=list)  # of those that became a stop
 
 
 async def listen(ears: Ears, words: Sequence[Sound], *, spotter: bool) -> dict[str, Tally]:
@@ -187,6 +188,7 @@ async def listen(ears: Ears, words: Sequence[Sound], *, spotter: bool) -> dict[s
             tally.found.append(bool(stopped))
             tally.pause_ms += [1000 * at for at in paused[:1]]
             tally.stop_ms += [1000 * at for at in stopped[:1]]
+            tally.rest_ms += [1000 * min(*paused[:1], *stopped[:1], LATE_S)] if stopped else []
     return tallies
 
 
@@ -258,7 +260,7 @@ async def run(args: argparse.Namespace) -> None:
             for condition, tally in (await listen(ears, words, spotter=spotter is not None)).items():
                 for who, share in (("spotter", tally.spotted), ("recogniser", tally.alone), ("both", tally.found)):
                     ratios[f"{name}: {who}, {condition}, of {len(share)}"] = float(np.mean(share))
-                for what, late_ms in (("pause", tally.pause_ms), ("stop", tally.stop_ms)):
+                for what, late_ms in (("pause", tally.pause_ms), ("stop", tally.stop_ms), ("rest", tally.rest_ms)):
                     if late_ms:
                         found[f"{name}, {condition}: end of the word → {what}"] = figures(late_ms, "ms")
         found[f"{language}: a decoding"] = figures([1000 * s for s in recogniser.decode_s], "ms")

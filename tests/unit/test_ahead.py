@@ -236,7 +236,7 @@ def test_what_is_no_command_ends_no_turn_early(answer: Rejected | ModelError) ->
 class Slow:
     """Decoding ahead over frames of silence and speech, with a recogniser that answers when it is told to."""
 
-    def __init__(self, *answers: Transcript, judge: Callable[[str], Completeness]) -> None:
+    def __init__(self, *answers: Transcript, judge: Callable[[str], Completeness], partials: bool = False) -> None:
         self.asked: list[tuple[Transcription, asyncio.Future[Found]]] = []
         self.quick: list[bool] = []
         self.ended_at: int | None = None  # frames
@@ -244,16 +244,17 @@ class Slow:
         self._frames = 0
         self._endpointer = Endpointer(ENDPOINT)
         emit = Bus(SystemClock()).bound(turn=None, epoch=1)
-        self._ahead = DecodingAhead(self._recognise, self._start, ENDPOINT, judge, emit, partials=False)
+        self._ahead = DecodingAhead(self._recognise, self._start, ENDPOINT, judge, emit, partials=partials)
 
-    def hear(self, frames: int, *, speech: bool) -> None:
+    def hear(self, frames: int, *, speech: bool, probability: float | None = None) -> None:
         for _ in range(frames):
             if self.ended_at is not None:
                 return
             self._frames += 1
             frame = Frame(np.zeros(FRAME_SAMPLES, np.int16), self._frames * FRAME_S)
+            heard = float(speech) if probability is None else probability
             self._ahead.advise(self._endpointer)
-            if isinstance(self._endpointer.push(frame, VadResult(float(speech), speech)), Ended):
+            if isinstance(self._endpointer.push(frame, VadResult(heard, speech)), Ended):
                 self.ended_at = self._frames
             else:
                 self._ahead.follow(self._endpointer)
@@ -395,6 +396,55 @@ def test_a_command_is_as_complete_with_a_comma_more() -> None:
 
 
 # What is recognised, and how often
+
+
+def test_a_pass_begins_when_a_voice_fades_and_serves_the_pause_that_follows() -> None:
+    async def scenario() -> None:
+        it = Slow(Transcript("Go to the kitchen.", 0.8, SURE), judge=verdict("complete"), partials=True)
+        it.hear(20, speech=True)
+        it.hear(3, speech=True, probability=0.6)
+        assert len(it.asked) == 1
+        it.hear(3, speech=False)
+        assert len(it.asked) == 1
+        await it.answer()
+        it.hear(20, speech=False)
+        assert it.ended_at == 23 + math.ceil(ENDPOINT.complete_s / FRAME_S)
+
+    run(scenario())
+
+
+def test_a_pass_that_began_within_a_word_is_given_up_and_never_the_transcript() -> None:
+    async def scenario() -> None:
+        answers = (Transcript(text, 0.8, SURE) for text in ("Go to the bed.", "Go to the bedroom."))
+        it = Slow(*answers, judge=verdict("complete"), partials=True)
+        it.hear(20, speech=True)
+        it.hear(2, speech=True, probability=0.6)
+        within = it.asked[0][0]
+        it.hear(3, speech=True)
+        assert within.is_cancelled
+        it.hear(2, speech=False)
+        assert len(it.asked) == 2
+        await it.answer()
+        it.hear(20, speech=False)
+        assert it.ended_at is None, "nobody knows yet what was said"
+        await it.answer()
+        it.hear(1, speech=False)
+        assert it.ended_at is not None
+
+    run(scenario())
+
+
+@pytest.mark.parametrize("partials", [False, True])
+def test_a_voice_that_begins_is_not_one_that_fades_and_who_is_asked_once_is_asked_at_the_pause(partials: bool) -> None:
+    async def scenario() -> None:
+        it = Slow(judge=verdict("complete"), partials=partials)
+        it.hear(6, speech=True, probability=0.6)
+        it.hear(20, speech=True)
+        assert it.asked == []
+        it.hear(1, speech=True, probability=0.6)
+        assert len(it.asked) == partials
+
+    run(scenario())
 
 
 def test_the_pass_of_the_last_pause_is_the_transcript() -> None:

@@ -120,6 +120,16 @@ def test_what_is_known_to_be_all_ends_in_the_middle_of_noise() -> None:
     assert numbers(ended) == list(range(21)), "nothing of it is taken for silence"
 
 
+def test_a_voice_fades_before_the_pause_and_not_in_it() -> None:
+    machine = Endpointer(SETTINGS)
+    fading = []
+    for index, probability in enumerate([1.0] * 10 + [0.7, 0.9, 0.7, 0.5, 0.2, 0.1]):
+        frame = Frame(np.zeros(FRAME_SAMPLES, np.int16), (index + 1) * FRAME_S)
+        machine.push(frame, VadResult(probability, probability >= 0.35))
+        fading.append(machine.fading)
+    assert fading == [False] * 10 + [True, False, True, True, False, False]
+
+
 def test_noise_that_sounds_like_speech_ends_at_the_greatest_length() -> None:
     _, ended, count = hear([True] * 1000)
     assert ended is not None

@@ -197,6 +197,9 @@ def test_what_was_said_is_likelier_than_what_was_not() -> None:
         assert other is not None
         assert other < said - 4
     assert made.likelihood(stop, ("Kitchen", "stop", "Stop")) == pytest.approx(said, abs=1e-3), "however many are asked"
+    assert made.likelihood(stop, ("Stop", "Stop the train", "Stop", "stop")) == pytest.approx(said, abs=1e-3)
+    both = made.likelihood(kitchen, ("Go to", "Go to the kitchen"))
+    assert both == pytest.approx(made.likelihood(kitchen, ("Go to the kitchen",)), abs=1e-3)
 
 
 @pytest.mark.model
@@ -293,6 +296,16 @@ def test_a_cancelled_recogniser_does_not_try_the_long_window() -> None:
     assert (kept := strict.transcribe(noise).decoding) is not None
     assert (cancelled := strict.transcribe(noise, cancelled=lambda: True).decoding) is not None
     assert (kept.window_s, cancelled.window_s) == (30.0, 10.0)
+
+
+@pytest.mark.model
+def test_who_is_not_needed_any_more_writes_nothing_and_knows_it_the_next_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = recogniser()
+    sound, asked = spoken("go_to_the_kitchen.wav"), []
+    encode = made._model.encode
+    monkeypatch.setattr(made._model, "encode", lambda features: asked.append(1) or encode(features))
+    assert isinstance(made.transcribe(sound, cancelled=lambda: bool(asked), quick=True), Rejected)
+    assert made.transcribe(sound, quick=True).text == "Go to the kitchen."
 
 
 @pytest.mark.model
