@@ -72,9 +72,7 @@ class Transcriber:
 
         def look() -> None:
             with contextlib.suppress(SaysoError):  # whoever wants to be understood next is told the same
-                ways = (phrase, phrase.capitalize(), phrase.title(), ", ".join(phrase.title().split()))
-                likelihood = self._recogniser.likelihood(sound * np.float32(1 / 32768), tuple(dict.fromkeys(ways)))
-                if likelihood is not None and likelihood >= SAID:
+                if ends_with(self._recogniser, phrase, sound):
                     said()
 
         with contextlib.suppress(RuntimeError):  # it has been closed
@@ -143,3 +141,10 @@ def _used(found: Found) -> Transcript | Rejected:
     if isinstance(found, SaysoError):
         raise found
     return found
+
+
+def ends_with(recogniser: Recogniser, phrase: str, sound: Samples) -> bool:
+    """Whether a recogniser finds it likely that this was said. Raises ``SaysoError``."""
+    ways = (phrase, phrase.capitalize(), phrase.title(), ", ".join(phrase.title().split()))
+    likelihood = recogniser.likelihood(sound * np.float32(1 / 32768), tuple(dict.fromkeys(ways)))
+    return likelihood is not None and likelihood >= SAID
