@@ -197,13 +197,12 @@ class DecodingAhead:
                 self._overtake(self._whole)
                 self._whole = None
             self._until_next -= 1
-            idle = self._newest is None or self._newest.is_over
-            if endpointer.fading:
-                if self._partials and idle and self._early is None and self._heard >= FADING_FRAMES:
-                    self._early = self._begin(endpointer.so_far, self._heard)
-            elif self._early is not None:
+            if self._early is not None and not endpointer.fading:
                 self._early.transcription.cancel()  # the word went on
                 self._early = None
+            idle = self._newest is None or self._newest.is_over
+            if idle and self._seems_to_end(endpointer):
+                self._early = self._begin(endpointer.so_far, self._heard)
             elif idle and ((self._partials and self._until_next <= 0) or self._may_be_confirmed):
                 self._begin(endpointer.so_far, self._heard)
 
@@ -232,6 +231,10 @@ class DecodingAhead:
         heard = decoding.at + (FADED_FRAMES if decoding is self._early else 0)
         missed = heard < self._heard - endpointer.pause + PAUSE_FRAMES
         return missed and decoding.is_over and decoding.verdict != "complete"
+
+    def _seems_to_end(self, endpointer: Endpointer) -> bool:
+        """A pause seems to come, for the first time since somebody was sure to speak."""
+        return self._partials and endpointer.fading and self._early is None and self._heard >= FADING_FRAMES
 
     @property
     def _may_be_confirmed(self) -> bool:

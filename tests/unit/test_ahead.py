@@ -434,6 +434,22 @@ def test_a_pass_that_began_within_a_word_is_given_up_and_never_the_transcript() 
     run(scenario())
 
 
+def test_a_voice_that_fades_and_does_not_end_is_listened_to_again_and_its_command_confirmed() -> None:
+    async def scenario() -> None:
+        answers = (Transcript("Go to the kitchen.", 0.8, SURE) for _ in range(2))
+        it = Slow(*answers, judge=verdict("complete"), partials=True)
+        it.hear(20, speech=True)
+        it.hear(5, speech=True, probability=0.6)
+        await it.answer()
+        it.hear(12, speech=True, probability=0.6)
+        assert len(it.asked) == 1
+        await it.answer()
+        it.hear(1, speech=True, probability=0.6)
+        assert it.ended_at is not None
+
+    run(scenario())
+
+
 @pytest.mark.parametrize("partials", [False, True])
 def test_a_voice_that_begins_is_not_one_that_fades_and_who_is_asked_once_is_asked_at_the_pause(partials: bool) -> None:
     async def scenario() -> None:
