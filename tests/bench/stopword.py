@@ -188,7 +188,7 @@ async def listen(ears: Ears, words: Sequence[Sound], *, spotter: bool) -> dict[s
             tally.found.append(bool(stopped))
             tally.pause_ms += [1000 * at for at in paused[:1]]
             tally.stop_ms += [1000 * at for at in stopped[:1]]
-            tally.rest_ms += [1000 * min(*paused[:1], *stopped[:1], LATE_S)] if stopped else []
+            tally.rest_ms += [1000 * min(paused[:1] + stopped[:1])] if stopped else []
     return tallies
 
 
