@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.errors import ModelError
-from engine.wake.words import RATE, Refractory, Spotted
+from engine.wake.words import RATE, Detections, Spotted
 
 PHRASES: Final = {"hey jarvis": "HEY_JARVIS", "okay nabu": "OKAY_NABU", "alexa": "ALEXA", "hey mycroft": "HEY_MYCROFT"}
 """What it knows, and what the library calls that."""
@@ -42,8 +42,7 @@ class MicroSpotter:
 
     _waiting: NDArray[np.int16]  # less than a chunk
     _heard: int  # samples
-    _refractory: Refractory
-    _doubted: Refractory
+    _detections: Detections
     _delay: int  # samples, see DELAY
 
     def __init__(self, phrase: str, threshold: float | None = None, doubt: float = 1.0) -> None:
@@ -81,8 +80,7 @@ class MicroSpotter:
             for features in self._features.process_streaming(chunk.tobytes()):
                 mean = self._word.process_streaming_prob(features) or 0.0
                 sure = mean > self._cutoff
-                refractory = self._refractory if sure else self._doubted
-                if (sure or mean > self._doubt) and refractory.lets(self._heard):
+                if (sure or mean > self._doubt) and self._detections.lets(self._heard, sure=sure):
                     found.append(Spotted(self.phrases[0], self._heard, self._heard - self._delay, sure))
         return found
 
@@ -94,4 +92,4 @@ class MicroSpotter:
         self._features = self._library.MicroWakeWordFeatures()
         self._waiting = np.zeros(0, np.int16)
         self._heard = 0
-        self._refractory, self._doubted = Refractory(), Refractory()
+        self._detections = Detections()

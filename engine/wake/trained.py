@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from engine.wake.embedding import RATE, SPAN, STEP, Embedding, Stacks, Stream
 from engine.wake.head import Head
-from engine.wake.words import Refractory, Spotted
+from engine.wake.words import Detections, Spotted
 
 NO_DOUBTS: Final[Mapping[str, float]] = {}
 
@@ -49,8 +49,7 @@ class TrainedSpotter:
             for index, head in enumerate(self._heads):
                 probability = float(head.probabilities(np.concatenate(self._rows[-head.steps :]))[-1])
                 sure = probability >= self._thresholds[index]
-                refractory = (self._refractory if sure else self._doubted)[index]
-                if (sure or probability >= self._doubts[index]) and refractory.lets(at):
+                if (sure or probability >= self._doubts[index]) and self._detections[index].lets(at, sure=sure):
                     found.append(Spotted(head.phrase, at, at - max(0, round(head.delay_s * RATE)), sure))
         return found
 
@@ -58,5 +57,4 @@ class TrainedSpotter:
         self._stream.reset()
         self._steps = 0
         self._rows = []
-        self._refractory = [Refractory() for _ in self._heads]
-        self._doubted = [Refractory() for _ in self._heads]
+        self._detections = [Detections() for _ in self._heads]

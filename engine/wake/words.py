@@ -80,6 +80,18 @@ class Refractory:
         return True
 
 
+class Detections:
+    """Which detections of a phrase are new ones. Those that are sure and those that are not count each for themselves:
+    a doubtful one is often followed by one that is sure."""
+
+    def __init__(self) -> None:
+        self._sure, self._doubtful = Refractory(), Refractory()
+
+    def lets(self, at: int, *, sure: bool) -> bool:
+        """Whether one at this sample is new."""
+        return (self._sure if sure else self._doubtful).lets(at)
+
+
 class WordListener:
     """Listens in a thread of its own until it is closed. ``wake``, ``suspect`` and ``fail`` are called in that thread.
 
