@@ -29,7 +29,7 @@ from engine import supervisor
 from engine.errors import ProcessError
 
 GRACE_S = 0.15
-"""s between SIGTERM and SIGKILL."""
+"""s between SIGTERM and SIGKILL, unless told otherwise."""
 MAX_LINE = 1 << 20
 """Longest line that is read, bytes; a longer one is skipped and counted."""
 MARKER = "SAYSO_TREE"
@@ -37,7 +37,7 @@ MARKER = "SAYSO_TREE"
 
 _SECRET = ("KEY", "TOKEN", "SECRET", "PASSWORD", "PASSWD", "CREDENTIAL", "SAYSO_PLATFORMS")
 _START_LIMIT_S = 10.0
-_ANSWER_LIMIT_S = GRACE_S + 0.5  # for a supervisor; one that somebody paused has been woken up
+_ANSWER_LIMIT_S = 0.5  # for a supervisor, beyond the grace; one that somebody paused has been woken up
 _SWEEP_LIMIT_S = 2.0
 _CHUNK = 1 << 16
 T = TypeVar("T")
@@ -60,14 +60,20 @@ def clean_environment(environ: Mapping[str, str] | None = None) -> dict[str, str
 class ProcessTree:
     """One program and everything that it starts, alive within ``async with``. For use in one asyncio loop.
 
-    ``env`` is added to :func:`clean_environment`. Entering raises :class:`ProcessError` when the program cannot be
-    started.
+    ``env`` is added to :func:`clean_environment`; ``grace`` is the time between SIGTERM and SIGKILL, s. Entering
+    raises :class:`ProcessError` when the program cannot be started.
     """
 
     def __init__(
-        self, argv: Sequence[str], *, env: Mapping[str, str] | None = None, cwd: str | Path | None = None
+        self,
+        argv: Sequence[str],
+        *,
+        env: Mapping[str, str] | None = None,
+        cwd: str | Path | None = None,
+        grace: float = GRACE_S,
     ) -> None:
         self._argv = tuple(argv)
+        self._grace = grace
         self._marker = str(ULID())
         self._env = {**clean_environment(), **(env or {}), MARKER: self._marker}
         self._cwd = cwd
@@ -132,7 +138,7 @@ class ProcessTree:
     def _spawn(self) -> socket.socket:
         """Start the supervisor; returns our end of its control socket."""
         ours, theirs = socket.socketpair()
-        command = [sys.executable, "-I", "-S", supervisor.__file__, str(theirs.fileno()), str(GRACE_S), *self._argv]
+        command = [sys.executable, "-I", "-S", supervisor.__file__, str(theirs.fileno()), str(self._grace), *self._argv]
         try:
             self._guard = subprocess.Popen(
                 command,
@@ -210,7 +216,7 @@ class ProcessTree:
             return Killed(0.0, ())
         for victim in (*control.pids[1:], guard.pid, None):
             try:
-                async with asyncio.timeout(_ANSWER_LIMIT_S):
+                async with asyncio.timeout(self._grace + _ANSWER_LIMIT_S):
                     await control.gone.wait()
                 break
             except TimeoutError:  # the warden is stuck, so the guard shall do it; the guard is stuck: so shall we
@@ -222,7 +228,7 @@ class ProcessTree:
             survivors = await asyncio.to_thread(_sweep, self._marker, guard.pid)
             seconds = time.monotonic() - began
         try:
-            async with asyncio.timeout(_ANSWER_LIMIT_S):
+            async with asyncio.timeout(self._grace + _ANSWER_LIMIT_S):
                 await control.closed.wait()
         except TimeoutError:
             guard.kill()

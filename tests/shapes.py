@@ -103,13 +103,11 @@ def storm(fd: int) -> None:
 
 def polite(fd: int) -> None:
     """It takes SIGTERM as a request, and says so before it goes."""
-
-    def leave(number: int, frame: object) -> None:
-        os.write(2, b"leaving as asked\n")
-        os._exit(7)
-
-    signal.signal(signal.SIGTERM, leave)
-    stay(fd)
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})  # a handler could run just before it is waited for
+    present(fd)
+    signal.sigwait({signal.SIGTERM})
+    os.write(2, b"leaving as asked\n")
+    os._exit(7)
 
 
 def leaving(fd: int) -> None:

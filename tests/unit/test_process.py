@@ -57,7 +57,6 @@ def is_gone(pid: int) -> bool:
         ("paused", -signal.SIGTERM),
         ("orphans", -signal.SIGTERM),
         ("storm", -signal.SIGKILL),
-        ("polite", 7),
     ],
 )
 def test_no_shape_of_tree_survives_the_word(tmp_path: Path, shape: str, code: int) -> None:
@@ -368,11 +367,14 @@ sys.exit(5)
     asyncio.run(test())
 
 
-def test_last_words_said_on_the_way_out_are_kept_too(tmp_path: Path) -> None:
+def test_who_leaves_as_asked_is_given_the_time_and_his_last_words_are_kept(tmp_path: Path) -> None:
     async def test(roll: RollCall) -> None:
-        async with ProcessTree(roll.command("polite")) as tree:
+        async with ProcessTree(roll.command("polite"), grace=DEADLINE_S) as tree:
             await roll.complete("polite")
-            await tree.kill()
+            killed = await tree.kill()
+            await roll.empty()
+            assert killed.survivors == ()
+            assert await tree.wait() == 7
             assert tree.last_words == "leaving as asked"
 
     on_a_roll(tmp_path, test)
