@@ -263,7 +263,11 @@ class Engine:
                 self._settings,
                 lambda wake: None if hears_itself() else self.send(wake),
                 lambda spotted: None if hears_itself() else hesitation.suspect(spotted.phrase, sure=spotted.sure),
-                lambda phrase, sound, said: hearing.value.ask(phrase, sound, said) if hearing.value else None,
+                lambda spotted, sound, answer: (
+                    hearing.value.ask(spotted.phrase, sound, answer, likely=spotted.likely)
+                    if hearing.value
+                    else answer(None)
+                ),
                 self._emit,
                 wakes=self._listens_for_words(),
             )

@@ -219,12 +219,14 @@ class Hearing:
         """``phrase`` seems to have been said just now: see :meth:`engine.hearing.overhearing.Overhearing.suspect`."""
         self._overhearing.suspect(phrase, settled, sure=sure)
 
-    def ask(self, phrase: str, sound: Samples, said: Callable[[], None]) -> None:
-        """Find out whether ``sound`` ends with a ``phrase`` that wakes; if so, ``said`` is called in the recogniser's
-        thread. Not while somebody is listened to, nor while the robot's own voice is heard, which may say it. Any
-        thread; returns at once."""
-        if not self._ring.is_listened_to and not (self._echo is not None and self._echo.sounds):
-            self._transcriber.ask(phrase, sound, said)
+    def ask(self, phrase: str, sound: Samples, answer: Callable[[bool | None], None], *, likely: bool) -> None:
+        """Find out whether ``sound`` ends with a ``phrase`` that wakes: see :meth:`Transcriber.ask`. Nobody can tell
+        while somebody is listened to, nor while the robot's own voice is heard, which may say it. Any thread; returns
+        at once."""
+        if self._ring.is_listened_to or (self._echo is not None and self._echo.sounds):
+            answer(None)
+        else:
+            self._transcriber.ask(phrase, sound, answer, likely=likely, dropped=lambda: self._ring.is_listened_to)
 
     async def listen(self, emit: Emit, *, restarted: bool = False) -> Utterance | NothingHeard:
         """Hear one utterance, publishing ``listen.started``, ``listen.level``, ``listen.ended`` and what the source

@@ -30,6 +30,9 @@ SAID = -18.0
 """Likelihood from which a phrase was said that is suspected. In 2.2 h of announcements and music nothing that a spotter
 took for one came above -22; all but a few of what natural voices said do, down to 5 dB, and so do "hey travis" and
 "hey siso"."""
+LIKELY_SAID = -23.5
+"""Likelihood from which a phrase was said that is likely anyhow: the two in the same recordings that were none came to
+-25 and -29."""
 
 
 class Transcriber:
@@ -43,11 +46,12 @@ class Transcriber:
         self._vocabulary = tuple(vocabulary)
         self._judge = judge
         self._pending: set[asyncio.Future[Found]] = set()
-        self._closed = False
+        self._loaded = self._closed = False
 
     async def load(self) -> None:
         """Load the recogniser. Raises ``ModelError``; :meth:`transcribe` would raise the same."""
         await asyncio.get_running_loop().run_in_executor(self.thread, self._recogniser.load)
+        self._loaded = True
 
     def close(self) -> None:
         """End what runs, and publish nothing of it."""
@@ -67,13 +71,27 @@ class Transcriber:
             return found
         return heard_as_command(sensible(found, self._judge), self._judge, self._vocabulary)
 
-    def ask(self, phrase: str, sound: Samples, said: Callable[[], None]) -> None:
-        """Have ``said`` called in the recogniser's thread if ``sound`` ends with ``phrase``. Thread-safe."""
+    def ask(
+        self,
+        phrase: str,
+        sound: Samples,
+        answer: Callable[[bool | None], None],
+        *,
+        likely: bool,
+        dropped: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """Have ``answer`` told whether ``sound`` ends with ``phrase``, in the recogniser's thread; at once, with None,
+        if nobody can tell: the recogniser is not there (yet), or somebody waits for it. ``likely``: so it seems
+        anyhow. ``dropped``: nobody needs to know any more. Thread-safe."""
+        if not self._loaded or self._pending:
+            answer(None)
+            return
 
         def look() -> None:
+            said = None
             with contextlib.suppress(SaysoError):  # whoever wants to be understood next is told the same
-                if ends_with(self._recogniser, phrase, sound):
-                    said()
+                said = None if dropped() else ends_with(self._recogniser, phrase, sound, likely=likely)
+            answer(said)
 
         with contextlib.suppress(RuntimeError):  # it has been closed
             self.thread.submit(look)
@@ -143,8 +161,9 @@ def _used(found: Found) -> Transcript | Rejected:
     return found
 
 
-def ends_with(recogniser: Recogniser, phrase: str, sound: Samples) -> bool:
-    """Whether a recogniser finds it likely that this was said. Raises ``SaysoError``."""
+def ends_with(recogniser: Recogniser, phrase: str, sound: Samples, *, likely: bool) -> bool | None:
+    """Whether a recogniser thinks that this was said, which is ``likely`` anyhow or not; None: it cannot tell. Raises
+    ``SaysoError``."""
     ways = (phrase, phrase.capitalize(), phrase.title(), ", ".join(phrase.title().split()))
     likelihood = recogniser.likelihood(sound * np.float32(1 / 32768), tuple(dict.fromkeys(ways)))
-    return likelihood is not None and likelihood >= SAID
+    return None if likelihood is None else likelihood >= (LIKELY_SAID if likely else SAID)

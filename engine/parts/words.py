@@ -75,7 +75,8 @@ class WordsPart:
         def fail(error: Exception) -> None:
             loop.call_soon_threadsafe(faults.put_nowait, error)
 
-        spotters = await asyncio.to_thread(load_spotters, self._settings, phrases, stops=True, doubts=True)
+        doubts = self._settings.asr.backend == "whisper"  # which alone can be asked
+        spotters = await asyncio.to_thread(load_spotters, self._settings, phrases, stops=True, doubts=doubts)
         prompt = self._settings.robot.realtime_priority
         stops = stops_of(self._settings, phrases)
         listener = WordListener(

@@ -13,7 +13,7 @@ from engine.wake import micro
 from engine.wake.embedding import Embedding
 from engine.wake.head import Head
 from engine.wake.trained import TrainedSpotter
-from engine.wake.words import Spotter
+from engine.wake.words import NO_DOUBTS, Doubts, Spotter
 
 SHIPPED: Final = Path(str(files("assets"))) / "wake"
 MODEL: Final = "speech-embedding"
@@ -25,9 +25,10 @@ SUSPECTED: Final[Mapping[str, float]] = {"stop": 0.5, "停": 0.7}
 """How sure a head has to be of a stop for somebody to ask the recogniser, and do no more. Each Chinese syllable is like
 another one: from 0.5 on it would be asked ten times a minute while people talk, and from 0.7 on three times."""
 
-DOUBTED: Final[Mapping[str, float]] = {"hey jarvis": 0.05, "hey sayso": 0.3}
-"""How sure whoever spots a phrase that wakes has to be of it for the recogniser to be asked: ten or twenty times an
-hour while people talk."""
+DOUBTED: Final[Mapping[str, Doubts]] = {"hey jarvis": Doubts(above=0.05), "hey sayso": Doubts(above=0.3, below=0.998)}
+"""Of which phrases that wake whoever spots them is not sure, so that the recogniser is asked: ten or twenty times an
+hour while people talk. In 2.3 h of announcements and music "hey sayso" came to 0.919 and to 0.995, and of what natural
+voices said 85 % came above 0.998, and 66 % in noise (10 dB)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +86,9 @@ def make_spotters(
         words.append(known[phrase.casefold()])
     asked = dict(DOUBTED) if doubts and threshold is None else {}
     made: list[Spotter] = [
-        micro.MicroSpotter(word.phrase, threshold, asked.get(word.phrase, 1.0)) for word in words if word.file is None
+        micro.MicroSpotter(word.phrase, threshold, asked.get(word.phrase, NO_DOUBTS))
+        for word in words
+        if word.file is None
     ]
     heads = [Head.load(word.file) for word in words if word.file is not None]
     if threshold is not None:
@@ -93,7 +96,7 @@ def make_spotters(
     for stop in stops if embedding is not None else ():
         if stop in known and known[stop] not in words and (file := known[stop].file) is not None:
             heads.append(Head.load(file))
-            asked[stop] = SUSPECTED[stop]
+            asked[stop] = Doubts(above=SUSPECTED[stop])
     if heads:
         if embedding is None:
             raise ModelError(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.errors import ModelError
-from engine.wake.words import RATE, Detections, Spotted
+from engine.wake.words import NO_DOUBTS, RATE, Detections, Doubts, Spotted
 
 PHRASES: Final = {"hey jarvis": "HEY_JARVIS", "okay nabu": "OKAY_NABU", "alexa": "ALEXA", "hey mycroft": "HEY_MYCROFT"}
 """What it knows, and what the library calls that."""
@@ -45,9 +45,8 @@ class MicroSpotter:
     _detections: Detections
     _delay: int  # samples, see DELAY
 
-    def __init__(self, phrase: str, threshold: float | None = None, doubt: float = 1.0) -> None:
-        """Load it; ``threshold``: another than the usual one. From ``doubt`` on it is spotted as well, and not sure.
-        Raises ``ModelError``."""
+    def __init__(self, phrase: str, threshold: float | None = None, doubts: Doubts = NO_DOUBTS) -> None:
+        """Load it; ``threshold``: another than the usual one. Raises ``ModelError``."""
         try:
             import pymicro_wakeword as library
 
@@ -66,7 +65,7 @@ class MicroSpotter:
         except (ImportError, OSError, ValueError, AttributeError, TypeError) as error:  # or it is another version
             raise ModelError(f"“{phrase}” cannot be listened for: {error}.", hint=INSTALL) from error
         self._cutoff = self._word.probability_cutoff
-        self._doubt = doubt
+        self._doubts = doubts
         self._delay = DELAY - (word.sliding_window_size - steps) * STEP
         self.phrases = (phrase,)
         self._begin()
@@ -79,9 +78,8 @@ class MicroSpotter:
             self._heard += CHUNK
             for features in self._features.process_streaming(chunk.tobytes()):
                 mean = self._word.process_streaming_prob(features) or 0.0
-                sure = mean > self._cutoff
-                if (sure or mean > self._doubt) and self._detections.lets(self._heard, sure=sure):
-                    found.append(Spotted(self.phrases[0], self._heard, self._heard - self._delay, sure))
+                if (spotted := self._detections.take(self._heard, mean)) is not None:
+                    found.append(spotted)
         return found
 
     def reset(self) -> None:
@@ -92,4 +90,4 @@ class MicroSpotter:
         self._features = self._library.MicroWakeWordFeatures()
         self._waiting = np.zeros(0, np.int16)
         self._heard = 0
-        self._detections = Detections()
+        self._detections = Detections(self.phrases[0], self._cutoff, self._delay, self._doubts)

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.wake.embedding import RATE, SPAN, STEP, Embedding, Stacks, Stream
 from engine.wake.head import Head
-from engine.wake.words import Detections, Spotted
-
-NO_DOUBTS: Final[Mapping[str, float]] = {}
+from engine.wake.words import NO_DOUBTS, Detections, Doubts, Spotted
 
 
 class TrainedSpotter:
@@ -25,13 +22,12 @@ class TrainedSpotter:
         embedding: Embedding,
         heads: Sequence[Head],
         threshold: float | None = None,
-        doubts: Mapping[str, float] = NO_DOUBTS,
+        doubts: Mapping[str, Doubts] | None = None,
     ) -> None:
-        """``threshold`` is in the place of that of each head. A phrase for which ``doubts`` has a lower one is spotted
-        from there on, and then it is not sure."""
+        """``threshold`` is in the place of that of each head; ``doubts``: of which phrases it need not be sure."""
         self._heads = tuple(heads)
         self._thresholds = [head.threshold if threshold is None else threshold for head in heads]
-        self._doubts = [doubts.get(head.phrase, 1.0) for head in heads]
+        self._doubts = dict(doubts or {})
         self._most = max((head.steps for head in heads), default=1)
         self._stream = Stream(embedding)
         self.reset()
@@ -46,15 +42,19 @@ class TrainedSpotter:
             at = SPAN + self._steps * STEP
             self._steps += 1
             self._rows = [*self._rows, stack][-self._most :]
-            for index, head in enumerate(self._heads):
+            for head, detections in zip(self._heads, self._detections, strict=True):
                 probability = float(head.probabilities(np.concatenate(self._rows[-head.steps :]))[-1])
-                sure = probability >= self._thresholds[index]
-                if (sure or probability >= self._doubts[index]) and self._detections[index].lets(at, sure=sure):
-                    found.append(Spotted(head.phrase, at, at - max(0, round(head.delay_s * RATE)), sure))
+                if (spotted := detections.take(at, probability)) is not None:
+                    found.append(spotted)
         return found
 
     def reset(self) -> None:
         self._stream.reset()
         self._steps = 0
         self._rows = []
-        self._detections = [Detections() for _ in self._heads]
+        self._detections = [
+            Detections(
+                head.phrase, threshold, max(0, round(head.delay_s * RATE)), self._doubts.get(head.phrase, NO_DOUBTS)
+            )
+            for head, threshold in zip(self._heads, self._thresholds, strict=True)
+        ]

@@ -2,8 +2,9 @@
 
 The thread is their own, so that whoever reads the microphone does nothing but hand frames over, and the wake acts in
 the moment in which the phrase is known, whatever else the engine does. A spotter says how long ago the phrase ended;
-what was said since then belongs to the request, the phrase itself does not. Of what it is not sure of, somebody is
-asked who understands words, and the wake waits for the answer; the request does not, for its beginning is known.
+what was said since then belongs to the request, the phrase itself does not. Where it is not sure, somebody is asked who
+understands words, and the wake waits for the answer; the request does not, for its beginning is known. Where nobody
+can be asked, the spotter's own opinion counts.
 """
 
 from __future__ import annotations
@@ -37,11 +38,15 @@ class Spotted:
     phrase: str
     at: int  # samples since the spotter's last reset, where it was known
     ended: int  # likewise, where the phrase ended
-    sure: bool = True  # False: it may well have been something else
+    likely: bool = True  # more likely than not: it counts where nobody can tell
+    sure: bool = True  # nobody need be asked
 
 
-Ask = Callable[[str, NDArray[np.int16], Callable[[], None]], None]
-"""Asks somebody whether a phrase is what a sound (mono, 16 kHz) ends with, who calls back if it is, in any thread."""
+Answer = Callable[[bool | None], None]
+"""Whether a phrase was said; None: nobody can tell."""
+Ask = Callable[[Spotted, NDArray[np.int16], Answer], None]
+"""Asks somebody whether what was spotted is what a sound (mono, 16 kHz) ends with. The answer comes once, in any
+thread; never, if the end comes before."""
 
 
 class Spotter(Protocol):
@@ -67,29 +72,51 @@ class Refractory:
     def __init__(self, seconds: float = REFRACTORY_S) -> None:
         self._samples = round(seconds * RATE)
         self._quiet_until = 0
+        self._lock = threading.Lock()
 
     def is_over(self, at: int) -> bool:
         """Whether a detection at this sample would be a new one."""
         return at >= self._quiet_until
 
     def lets(self, at: int) -> bool:
-        """Whether a detection at this sample is a new one."""
-        if not self.is_over(at):
-            return False
-        self._quiet_until = at + self._samples
-        return True
+        """Whether a detection at this sample is a new one. Any thread."""
+        with self._lock:
+            if not self.is_over(at):
+                return False
+            self._quiet_until = at + self._samples
+            return True
+
+
+@dataclass(frozen=True, slots=True)
+class Doubts:
+    """Between which probabilities a spotter is not sure of a phrase."""
+
+    above: float = 1.0
+    below: float = 0.0
+
+
+NO_DOUBTS: Final = Doubts()
 
 
 class Detections:
-    """Which detections of a phrase are new ones. Those that are sure and those that are not count each for themselves:
-    a doubtful one is often followed by one that is sure."""
+    """What a spotter tells of a phrase whose probability it knows. From the ``threshold`` on it is likely; ``delay``:
+    how long before it is known the phrase has ended, samples. What it is surer of counts as new: a doubtful detection
+    is often followed by one that is sure."""
 
-    def __init__(self) -> None:
-        self._sure, self._doubtful = Refractory(), Refractory()
+    def __init__(self, phrase: str, threshold: float, delay: int, doubts: Doubts = NO_DOUBTS) -> None:
+        self._phrase = phrase
+        self._threshold = threshold
+        self._delay = delay
+        self._doubts = doubts
+        self._lately = (Refractory(), Refractory(), Refractory())
 
-    def lets(self, at: int, *, sure: bool) -> bool:
-        """Whether one at this sample is new."""
-        return (self._sure if sure else self._doubtful).lets(at)
+    def take(self, at: int, probability: float) -> Spotted | None:
+        """What is to be told of how probable the phrase is at this sample."""
+        likely = probability >= self._threshold
+        sure = likely and probability >= self._doubts.below
+        if not (likely or probability >= self._doubts.above) or not self._lately[likely + sure].lets(at):
+            return None
+        return Spotted(self._phrase, at, at - self._delay, likely, sure)
 
 
 class WordListener:
@@ -106,7 +133,7 @@ class WordListener:
         *,
         prompt: bool,
         suspect: Callable[[Spotted], None] = lambda spotted: None,
-        ask: Ask = lambda phrase, sound, said: None,
+        ask: Ask = lambda spotted, sound, answer: answer(None),
         stops: Collection[str] = (),
     ) -> None:
         """``suspect`` is told of the phrases that are ``stops``; the others wake, if the spotter is sure, or whoever is
@@ -119,9 +146,6 @@ class WordListener:
         self._suspect = suspect
         self._ask = ask
         self._stops = frozenset(stops)
-        self._woken = 0  # times
-        self._answered = -1  # the sample of the newest detection that was found to be one
-        self._waking = threading.Lock()
         self._sound: SimpleQueue[NDArray[np.int16] | None] = SimpleQueue()
         self._closed = False
         self._thread: threading.Thread | None = None
@@ -157,15 +181,14 @@ class WordListener:
     def _run(self) -> None:
         if self._prompt:
             raise_priority()
-        refractory, asked = Refractory(), Refractory()
+        refractory = Refractory()
         heard = 0  # samples since the last reset
         newest = np.zeros(0, np.int16)  # of what was heard
         try:
             while not self._closed:
                 samples = self._sound.get()
                 if samples is None or self._is_behind(samples):
-                    heard, newest, refractory, asked = 0, newest[:0], Refractory(), Refractory()
-                    self._answered = -1
+                    heard, newest, refractory = 0, newest[:0], Refractory()
                     for spotter in self._spotters:
                         spotter.reset()
                     continue
@@ -178,35 +201,23 @@ class WordListener:
                             continue
                         waiting = self._sound.qsize() * len(samples)
                         ago = max(0.0, (heard + waiting - spotted.ended) / RATE)
-                        if not spotted.sure:
-                            if refractory.is_over(spotted.at) and asked.lets(spotted.at):
-                                sound = newest[: len(newest) - (heard - spotted.at)][-round(ASKED_S * RATE) :]
-                                self._ask(spotted.phrase, sound, self._unless_woken(spotted, ago))
-                        elif refractory.lets(spotted.at) and self._is_first(spotted.at):
-                            self._wake(Wake("word", spotted.phrase, ago_s=ago))
+                        wake = self._waking(spotted, ago, refractory)
+                        if spotted.sure:
+                            wake(True)
+                        elif refractory.is_over(spotted.at):
+                            sound = newest[: len(newest) - (heard - spotted.at)][-round(ASKED_S * RATE) :]
+                            self._ask(spotted, sound, wake)
         except Exception as error:  # noqa: BLE001 - nobody listens for the word any more: that must be told
             self._closed = True
             self._fail(error)
 
-    def _is_first(self, at: int) -> bool:
-        """Whether whoever was asked has not woken for the same phrase; from now on it is too late for that."""
-        with self._waking:
-            if 0 <= self._answered <= at < self._answered + REFRACTORY_S * RATE:
-                return False
-            self._woken += 1
-            return True
+    def _waking(self, spotted: Spotted, ago_s: float, refractory: Refractory) -> Answer:
+        """Wakes if the answer is yes and nothing has woken for the same phrase; in any thread."""
+        began = time.monotonic()
 
-    def _unless_woken(self, spotted: Spotted, ago_s: float) -> Callable[[], None]:
-        """Wakes, unless somebody was sure meanwhile; in any thread."""
-        before, began = self._woken, time.monotonic()
-
-        def wake() -> None:
-            with self._waking:
-                if self._woken != before:
-                    return
-                self._woken += 1
-                self._answered = spotted.at
-            self._wake(Wake("word", spotted.phrase, ago_s=min(1.0, ago_s + time.monotonic() - began)))
+        def wake(said: bool | None) -> None:
+            if (spotted.likely if said is None else said) and refractory.lets(spotted.at):
+                self._wake(Wake("word", spotted.phrase, ago_s=min(1.0, ago_s + time.monotonic() - began)))
 
         return wake
 

@@ -91,7 +91,8 @@ def frames(sound: NDArray[np.int16]) -> Iterator[NDArray[np.int16]]:
 
 def confirmed(recogniser: Recogniser, spotted: Spotted, sound: NDArray[np.int16]) -> bool:
     """Whether the recogniser, asked about a doubt in ``sound``, would wake for it."""
-    return ends_with(recogniser, spotted.phrase, sound[max(0, spotted.at - round(ASKED_S * RATE)) : spotted.at])
+    asked = sound[max(0, spotted.at - round(ASKED_S * RATE)) : spotted.at]
+    return bool(ends_with(recogniser, spotted.phrase, asked, likely=spotted.likely))
 
 
 def say(spotter: Spotter, recogniser: Recogniser, phrase: str, words: Sequence[Sound], tally: Tally) -> None:

@@ -28,7 +28,7 @@ from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import DeviceError, ModelError, SaysoError
 from engine.hearing.hearing import Hearing, NothingHeard
-from engine.hearing.transcriber import SAID
+from engine.hearing.transcriber import LIKELY_SAID, SAID
 from tests import recogniser
 from tests.room import BEGUN, Room, Speaker, decibels, mixed, said_in_turn
 from tests.room import samples as sampled
@@ -340,34 +340,109 @@ def test_a_phrase_counts_for_the_listening_that_it_woke_and_for_no_other() -> No
 # Whether a phrase was said
 
 
-@pytest.mark.parametrize(("likely", "woken"), [(SAID + 0.1, True), (SAID - 0.1, False), (None, False)])
-def test_a_phrase_was_said_where_the_recogniser_finds_it_likely(likely: float | None, woken: bool) -> None:
+@pytest.mark.parametrize(
+    ("likelihood", "likely", "said"),
+    [
+        (SAID + 0.1, False, True),
+        (SAID - 0.1, False, False),
+        (LIKELY_SAID + 0.1, True, True),
+        (LIKELY_SAID - 0.1, True, False),
+        (None, True, None),
+    ],
+)
+def test_a_phrase_was_said_where_the_recogniser_finds_it_likely(
+    likelihood: float | None, likely: bool, said: bool | None
+) -> None:
     async def scenario() -> None:
-        answers: list[str] = []
+        answers: list[tuple[bool | None, bool]] = []
+
+        def answer(said: bool | None) -> None:
+            answers.append((said, threading.current_thread().name.startswith("recogniser")))
+
         async with ears(PushSource) as it:
-            it.recogniser.likely = likely
-            it.hearing.ask("hey jarvis", COMMAND, lambda: answers.append(threading.current_thread().name))
+            await it.hearing.load()
+            it.recogniser.likely = likelihood
+            it.hearing.ask("hey jarvis", COMMAND, answer, likely=likely)
             await asyncio.get_running_loop().run_in_executor(it.hearing._transcriber.thread, lambda: None)
-        assert bool(answers) == woken
-        assert all(name.startswith("recogniser") for name in answers)
+        assert answers == [(said, True)]
         assert {"hey jarvis", "Hey Jarvis"} <= set(it.recogniser.weighed[0])
-        it.hearing.ask("hey jarvis", COMMAND, lambda: answers.append("after the end"))  # and nothing comes of it
-        assert len(it.recogniser.weighed) == 1
+        it.hearing.ask("hey jarvis", COMMAND, answer, likely=likely)  # after the end, and nothing comes of it
+        assert len(it.recogniser.weighed) == len(answers) == 1
 
     asyncio.run(scenario())
 
 
-def test_nobody_is_asked_about_a_phrase_while_somebody_is_listened_to() -> None:
+def test_nobody_is_asked_about_a_phrase_before_the_recogniser_is_there_nor_while_somebody_is_listened_to() -> None:
     async def scenario() -> None:
+        answers: list[bool | None] = []
         async with ears(PushSource) as it:
             it.recogniser.likely = 0.0
+            it.hearing.ask("hey jarvis", COMMAND, answers.append, likely=False)
+            assert answers == [None]
+            await it.hearing.load()
             listening = asyncio.create_task(it.hearing.listen(it.emit))
             await settle()
-            it.hearing.ask("hey jarvis", COMMAND, lambda: pytest.fail("it was a part of the request"))
+            it.hearing.ask("hey jarvis", COMMAND, answers.append, likely=False)
+            assert answers == [None, None]
             listening.cancel()
             await asyncio.gather(listening, return_exceptions=True)
             await asyncio.get_running_loop().run_in_executor(it.hearing._transcriber.thread, lambda: None)
             assert it.recogniser.weighed == []
+
+    asyncio.run(scenario())
+
+
+def test_what_nobody_needs_to_know_any_more_is_not_looked_at() -> None:
+    async def scenario() -> None:
+        answers: list[bool | None] = []
+        async with ears(PushSource) as it:
+            await it.hearing.load()
+            it.recogniser.likely = 0.0
+            held = threading.Event()
+            thread = it.hearing._transcriber.thread
+            thread.submit(held.wait)
+            it.hearing.ask("hey jarvis", COMMAND, answers.append, likely=True)
+            listening = asyncio.create_task(it.hearing.listen(it.emit))
+            await settle()
+            held.set()
+            await asyncio.get_running_loop().run_in_executor(thread, lambda: None)
+            listening.cancel()
+            await asyncio.gather(listening, return_exceptions=True)
+        assert answers == [None]
+        assert it.recogniser.weighed == []
+
+    asyncio.run(scenario())
+
+
+def test_while_somebody_waits_to_be_understood_nobody_is_asked_about_a_phrase() -> None:
+    async def scenario() -> None:
+        answers: list[bool | None] = []
+        async with ears(PushSource) as it:
+            await it.hearing.load()
+            it.recogniser.likely = 0.0
+            it.recogniser.may_answer.clear()
+            understanding = asyncio.create_task(it.hearing.transcribe(an_utterance(), it.emit))
+            await settle()
+            it.hearing.ask("hey jarvis", COMMAND, answers.append, likely=True)
+            assert answers == [None]
+            it.recogniser.may_answer.set()
+            await understanding
+
+    asyncio.run(scenario())
+
+
+def test_a_recogniser_that_fails_cannot_tell() -> None:
+    class Failing(Scripted):
+        def likelihood(self, *given: object) -> float:
+            raise ModelError("The recogniser has died.")
+
+    async def scenario() -> None:
+        answers: list[bool | None] = []
+        async with ears(PushSource, Failing()) as it:
+            await it.hearing.load()
+            it.hearing.ask("hey jarvis", COMMAND, answers.append, likely=True)
+            await asyncio.get_running_loop().run_in_executor(it.hearing._transcriber.thread, lambda: None)
+        assert answers == [None]
 
     asyncio.run(scenario())
 

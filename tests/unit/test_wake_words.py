@@ -41,7 +41,7 @@ from engine.wake.training.texts import near
 from engine.wake.training.trainer import Effort, train
 from engine.wake.training.trial import Point, chosen
 from engine.wake.training.voices import Espeak, Kokoro, KokoroVoice, Remembered, Sound, find_voices, trimmed
-from engine.wake.words import ASKED_S, Spotted, Spotter, WordListener
+from engine.wake.words import ASKED_S, Answer, Doubts, Spotted, Spotter, WordListener
 
 SPEECH = Path(__file__).parents[2] / "assets" / "speech"
 LIMIT_S = 20
@@ -165,10 +165,18 @@ class Certainty:
 def test_a_phrase_is_told_as_doubtful_and_as_sure_once_each(
     probabilities: tuple[float, ...], found: list[bool]
 ) -> None:
+    assert [spotted.sure for spotted in told(probabilities, Doubts(above=0.5))] == found
+
+
+def told(probabilities: tuple[float, ...], doubts: Doubts) -> Sequence[Spotted]:
     head: Any = Certainty(*probabilities)
-    spotter = TrainedSpotter(embedding(), [head], doubts={"stop": 0.5})
-    sound = np.zeros(SPAN + 8 * STEP, np.int16)
-    assert [spotted.sure for spotted in spotter.push(sound)] == found
+    spotter = TrainedSpotter(embedding(), [head], doubts={"stop": doubts})
+    return spotter.push(np.zeros(SPAN + 8 * STEP, np.int16))
+
+
+def test_what_is_likely_need_not_be_sure() -> None:
+    found = told((0.4, 0.6, 0.91, 0.93, 0.99), Doubts(0.5, 0.98))
+    assert [(spotted.likely, spotted.sure) for spotted in found] == [(False, False), (True, False), (True, True)]
 
 
 # Heads
@@ -396,12 +404,19 @@ def test_a_stop_is_suspected_in_the_thread_that_listens_and_wakes_nobody() -> No
 
 
 class Doubting(Clapping):
-    """A spotter that is sure of what is loud."""
+    """A spotter that is sure of what is loud, and finds likely what is not soft."""
 
     def push(self, samples: NDArray[np.int16]) -> list[Spotted]:
         claps = super().push(samples)
         begun = self._heard - len(samples)
-        return [replace(found, sure=samples[found.at - begun] > 5000) for found in claps]
+        levels = [samples[found.at - begun] for found in claps]
+        return [
+            replace(found, likely=level > 3000, sure=level > 5000) for found, level in zip(claps, levels, strict=True)
+        ]
+
+
+def softer_clap() -> NDArray[np.int16]:
+    return (clap() // 2).astype(np.int16)
 
 
 def soft_clap() -> NDArray[np.int16]:
@@ -413,13 +428,13 @@ class Asked:
 
     def __init__(self) -> None:
         self.wakes: SimpleQueue[Wake] = SimpleQueue()
-        self.asked: SimpleQueue[tuple[str, NDArray[np.int16], Callable[[], None]]] = SimpleQueue()
+        self.asked: SimpleQueue[tuple[Spotted, NDArray[np.int16], Answer]] = SimpleQueue()
         self.listener = WordListener(
             [Doubting()],
             self.wakes.put,
             lambda error: None,
             prompt=False,
-            ask=lambda phrase, sound, said: self.asked.put((phrase, sound, said)),
+            ask=lambda spotted, sound, answer: self.asked.put((spotted, sound, answer)),
         )
 
     def __enter__(self) -> Asked:
@@ -429,6 +444,11 @@ class Asked:
     def __exit__(self, *_: object) -> None:
         self.listener.close()
 
+    def hear(self, *sounds: NDArray[np.int16]) -> Answer:
+        """Push sounds, the last of which somebody is asked about."""
+        self.listener.push(np.concatenate(sounds))
+        return self.asked.get(timeout=LIMIT_S)[2]
+
 
 def test_of_a_doubtful_word_somebody_is_asked_and_it_wakes_once_that_is_known() -> None:
     with Asked() as it:
@@ -436,47 +456,71 @@ def test_of_a_doubtful_word_somebody_is_asked_and_it_wakes_once_that_is_known() 
         heard = np.concatenate((before, soft_clap(), silence(0.1)))
         it.listener.push(heard[:RATE])
         it.listener.push(heard[RATE:])
-        phrase, sound, said = it.asked.get(timeout=LIMIT_S)
-        assert phrase == "clap"
+        spotted, sound, answer = it.asked.get(timeout=LIMIT_S)
+        assert spotted.phrase == "clap"
         assert it.wakes.empty()
         known = int(np.flatnonzero(heard > 1000)[0])
         assert np.array_equal(sound, heard[known - round(ASKED_S * RATE) : known]), "to where it was known, no farther"
-        said()
+        answer(True)
         wake = it.wakes.get(timeout=LIMIT_S)
         assert (wake.source, wake.phrase) == ("word", "clap")
         assert wake.ago_s is not None
         assert 0.2 - 0.001 <= wake.ago_s <= 1.0
-        said()
+        answer(True)
         assert it.wakes.empty(), "once"
+
+
+@pytest.mark.parametrize(
+    ("of", "said", "wakes"),
+    [
+        (softer_clap, True, True),
+        (softer_clap, False, False),
+        (softer_clap, None, True),
+        (soft_clap, True, True),
+        (soft_clap, False, False),
+        (soft_clap, None, False),
+    ],
+)
+def test_what_is_likely_counts_where_nobody_can_tell(
+    of: Callable[[], NDArray[np.int16]], said: bool | None, wakes: bool
+) -> None:
+    with Asked() as it:
+        it.hear(silence(1), of())(said)
+        assert it.wakes.qsize() == wakes
 
 
 def test_whoever_was_asked_wakes_nobody_if_somebody_was_sure_meanwhile() -> None:
     with Asked() as it:
-        it.listener.push(np.concatenate((silence(1), soft_clap())))
-        _, _, said = it.asked.get(timeout=LIMIT_S)
+        answer = it.hear(silence(1), soft_clap())
         it.listener.push(clap())
         assert it.wakes.get(timeout=LIMIT_S).phrase == "clap"
-        said()
+        answer(True)
         assert it.wakes.empty()
 
 
 def test_whoever_is_sure_a_little_later_does_not_wake_again() -> None:
     with Asked() as it:
-        it.listener.push(np.concatenate((silence(1), soft_clap())))
-        _, _, said = it.asked.get(timeout=LIMIT_S)
-        said()
+        it.hear(silence(1), soft_clap())(True)
         it.wakes.get(timeout=LIMIT_S)
-        it.listener.push(np.concatenate((silence(0.3), clap(), silence(1.2), soft_clap())))
-        it.asked.get(timeout=LIMIT_S)  # so that the clap before has been heard
+        it.hear(silence(0.3), clap(), silence(1.2), soft_clap())  # asked about the last: the clap before has been heard
         assert it.wakes.empty()
         it.listener.push(clap())
         assert it.wakes.get(timeout=LIMIT_S).phrase == "clap"
 
 
-def test_nobody_is_asked_about_what_has_just_woken_nor_twice_about_the_same() -> None:
+def test_two_answers_about_the_same_wake_once() -> None:
+    with Asked() as it:
+        doubtful = it.hear(silence(1), soft_clap())
+        likely = it.hear(silence(0.1), softer_clap())
+        doubtful(True)
+        likely(True)
+        assert it.wakes.qsize() == 1
+
+
+def test_nobody_is_asked_about_what_has_just_woken() -> None:
     with Asked() as it:
         it.listener.push(np.concatenate((silence(1), clap(), silence(0.5), soft_clap())))  # the echo of a clap
-        it.listener.push(np.concatenate((silence(1), soft_clap(), silence(0.3), soft_clap(), silence(1), clap())))
+        it.listener.push(np.concatenate((silence(1), soft_clap(), silence(1), clap())))
         it.wakes.get(timeout=LIMIT_S)
         it.wakes.get(timeout=LIMIT_S)
         assert it.asked.qsize() == 1
@@ -613,9 +657,9 @@ def test_hey_jarvis_is_known_sooner_than_its_makers_chose_and_ends_where_it_ende
 def test_a_hey_jarvis_that_may_be_one_is_told_only_where_doubts_are_wanted() -> None:
     sound = said(Espeak("en-gb-scotland", "f2", 40), "Hey Jarvis")
     assert MicroSpotter("hey jarvis", 1.0).push(sound) == []
-    (doubtful,) = MicroSpotter("hey jarvis", 1.0, doubt=0.1).push(sound)
+    (doubtful,) = MicroSpotter("hey jarvis", 1.0, Doubts(above=0.1)).push(sound)
     assert not doubtful.sure
-    (sure,) = [found for found in MicroSpotter("hey jarvis", doubt=0.1).push(sound) if found.sure]
+    (sure,) = [found for found in MicroSpotter("hey jarvis", doubts=Doubts(above=0.1)).push(sound) if found.sure]
     assert sure.at >= doubtful.at
     (chosen,) = make_spotters(["hey jarvis"], SHIPPED, None)
     assert all(found.sure for found in chosen.push(sound))
