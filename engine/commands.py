@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar
 import msgspec
 
 from engine.errors import UsageError
-from engine.events import WakeSource
+from engine.events import TranscriptFinal, WakeSource
 
 MAX_LINE = 4 * 1024 * 1024
 """Longest command line that is read, bytes: two minutes of base64 PCM."""
@@ -91,6 +91,17 @@ class Heard(Command, frozen=True):
 
     do: ClassVar[str] = "heard"
     text: str
+
+
+class Added(Command, frozen=True):
+    """Somebody went on after a request that was complete, which ``turn`` took in ``epoch``. What was ``heard`` then is
+    done after that (``adds``), or in its place; not if anybody has interrupted since, nor after what failed."""
+
+    do: ClassVar[str] = "added"
+    heard: TranscriptFinal
+    adds: bool
+    turn: str
+    epoch: int
 
 
 class Halted(Command, frozen=True):

@@ -29,6 +29,7 @@ from engine.event_log import EventLog
 from engine.events import Body, Event
 from engine.handle import PartName, PartStatus
 from engine.hearing.hearing import Hearing
+from engine.hearing.readings import Afterthought
 from engine.llm.chat import Message
 from engine.llm.local import LocalChat
 from engine.offer import Offer, offered
@@ -240,6 +241,7 @@ class Engine:
             voice_for_typed=voice if self._settings.voice.when == "always" else SilentVoice(),
             place_names={symbol: place.name for symbol, place in self._settings.places.items()},
             recall=lambda up: Recall(up, self._memory),
+            ask=self.send,
             wording=build_wording(self._settings),
             rounds=self._settings.planner.rounds,
             steps=self._settings.planner.steps,
@@ -256,6 +258,12 @@ class Engine:
 
         def hears_itself() -> bool:
             return hearing.value is not None and hearing.value.hears_itself
+
+        def notice(first: str, whole: str) -> Afterthought | None:
+            tells_apart = hearing.value is not None and hearing.value.without_own_voice
+            if planner.value is None or (not tells_apart and voice.repeats(whole[len(first) :])):
+                return None
+            return planner.value.afterthought(first, whole)
 
         words = None
         if self._hears_people():
@@ -278,6 +286,7 @@ class Engine:
             hearing,
             on_words=lambda words: self._overhear(words, voice, hearing.value),
             judge=lambda text: planner.value.completeness(text) if planner.value is not None else "unknown",
+            notice=notice,
             listener=words,
             played=self._player.sounded,
             on_going_on=self._go_on if self._hears_people() else None,

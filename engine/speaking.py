@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from collections import deque
 from collections.abc import Callable, Coroutine
 from contextlib import aclosing, suppress
 from dataclasses import dataclass
@@ -60,6 +61,7 @@ class SpokenVoice:
         self._synthesiser: Synthesiser | None = None
         self._settled = asyncio.Event()  # it is known whether there is one
         self._trouble = ""  # that was reported last, and lasts
+        self._lately = deque[str](maxlen=3)  # what sounded
         self._saying = ("", 0.0)  # what sounds, or was the last to; until when it may be overheard
 
     def settle(self, synthesiser: Synthesiser | None) -> None:
@@ -80,6 +82,11 @@ class SpokenVoice:
             return False
         return any(own.startswith(word) for own in _bare_words(text) for word in _bare_words(words))
 
+    def repeats(self, words: str) -> bool:
+        """Whether these words may be nothing but what the robot said lately. Any thread."""
+        own = set[str]().union(*map(_bare_words, tuple(self._lately)))
+        return _bare_words(words) <= own
+
     def say(self, text: str, heard: Callable[[str], None]) -> Coroutine[Any, Any, None]:
         """See ``Voice``. From the moment of this call on, ``Player.stop`` silences it."""
         return self._say(text, heard, self._player.epoch)
@@ -91,6 +98,7 @@ class SpokenVoice:
             return
         speech = _Speech(text, heard, self._player.begin(epoch))
         self._saying = (text, inf)
+        self._lately.append(text)
         making = asyncio.create_task(speech.make(synthesiser), name="speech")
         try:
             await speech.follow()

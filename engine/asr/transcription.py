@@ -46,7 +46,7 @@ class Transcription:
         return found
 
     def cancel(self, late: Callable[[Found], None] = lambda found: None) -> None:
-        """In the loop's thread: nobody waits for the result any more. ``late`` is told of it, in any thread."""
+        """Nobody waits for the result any more. ``late`` is told of it, in any thread. Thread-safe."""
         with self._lock:
             self._late = late
             found = self._found

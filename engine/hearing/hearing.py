@@ -34,10 +34,11 @@ from engine.audio.source import FRAME_S, Frame, Samples, Source
 from engine.audio.vad import VoiceActivity
 from engine.bus import Emit
 from engine.errors import DeviceError, SaysoError
+from engine.hearing.afterwards import Afterwards, More
 from engine.hearing.ahead import Decoding, DecodingAhead
-from engine.hearing.going_on import GOES_ON_S, GoingOn, joined, may_have_no_end
+from engine.hearing.going_on import GOES_ON_S, joined
 from engine.hearing.overhearing import Alert, Overhearing
-from engine.hearing.readings import Judge
+from engine.hearing.readings import Judge, Notice
 from engine.hearing.transcriber import Transcriber, as_event
 from engine.lead import Lead
 
@@ -78,12 +79,12 @@ class Hearing:
     ``open_source`` makes the source to begin with; :meth:`hear` puts another in its place. ``vocabulary``: nouns and
     names to expect. ``gain_db`` (a number or "auto") is applied before anything else. ``on_end`` is called, in the
     loop's thread, when a live source has ended or is lost. ``judge`` is asked, in the recogniser's thread, whether
-    somebody who pauses has said all; ``partials``: words are recognised while somebody talks. ``alert`` is told of a
-    stop that is overheard (see :meth:`overhear`). ``listener`` gets all that a live source hears. ``echo``
-    takes the robot's own voice out of what a source hears that hears its loudspeaker. ``on_going_on`` is told, in the
-    loop's thread, that somebody goes on whose turn was ended in the middle of a sentence, and how long ago (s, up to
-    1): whoever marks that moment and listens hears both pieces as one. ``prompt``: see ``Transcriber``. Leaving closes
-    the source and the recogniser, whatever it is doing.
+    somebody who pauses has said all, and ``notice`` what was added to a request; ``partials``: words are recognised
+    while somebody talks. ``alert`` is told of a stop that is overheard (see :meth:`overhear`). ``listener`` gets all
+    that a live source hears. ``echo`` takes the robot's own voice out of what a source hears that hears its
+    loudspeaker. ``on_going_on`` is told, in the loop's thread, that somebody goes on whose turn was ended in the middle
+    of a sentence, and how long ago (s, up to 1): whoever marks that moment and listens hears both pieces as one.
+    ``prompt``: see ``Transcriber``. Leaving closes the source and the recogniser, whatever it is doing.
     """
 
     def __init__(
@@ -97,6 +98,7 @@ class Hearing:
         gain_db: float | Literal["auto"] = 0.0,
         on_end: Callable[[SaysoError | None], None] = lambda error: None,
         judge: Judge = lambda text: "unknown",
+        notice: Notice = lambda first, whole: None,
         partials: bool = True,
         alert: Alert | None = None,
         listener: Listener | None = None,
@@ -125,9 +127,7 @@ class Hearing:
         self._echo = echo
         self._judge = judge
         self._partials = partials
-        self._on_going_on = on_going_on
-        self._after: GoingOn | None = None  # the last utterance of a live source
-        self._begun: Utterance | None = None  # by whoever goes on now
+        self._afterwards = Afterwards(vad, endpoint, self._transcriber, judge, notice, on_going_on)
         self._phrase = ""  # what was said right before the mark
         self._ahead: tuple[Utterance, Decoding] | None = None  # the last utterance, if it is being recognised already
 
@@ -173,7 +173,8 @@ class Hearing:
         except BaseException:
             await opened.aclose()
             raise
-        self._open, self._source, self._missing, self._after = opened, source, None, None
+        self._open, self._source, self._missing = opened, source, None
+        self._afterwards.forget()
         self._told.clear()
         if source.live:
             self._ring.restart()
@@ -191,7 +192,7 @@ class Hearing:
         """The wake is now: the next :meth:`listen` of a live source begins here, less the pre-roll, or ``ago_s`` (up to
         1 s) ago, when the ``phrase`` ended that woke, however long it takes until it is called (up to 10 s).
         Thread-safe, returns at once."""
-        self._begun = None
+        self._afterwards.begun = None
         self._phrase = phrase if ago_s is not None and len(phrase) <= LONGEST_PHRASE else ""
         self._ring.mark(None if ago_s is None else int(ago_s / FRAME_S))  # rather too little than some of a word
 
@@ -217,6 +218,7 @@ class Hearing:
 
     def suspect(self, phrase: str, settled: Callable[[], None], *, sure: bool) -> None:
         """``phrase`` seems to have been said just now: see :meth:`engine.hearing.overhearing.Overhearing.suspect`."""
+        self._afterwards.make_way()
         self._overhearing.suspect(phrase, settled, sure=sure)
 
     def ask(self, phrase: str, sound: Samples, answer: Callable[[bool | None], None], *, likely: bool) -> None:
@@ -237,8 +239,8 @@ class Hearing:
         """
         self._overhearing.drop()  # the recogniser is for who is listened to
         self._drop_ahead()
-        self._after = None
-        begun, self._begun = self._begun, None
+        self._afterwards.forget()
+        begun, self._afterwards.begun = self._afterwards.begun, None
         phrase, self._phrase = self._phrase, ""
         source = self._source
         if source is None or self._missing is not None or self._ring.error is not None:
@@ -266,8 +268,12 @@ class Hearing:
             return NothingHeard("source_ended", f"The sound of {source.name} ended and nobody spoke.")
         return NothingHeard("no_speech", f"Nobody spoke for {self._endpoint.no_speech_s:g} s.")
 
-    async def transcribe(self, utterance: Utterance, emit: Emit) -> events.TranscriptFinal | events.TranscriptRejected:
-        """Recognise an utterance; the result is published and returned. Raises ``ModelError``.
+    async def transcribe(
+        self, utterance: Utterance, emit: Emit, on_more: More | None = None
+    ) -> events.TranscriptFinal | events.TranscriptRejected:
+        """Recognise an utterance; the result is published and returned. Raises ``ModelError``. ``on_more`` is told, in
+        the loop's thread, what somebody adds who goes on though the utterance was complete, and whether it is to be
+        done after that or in its place.
 
         Cancelling returns at once; what is found after that is published as ``transcript.rejected`` with the reason
         ``late``.
@@ -277,7 +283,7 @@ class Hearing:
         begun = ahead[1] if ahead is not None and ahead[0] is utterance else None
         result = as_event(await self._transcriber.transcribe(utterance, emit, begun))
         emit(result)
-        self._await_more(utterance, result)
+        self._afterwards.understood(utterance, result, on_more)
         if isinstance(result, events.TranscriptFinal) and self._gain.learn(utterance.samples):
             emit(events.Log("debug", "microphone", f"The gain is {self._gain.db:g} dB from now on."))
         return result
@@ -285,25 +291,6 @@ class Hearing:
     def lose(self, error: SaysoError) -> None:
         """There is no source any more: that is what whoever listens from now on is told."""
         self._missing = error
-
-    def _await_more(self, utterance: Utterance, result: events.TranscriptFinal | events.TranscriptRejected) -> None:
-        """What was said has no end: its speaker may still go on."""
-        after = self._after
-        self._after = None
-        if after is not None and after.utterance is utterance and may_have_no_end(result, self._judge):
-            after.awaited = True
-            self._after = after
-
-    def _follow(self, frame: Frame) -> None:
-        """A frame of a live source to which nobody listens."""
-        if (after := self._after) is None or self._on_going_on is None:
-            return
-        after.push(frame)
-        if after.ago_s is not None or after.is_over:
-            self._after = None
-        if after.ago_s is not None and not self.hears_itself:
-            self._on_going_on(min(1.0, after.ago_s))
-            self._begun = after.utterance
 
     def _warn(self, emit: Emit) -> None:
         """Tell what the source tolerated and nobody has been told yet: its counters grow, but nothing is repeated."""
@@ -347,7 +334,7 @@ class Hearing:
             if found.utterance is not None and decoding is not None:
                 self._ahead = found.utterance, decoding
             if found.utterance is not None and begun is None and source.live:
-                self._after = GoingOn(found.utterance, self._vad)
+                self._afterwards.ended(found.utterance)
             return found
         finally:
             ahead.drop()
@@ -404,7 +391,7 @@ class Hearing:
                 taken = self._taken(others)
                 plain = taken if left is others else self._gain.apply(left)
                 self._ring.put(taken)
-                self._follow(taken)
+                self._afterwards.push(taken, own=self.hears_itself)
                 if self._listener is not None:
                     self._listener.push(plain.samples)
                 self._overhearing.push(plain, taken)

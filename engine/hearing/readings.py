@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from engine.asr.agreement import normalised_words
@@ -20,6 +20,19 @@ Completeness = Literal["complete", "incomplete", "unknown"]
 """Whether somebody who said this has said all."""
 
 Judge = Callable[[str], Completeness]
+
+
+@dataclass(frozen=True, slots=True)
+class Afterthought:
+    """What somebody went on with after a request that was complete."""
+
+    text: str
+    adds: bool
+    """It is to be done after that request; else in its place."""
+
+
+Notice = Callable[[str, str], Afterthought | None]
+"""Finds what was added to a request, given its words alone and with what was said after it."""
 
 _COMMA = ",，、 "
 """Written in noise at the end of anything."""

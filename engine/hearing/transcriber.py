@@ -142,6 +142,11 @@ def as_event(found: Transcript | Rejected) -> events.TranscriptFinal | events.Tr
     """How a result is published."""
     if isinstance(found, Rejected):
         return events.TranscriptRejected(found.reason, found.detail, found.text)
+    return as_final(found)
+
+
+def as_final(found: Transcript) -> events.TranscriptFinal:
+    """The same of what was understood."""
     decoding = found.decoding
     return events.TranscriptFinal(
         text=found.text,

@@ -28,7 +28,7 @@ from engine.commands import Wake
 from engine.errors import DeviceError, SaysoError, StorageError
 from engine.hearing.hearing import Hearing, HearingFault, Listener
 from engine.hearing.overhearing import Alert
-from engine.hearing.readings import Judge
+from engine.hearing.readings import Judge, Notice
 from engine.parts.loading import Sound, make_demo, make_isolated_recogniser, vocabulary
 from engine.parts.part import Part
 from engine.planner.phrases.stopping import is_stop
@@ -42,9 +42,9 @@ class Ears:
     """Opens the ears and keeps them open until cancelled; ``microphone`` and ``hearing`` tell how they are.
 
     ``on_words`` is called with the words of a stop that ``Hearing.overhear`` overheard, in the recogniser's thread, and
-    ``judge`` there with what was said so far: is it all?
+    ``judge`` there with what was said so far: is it all? ``notice``: see ``Hearing``, as for ``on_going_on``.
     ``listener`` is handed everything that a live source hears. ``played`` is what the robot's loudspeaker plays, and is
-    not to be heard. ``on_going_on``: see ``Hearing``. ``satellite``: whose microphone is the usual one (None: this
+    not to be heard. ``satellite``: whose microphone is the usual one (None: this
     machine's is). ``door`` is the socket at which guests are let in (None: nowhere); ``warn`` is told when that cannot
     be. ``on_fault`` is told of a fault of ours by which a source has ended.
     """
@@ -58,6 +58,7 @@ class Ears:
         *,
         on_words: Callable[[str], None] | None = None,
         judge: Judge = lambda text: "unknown",
+        notice: Notice = lambda first, whole: None,
         listener: Listener | None = None,
         played: Sounded | None = None,
         on_going_on: Callable[[float], None] | None = None,
@@ -69,6 +70,7 @@ class Ears:
         self._settings = settings
         self._on_words = on_words
         self._judge = judge
+        self._notice = notice
         self._listener = listener
         self._on_going_on = on_going_on
         self._played = played if settings.audio.echo == "auto" else None
@@ -131,6 +133,7 @@ class Ears:
             gain_db=settings.audio.gain_db,
             on_end=self._ended,
             judge=self._judge,
+            notice=self._notice,
             partials=settings.asr.backend == "whisper",  # what is elsewhere is asked once
             alert=self._alert(),
             listener=self._listener,

@@ -17,10 +17,11 @@ from typing import Final
 from engine.commands import MAX_TEXT, too_long
 from engine.errors import ExitCode
 from engine.events import PlanSource
-from engine.hearing.readings import Completeness
+from engine.hearing.readings import Afterthought, Completeness
 from engine.llm.chat import Chat, ChatError, Message
 from engine.perception.naming import CHINESE, KINDS
 from engine.plan import Action, Plan
+from engine.planner.afterthoughts import afterthought
 from engine.planner.answering import Answering
 from engine.planner.asking import AskingBack, needs_held
 from engine.planner.completeness import completeness
@@ -107,6 +108,10 @@ class Planner:
     def completeness(self, text: str) -> Completeness:
         """Whether somebody who said ``text`` has said all. In any thread."""
         return completeness(text, self._phrases(self._language or language_of(text)))
+
+    def afterthought(self, first: str, whole: str) -> Afterthought | None:
+        """What somebody said after the request ``first`` that belongs to it; ``whole`` is both. In any thread."""
+        return afterthought(first, whole, self._phrases(self._language or language_of(whole)))
 
     def beginnings(self, chat: Chat) -> tuple[tuple[Message, ...], ...]:
         """What questions to ``chat`` will begin with, in the language that is likeliest to be spoken."""

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Generic, Literal, TypeVar
 
-from engine.commands import Command, EndTask, Halted, Heard, Interrupt, Quit, Say, Wake
+from engine.commands import Added, Command, EndTask, Halted, Heard, Interrupt, Quit, Say, Wake
 from engine.epoch import Epoch
 from engine.events import Scope, State
 from engine.planner.phrases.stopping import is_end_task, is_stop
@@ -83,6 +83,8 @@ class Inbox(Generic[T]):
                 return "wake"
             case Halted(lost=lost, epoch=epoch):
                 return "halted" if lost or self._epoch.is_current(epoch) else None  # else it is over already
+            case Added(adds=adds, epoch=epoch):
+                return None if adds or epoch < self._newest else "replaced"
             case Heard(text):
                 return "stop" if self._state() in EXPRESSING and is_stop(text) else None
             case Say(text) if is_stop(text):
@@ -109,6 +111,8 @@ class Inbox(Generic[T]):
 
     def is_overtaken(self, request: Request) -> bool:
         """Whether somebody has interrupted since, so that the request is over before it began."""
+        if isinstance(request.command, Added) and request.scope is None:
+            return not request.command.adds or request.command.epoch < self._newest
         return request.scope is not None and request.scope not in LASTING and request.epoch < self._newest
 
     def epoch_for(self, epoch: int) -> int:

@@ -17,12 +17,25 @@ import contextlib
 from collections import deque
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
 from config.schema import Session as SessionSettings
 from engine import events
 from engine.bus import Bus
-from engine.commands import COMMANDS, Audio, Command, EndTask, Halted, Heard, Interrupt, Quit, Say, Snapshot, Wake
+from engine.commands import (
+    COMMANDS,
+    Added,
+    Audio,
+    Command,
+    EndTask,
+    Halted,
+    Heard,
+    Interrupt,
+    Quit,
+    Say,
+    Snapshot,
+    Wake,
+)
 from engine.epoch import Epoch
 from engine.errors import ExitCode, RobotError, SaysoError
 from engine.events import Scope, State, TurnResult
@@ -75,6 +88,7 @@ class Session:
         self._waiting: deque[Request] = deque()  # what waits for the running turn to end, in the order it was asked in
         self._postponed: Request | None = None  # what the next cycle begins with
         self._again = False  # the wake that is being handled came while listening
+        self._undone = ""  # the newest turn, if what it was asked for was not done
         self._quit: Request | None = None
 
     @property
@@ -140,8 +154,10 @@ class Session:
         elif self._turn is not None and isinstance(command, Say) and self._settings.busy == "reject":
             self._ack(request, "Busy: the command was not taken (session.busy is reject).", ok=False)
             return False
-        elif (self._turn is not None or self._waiting) and isinstance(command, Say | Quit):
+        elif (self._turn is not None or self._waiting) and isinstance(command, Say | Quit | Added):
             self._waiting.append(request)
+            if isinstance(command, Added):
+                self._log("info", f"After this: “{command.heard.text}”.")
             return False
         return True
 
@@ -172,6 +188,10 @@ class Session:
                 self._enter("IDLE", "the task was ended", None, result)
             case Say(text):
                 self._start(request, Turn.do).take(text, "text")
+            case Added(adds=True, turn=first) as added if first == self._undone:
+                self._leave(added)
+            case Added(heard):
+                self._start(request, Turn.do).hear(heard)
             case Quit():
                 self._quit = request
 
@@ -285,6 +305,7 @@ class Session:
             result = turn.cut
         else:
             result = turn.task.result()
+        self._undone = turn.id if result.outcome != "done" else ""
         self._enter("WAITING" if self._cycle.entries else "IDLE", result.outcome, turn, result)
 
     def _drop_waiting(self) -> None:
@@ -293,6 +314,14 @@ class Session:
             if not isinstance(request.command, Quit):
                 self._waiting.remove(request)
                 self._ack(request, "Interrupted before it started.", ok=False)
+            if isinstance(request.command, Added):
+                self._leave(request.command)
+
+    def _leave(self, added: Added) -> None:
+        self._log("warning", f"“{added.heard.text}” is left: what it was to follow was not done.")
+
+    def _log(self, level: Literal["info", "warning"], message: str) -> None:
+        self._bus.publish(events.Log(level, "session", message), epoch=self._epoch.current)
 
     def _arm_home(self) -> None:
         """Send the arm slowly to its initial pose; whatever interrupts next holds it where it is."""

@@ -19,9 +19,11 @@ from engine import events
 from engine.audio.endpoint import Utterance
 from engine.bus import Bus, Emit
 from engine.cancellation import Remains, bounded
+from engine.commands import Added
 from engine.epoch import Epoch
 from engine.errors import ExitCode, SaysoError
 from engine.events import Outcome, State, TurnResult
+from engine.hearing.afterwards import More
 from engine.hearing.hearing import NothingHeard
 from engine.llm.chat import ChatError
 from engine.parts.part import Loading
@@ -54,7 +56,7 @@ class Listens(Protocol):
     async def listen(self, emit: Emit, *, restarted: bool = False) -> Utterance | NothingHeard: ...
 
     async def transcribe(
-        self, utterance: Utterance, emit: Emit
+        self, utterance: Utterance, emit: Emit, on_more: More
     ) -> events.TranscriptFinal | events.TranscriptRejected: ...
 
     def overhear(self, on: bool) -> None: ...
@@ -72,6 +74,8 @@ class Needs:
     """Answers what was said."""
     recall: Callable[[Robot], Recall]
     wording: Wording = field(default_factory=Wording)
+    ask: Callable[[Added], None] = lambda command: None
+    """Tells the session what was added to a request."""
     voice_for_typed: Voice | None = None
     """Answers what was typed; None: the same one does."""
     place_names: Mapping[str, str] = field(default_factory=dict)
@@ -133,12 +137,16 @@ class Turn:
             return TurnResult(ExitCode.FAILED, "unheard", self.worded(utterance.message))
         await self.stay_current()
         self._enter("TRANSCRIBING", "the speaker has finished")
-        transcript = await bounded(hearing.transcribe(utterance, self.emit))
+        transcript = await bounded(hearing.transcribe(utterance, self.emit, self._more))
         if isinstance(transcript, events.TranscriptRejected):
             return TurnResult(ExitCode.FAILED, "unheard", self.worded(f"Not understood: {transcript.detail}"))
-        self._note(transcript.text)
-        self._language = "zh" if transcript.language == "zh" else None  # else the text itself shows it
+        self._take_in(transcript)
         return await self.do()
+
+    def hear(self, heard: events.TranscriptFinal) -> None:
+        """What was said before the turn began: on record at once."""
+        self.emit(heard)
+        self._take_in(heard)
 
     def take(self, text: str, source: Literal["text", "overheard"]) -> None:
         """What was typed or overheard: on record at once, before the turn's task has begun."""
@@ -200,6 +208,14 @@ class Turn:
     def worded(self, text: str) -> str:
         """A sentence of ours in the language of the request; before there is one, in that of the last."""
         return self._needs.wording.worded(text, self._language or language_of(self.asked or self._cycle.last_said))
+
+    def _more(self, heard: events.TranscriptFinal, adds: bool) -> None:
+        """Somebody goes on who had made a complete request."""
+        self._needs.ask(Added(heard, adds, self.id, self.epoch))
+
+    def _take_in(self, heard: events.TranscriptFinal) -> None:
+        self._note(heard.text)
+        self._language = "zh" if heard.language == "zh" else None  # else the text itself shows it
 
     def _note(self, text: str) -> None:
         self._so_far = self._cycle.as_exchanges()

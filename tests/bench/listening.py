@@ -25,10 +25,10 @@ from engine.audio.vad import VoiceActivity, make_vad
 from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import SaysoError
-from engine.hearing.ahead import DecodingAhead
-from engine.hearing.going_on import GOES_ON_S, GoingOn, joined, may_have_no_end
+from engine.hearing.ahead import UNSURE, DecodingAhead
+from engine.hearing.going_on import GOES_ON_S, Addition, GoingOn, joined, may_have_no_end
 from engine.hearing.near_sounding import heard_as_command
-from engine.hearing.readings import sensible
+from engine.hearing.readings import Afterthought, sensible
 from engine.hearing.transcriber import as_event
 from engine.parts.loading import make_recogniser, vocabulary
 from engine.plan import Action, Plan
@@ -182,7 +182,7 @@ class Ears:
         """What is understood when the speaker goes on after a turn was cut; None where that is not waited for."""
         if first.utterance is None or not isinstance(first.result, Transcript | Rejected):
             return None
-        after = GoingOn(first.utterance, self.vad)
+        after = GoingOn(first.utterance, self.vad, Addition(first.utterance, self.settings.endpoint))
         unfinished = may_have_no_end(as_event(first.result), self.planner.completeness)
         kept: list[Frame] = []
         for frame in sound:
@@ -195,6 +195,24 @@ class Ears:
                 since = kept[-int(min(1.0, after.ago_s) / FRAME_S) :]
                 return await self.listen(clock, chain(since, sound), first.utterance)
         return None
+
+    async def add(self, clock: Clockwork, first: Heard, sound: Iterator[Frame]) -> Afterthought | None:
+        """What is added by a speaker who goes on though the request was complete."""
+        if first.utterance is None:
+            return None
+        addition = Addition(first.utterance, self.settings.endpoint)
+        for frame in sound:
+            addition.push(frame, self.vad.process(frame))
+            if addition.is_over:
+                break
+        if (whole := addition.whole) is None:
+            return None
+        pending = clock.start(Transcription(lambda cancelled: self._recognise(whole.samples, cancelled)))
+        await clock.answered(pending)
+        found = pending.result()
+        if not isinstance(found, Transcript) or found.confidence < UNSURE:
+            return None
+        return self.planner.afterthought(first.text, found.text)
 
     def _recognise(self, samples: Samples, cancelled: Callable[[], bool], quick: bool = False) -> Transcript | Rejected:
         found = self.recogniser.transcribe(samples * np.float32(1 / 32768), self.nouns, cancelled, quick=quick)

@@ -5,8 +5,9 @@ turn that ended before the voice did. *Joined*: two whole commands with a pause 
 *Hesitating*: one command with a pause of 0.5–0.9 s in the middle, where "to the" or a number ends.
 
 What a cut-off led to is counted as well. *All heard*: the last sound was cut, and the plan is the right one. *Healed*:
-nothing was done, and both pieces were understood as one request when the speaker went on. *Lost*: nothing was done, and
-the request has to be said again. *Harmed*: another plan than that of the words was begun.
+nothing was done, and both pieces were understood as one request when the speaker went on. *Carried on*: the first
+command was begun, and the second is done after it, or both in its place. *Half*: the first was begun, and that is all.
+*Lost*: nothing was done, and the request has to be said again. *Harmed*: another plan than that of the words was begun.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ class Said:
     sound: Samples
     end: float
     text: str  # of one plain command; else empty
+    parts: tuple[str, ...] = ()  # of several commands
 
 
 @dataclass(slots=True)
@@ -47,7 +49,7 @@ class Cell:
 
     n: int = 0
     cut: int = 0
-    outcomes: Counter[str] = field(default_factory=Counter)  # of those: all heard, healed, lost, harmed
+    outcomes: Counter[str] = field(default_factory=Counter)  # of those, see above
     plain: int = 0  # of those that were not cut off
     wrong: int = 0  # of those, planned as another command
     understood: list[float] = field(default_factory=list)  # s from the last word to the transcript of a plain command
@@ -84,6 +86,8 @@ async def measure(
 
 async def _outcome(ears: Ears, clock: Clockwork, said: Said, heard: Heard, rest: Iterator[Frame]) -> tuple[str, str]:
     """What a cut-off led to, and what was understood."""
+    if said.parts and await planned(ears.planner, heard.text):
+        return await _carried_on(ears, clock, said, heard, rest)
     wanted = await planned(ears.planner, said.text)
     if done := await planned(ears.planner, heard.text):  # a robot that acts is interrupted by a wake alone
         return "all heard" if done == wanted else "harmed", f"{said.text!r} as {heard.text!r}"
@@ -93,6 +97,20 @@ async def _outcome(ears: Ears, clock: Clockwork, said: Said, heard: Heard, rest:
     done = await planned(ears.planner, more.text)
     harmed = bool(done and wanted and done != wanted)
     return "harmed" if harmed else "healed", f"{said.text!r} as {heard.text!r}, then {more.text!r}"
+
+
+async def _carried_on(ears: Ears, clock: Clockwork, said: Said, heard: Heard, rest: Iterator[Frame]) -> tuple[str, str]:
+    """What became of the second of two commands when the first had been begun."""
+    first, second = [await planned(ears.planner, part) for part in said.parts]
+    more = await ears.add(clock, heard, rest)
+    told = f"{' '.join(said.parts)!r} as {heard.text!r}, then {more.text if more is not None else ''!r}"
+    begun = await planned(ears.planner, heard.text)
+    if begun != first:
+        return "harmed", told
+    if more is None:
+        return "half", told
+    added = await planned(ears.planner, more.text)
+    return "carried on" if added == (second if more.adds else (*first, *second)) else "harmed", told
 
 
 def as_figures(cells: dict[str, Cell]) -> tuple[dict[str, Figure], dict[str, float]]:
@@ -115,7 +133,8 @@ def recordings(ears: Ears) -> Iterator[Said]:
         yield _said("single", clip.samples, clip.text if plain else "")
     random = np.random.default_rng(7)
     for first, second in zip(clean[::2], clean[1::2], strict=False):
-        yield _said("joined", _with_pause(first.samples, second.samples, float(random.uniform(0.25, 0.45))))
+        voice = _with_pause(first.samples, second.samples, float(random.uniform(0.25, 0.45)))
+        yield _said("joined", voice, parts=(first.text, second.text))
     for clip in clean:
         if (parts := _halves(ears.recogniser, clip)) is not None:
             plain = ears.planner.completeness(clip.text) == "complete"
@@ -123,9 +142,9 @@ def recordings(ears: Ears) -> Iterator[Said]:
             yield _said("hesitating", _with_pause(*parts, pause_s), clip.text if plain else "")
 
 
-def _said(kind: str, voice: Samples, text: str = "") -> Said:
+def _said(kind: str, voice: Samples, text: str = "", parts: tuple[str, ...] = ()) -> Said:
     _, end = speech_bounds(voice)
-    return Said(kind, np.concatenate((silence(LEAD_S), voice, silence(TAIL_S))), LEAD_S + end, text)
+    return Said(kind, np.concatenate((silence(LEAD_S), voice, silence(TAIL_S))), LEAD_S + end, text, parts)
 
 
 def _halves(recogniser: Recogniser, clip: Clip) -> tuple[Samples, Samples] | None:

@@ -24,6 +24,7 @@ from engine.commands import Command, Halted, Quit, Wake
 from engine.epoch import Epoch
 from engine.errors import ModelError, SaysoError
 from engine.events import Body, Event, State, TurnResult
+from engine.hearing.afterwards import More
 from engine.hearing.hearing import NothingHeard
 from engine.parts.part import Part
 from engine.perception.eyes import Eyes
@@ -78,6 +79,14 @@ class ScriptedHearing:
         self._settled: Callable[[], None] = lambda: None
         self._said = ""
         self._ear: asyncio.Future[str | None] | None = None
+        self._on_more: More | None = None
+
+    def go_on(self, text: str, *, adds: bool) -> bool:
+        """Say more after what was understood last, to be done after it or in its place; whether anybody was told."""
+        if self._on_more is None:
+            return False
+        self._on_more(_final(text), adds)
+        return True
 
     def speak(self, text: str | None) -> bool:
         """Say something, or (None) nothing for too long; whether somebody listened."""
@@ -89,6 +98,7 @@ class ScriptedHearing:
     async def listen(self, emit: Emit, *, restarted: bool = False) -> Utterance | NothingHeard:
         emit(events.ListenStarted("test", restarted))
         ended = events.ListenEnded("cancelled", 0.0, 0.0)
+        self._on_more = None
         self._ear = asyncio.get_running_loop().create_future()
         try:
             text = await self._ear
@@ -100,13 +110,15 @@ class ScriptedHearing:
         self._said = text
         return Utterance(np.zeros(16000, np.int16), 0.0, 1.0, 1.0)
 
-    async def transcribe(self, utterance: Utterance, emit: Emit) -> events.TranscriptFinal | events.TranscriptRejected:
+    async def transcribe(
+        self, utterance: Utterance, emit: Emit, on_more: More | None = None
+    ) -> events.TranscriptFinal | events.TranscriptRejected:
         del utterance
         text = self._said
         await asyncio.sleep(self.decode_s)
         result: events.TranscriptFinal | events.TranscriptRejected
         if text:
-            result = events.TranscriptFinal(text, "speech", "en", 0.9, -0.1, 0.02, 1.0, self.decode_s)
+            result, self._on_more = _final(text, self.decode_s), on_more
         else:
             result = events.TranscriptRejected("empty", "No words were recognised.")
         emit(result)
@@ -130,6 +142,10 @@ class ScriptedHearing:
         """It is known whether what was suspected was said."""
         settled, self._settled = self._settled, lambda: None
         settled()
+
+
+def _final(text: str, decode_s: float = 0.3) -> events.TranscriptFinal:
+    return events.TranscriptFinal(text, "speech", "en", 0.9, -0.1, 0.02, 1.0, decode_s)
 
 
 @dataclass
@@ -317,6 +333,7 @@ async def begin(
         hearing=await _ready("recogniser", hearing),
         voice=voice,
         recall=lambda up: Recall(up, WorldMemory()),
+        ask=lambda command: session.request(command),
         wording=build_wording(settings),
         rounds=settings.planner.rounds,
         steps=settings.planner.steps,

@@ -204,6 +204,11 @@ class SessionMachine(RuleBasedStateMachine):
         counts["heard"] += self._talk.hearing.speak(text)
         self._let_pass(after)
 
+    @rule(text=st.sampled_from(REQUESTS), adds=st.booleans(), after=AFTER)
+    def goes_on(self, text: str, adds: bool, after: float) -> None:
+        counts["added"] += self._talk.hearing.go_on(text, adds=adds)
+        self._let_pass(after)
+
     @rule(command=st.sampled_from([Interrupt(), EndTask(), Snapshot("s"), Say("stop")]), after=AFTER)
     def interrupts(self, command: Command, after: float) -> None:
         self._ask(command, after)
@@ -398,7 +403,7 @@ class SessionMachine(RuleBasedStateMachine):
                 self._turns.add(turn)
                 self._words[turn] = set()
             case events.TranscriptFinal():
-                if body.source == "overheard":  # nobody asked, so nobody is answered
+                if turn not in self._words:  # overheard, or added: nobody asked, so nobody is answered
                     self._turns.add(turn)
                 self._words.setdefault(turn, set()).add(body.text)
             case events.PlanMade():

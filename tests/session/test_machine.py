@@ -41,5 +41,6 @@ def test_ten_thousand_random_steps_break_no_rule_of_interruption() -> None:
         )
     assert counts["interruptions"] > STEPS / 10, counts
     assert counts["pauses"] > 20, counts
+    assert counts["added"] > 20, counts
     for outcome in ("ok", "failed", "interrupted", "uncertain"):
         assert counts[f"actions {outcome}"] > 20, counts

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import dataclass, field
 from typing import Literal
 
 import pytest
@@ -17,8 +18,8 @@ from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.hearing.ahead import CERTAIN
 from engine.hearing.hearing import Hearing
-from engine.hearing.readings import Completeness
-from tests.recogniser import SURE, Scripted
+from engine.hearing.readings import Afterthought, Completeness
+from tests.recogniser import SURE, Given, Scripted
 from tests.unit.test_ahead import ENDPOINT, Paced, quiet, recorded
 from tests.virtual_time import run
 
@@ -111,3 +112,103 @@ def test_after_a_command_that_was_complete_nobody_is_waited_for() -> None:
 def test_a_wake_begins_a_request_of_its_own() -> None:
     _, understood = run(said("Go to the", 0.8, woken=True))
     assert understood == ["Go to the", "Go to the"]  # the recogniser got the second piece alone
+
+
+# After a request that was complete
+
+
+ADDED = Afterthought("Go to the kitchen.", adds=True)
+
+
+@dataclass
+class Told:
+    """Somebody who said "Raise your arm." and went on, and what was told of that."""
+
+    hearing: Hearing
+    recogniser: Scripted
+    more: list[tuple[str, bool]] = field(default_factory=list)
+    compared: list[tuple[str, str]] = field(default_factory=list)
+    went_on: list[float] = field(default_factory=list)
+
+    async def settle(self) -> None:
+        await asyncio.sleep(6)
+        await asyncio.get_running_loop().run_in_executor(self.hearing._transcriber.thread, lambda: None)
+        await asyncio.sleep(0.01)
+
+
+async def adds(
+    pause_s: float, *, found: Afterthought | None = ADDED, whole: str | Rejected = "", meanwhile: str = ""
+) -> Told:
+    """What is told of somebody who goes on after a complete command, ``pause_s`` after its last word."""
+    vad = make_vad(Vad(backend="auto", gate_mode=3, threshold=0.5))
+    sound = Paced(FIRST, quiet(pause_s), SECOND, quiet(2))
+    first = Transcript("Raise your arm.", 0.9, SURE)
+    both = whole or "Raise your arm. Go to the kitchen."
+    told: list[Told] = []
+
+    def answer(given: Given) -> str | Transcript | Rejected:
+        if given.seconds < BOTH_S - 0.1:
+            return first
+        if meanwhile == "stop":
+            told[0].hearing.suspect("stop", lambda: None, sure=True)
+        return both
+
+    recogniser = Scripted(answer)
+
+    def notice(first: str, whole: str) -> Afterthought | None:
+        told[0].compared.append((first, whole))
+        return found
+
+    emit = Bus(SystemClock()).bound(turn=None, epoch=1)
+    async with Hearing(
+        lambda: sound, vad, ENDPOINT, recogniser, judge=judge, notice=notice, on_going_on=lambda ago: went_on(ago)
+    ) as hearing:
+        it = Told(hearing, recogniser)
+        told.append(it)
+        went_on = it.went_on.append
+        heard = await hearing.listen(emit)
+        assert isinstance(heard, Utterance)
+        await hearing.transcribe(heard, emit, lambda final, adds: it.more.append((final.text, adds)))
+        if meanwhile == "wake":
+            hearing.mark()
+            listening = asyncio.create_task(hearing.listen(emit))
+            await it.settle()
+            listening.cancel()
+            await asyncio.gather(listening, return_exceptions=True)
+        else:
+            await it.settle()
+        return it
+
+
+@pytest.mark.parametrize("pause_s", [0.45, 0.8])
+def test_what_is_added_to_a_complete_request_is_told_when_it_has_been_said(pause_s: float) -> None:
+    it = run(adds(pause_s))
+    assert it.compared == [("Raise your arm.", "Raise your arm. Go to the kitchen.")]
+    assert it.more == [("Go to the kitchen.", True)]
+    assert it.went_on == [], "nothing is given up for it"
+
+
+def test_what_does_not_belong_to_the_request_is_not_told() -> None:
+    it = run(adds(0.45, found=None))
+    assert it.compared
+    assert it.more == []
+
+
+def test_what_is_not_understood_is_compared_with_nothing() -> None:
+    it = run(adds(0.45, whole=Rejected("low_confidence", "No words were understood.")))
+    assert (it.compared, it.more) == ([], [])
+
+
+def test_whoever_goes_on_later_is_not_heard() -> None:
+    it = run(adds(1.5))
+    assert (it.compared, it.more) == ([], [])
+
+
+def test_a_wake_begins_a_request_to_which_nothing_is_added() -> None:
+    assert run(adds(0.45, meanwhile="wake")).more == []
+
+
+def test_the_recogniser_is_given_up_for_a_stop_that_is_suspected() -> None:
+    it = run(adds(0.45, meanwhile="stop"))
+    assert (it.compared, it.more) == ([], [])
+    assert len(it.recogniser.passes) > 1

@@ -340,6 +340,19 @@ def test_it_knows_what_its_ears_may_have_heard_of_itself() -> None:
     in_a_room(test)
 
 
+def test_whoever_says_just_what_it_said_may_have_been_itself() -> None:
+    async def test(room: Room) -> None:
+        assert not room.voice.repeats("going to the kitchen")
+        await room.voice.say("Going to the kitchen.", room.hear)
+        await room.voice.say("I am in the kitchen.", room.hear)
+        assert room.voice.repeats("Going to the kitchen")
+        assert room.voice.repeats("the kitchen, I am.")
+        assert not room.voice.repeats("and go to the kitchen")
+        assert not room.voice.repeats("Going to the bedroom.")
+
+    in_a_room(test)
+
+
 def test_what_is_only_shown_is_not_heard_by_anybody() -> None:
     async def scenario() -> None:
         room = Room()
