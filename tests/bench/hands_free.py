@@ -6,8 +6,9 @@ heard. Of those, *planned* is the share in which the plan is that of the words (
 misunderstood might reach), and *to the letter* that in which the transcript is as well.
 
 "Last word → motion" is from the end of the voice (35 dB below its loudest part), when that sound is due, to the first
-velocity that the robot process is told, and "last word → transcript" to when that is read from the engine. What a real
-microphone delays comes on top.
+velocity that the robot process is told, and "last word → transcript" to when that is read from the engine. *Plain* are
+commands that are complete as they stand; after "turn left" a number is waited for. What a real microphone delays comes
+on top.
 """
 
 from __future__ import annotations
@@ -139,6 +140,7 @@ class Tally:
     counts: Counter[str] = field(default_factory=Counter)
     transcript_s: list[float] = field(default_factory=list)
     motion_s: list[float] = field(default_factory=list)
+    plain_s: list[float] = field(default_factory=list)  # of those, the plain commands
 
 
 @contextmanager
@@ -196,6 +198,8 @@ def run(phrase: str, voices: Sequence[Voice], takes: int) -> dict[str, Tally]:
                     tally.transcript_s.append(final[0] - ended)
                 if watch.moved is not None and right and request in DRIVES:
                     tally.motion_s.append(watch.moved - ended)
+                    if planner.completeness(request) == "complete":
+                        tally.plain_s.append(watch.moved - ended)
                 if not right:
                     why = f"was heard as {heard!r}" if wake is not None else "did not wake"
                     print(f"{condition}: {text!r} {why} ({voices[index % len(voices)].name})", file=sys.stderr)
@@ -231,6 +235,8 @@ def main(argv: list[str] | None = None) -> None:
                 shown[f"{name}: last word → transcript"] = figures(tally.transcript_s, "s")
             if tally.motion_s:
                 shown[f"{name}: last word → motion"] = figures(tally.motion_s, "s")
+            if tally.plain_s:
+                shown[f"{name}: the same, plain"] = figures(tally.plain_s, "s")
     print_report(report("hands_free", count, shown, ratios), args.json)
 
 

@@ -128,6 +128,17 @@ def test_a_stop_that_wakes_is_none_that_is_suspected(tmp_path: Path) -> None:
     assert list(spotter.phrases) == ["stop"]
 
 
+@pytest.mark.model
+def test_where_chinese_is_spoken_a_stop_has_to_be_surer_before_anything_pauses(tmp_path: Path) -> None:
+    (english,) = make_spotters([], tmp_path, model(), stops=["stop"])
+    (among,) = make_spotters([], tmp_path, model(), stops=["stop", "停"])
+    assert isinstance(english, TrainedSpotter)
+    assert isinstance(among, TrainedSpotter)
+    assert english._doubts["stop"].below == 0.0
+    assert among._doubts["stop"].below > Head.load(SHIPPED / "stop.npz").threshold
+    assert among._doubts["停"].below == 0.0
+
+
 def test_without_the_model_nothing_is_listened_for(tmp_path: Path) -> None:
     assert make_spotters([], tmp_path, None, stops=["stop"]) == []
 
