@@ -1,7 +1,8 @@
 """How somebody who was woken listens, on a clock of its own: as an engine does it, frame by frame with decoding ahead.
 
-The recogniser's passes take, one after the other, the processor time that such a pass took at the beginning, the
-fastest of several: what else this machine does changes nothing.
+The recogniser's passes take, one after the other, the time that such a pass took at the beginning, the fastest of
+several: what else this machine does later changes nothing. Processor time would be too much, since a pass has more than
+one thread at times.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ from tests.bench.speech import clips
 
 @dataclass(frozen=True, slots=True)
 class Price:
-    """What passes cost, s of processor time: the fastest of several of a command in each window."""
+    """What passes cost, s: the fastest of several of a command in each window."""
 
     quick: float
     second: float  # a second look alone, with the full window
@@ -58,9 +59,9 @@ class Price:
             took = []
             for shift in range(tries):  # the same sound would not be encoded again
                 sound = np.roll(command, shift * 160) * np.float32(1 / 32768)
-                began = time.process_time()
+                began = time.perf_counter()
                 recogniser.transcribe(sound, nouns, quick=True)
-                took.append(time.process_time() - began)
+                took.append(time.perf_counter() - began)
             costs.append(min(took))
         return cls(*costs)
 
