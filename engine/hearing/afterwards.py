@@ -19,7 +19,7 @@ from engine.asr.transcription import Found, Transcription
 from engine.audio.endpoint import Utterance
 from engine.audio.source import Frame
 from engine.audio.vad import VoiceActivity
-from engine.hearing.ahead import UNSURE
+from engine.hearing.ahead import CERTAIN, UNSURE
 from engine.hearing.going_on import Addition, GoingOn, may_have_no_end
 from engine.hearing.readings import Afterthought, Judge, Notice
 from engine.hearing.transcriber import Transcriber, as_final
@@ -31,13 +31,13 @@ More = Callable[[events.TranscriptFinal, bool], None]
 class Afterwards:
     """Follows the newest utterance of a live source. Belongs to the loop's thread, but for :meth:`make_way`.
 
-    ``judge`` and ``notice`` are asked in the recogniser's thread; ``on_going_on``: see ``Hearing``, and None: nobody
-    wants to know.
+    ``judge`` and ``notice`` are asked in the recogniser's thread; ``on_going_on`` and ``beside``: see ``Hearing``.
     """
 
     def __init__(
         self,
         vad: VoiceActivity,
+        beside: VoiceActivity | None,
         endpoint: Endpoint,
         transcriber: Transcriber,
         judge: Judge,
@@ -45,6 +45,7 @@ class Afterwards:
         on_going_on: Callable[[float], None] | None,
     ) -> None:
         self._vad = vad
+        self._beside = beside
         self._endpoint = endpoint
         self._transcriber = transcriber
         self._judge = judge
@@ -58,7 +59,8 @@ class Afterwards:
     def ended(self, utterance: Utterance) -> None:
         """This has just been said."""
         if self._on_going_on is not None:
-            self._after = GoingOn(utterance, self._vad, Addition(utterance, self._endpoint))
+            addition = Addition(utterance, self._endpoint, self._beside) if self._beside is not None else None
+            self._after = GoingOn(utterance, self._vad, addition)
 
     def understood(
         self,
@@ -73,7 +75,7 @@ class Afterwards:
             return
         if may_have_no_end(result, self._judge):
             after.awaited = True
-        elif isinstance(result, events.TranscriptFinal) and on_more is not None:
+        elif isinstance(result, events.TranscriptFinal) and on_more is not None and after.addition is not None:
             first = result.text
             after.told = lambda whole: self._understand(first, whole, on_more)
         else:
@@ -90,19 +92,19 @@ class Afterwards:
         if (adding := self._adding) is not None:
             adding.cancel()
 
-    def push(self, frame: Frame, *, own: bool) -> None:
-        """A frame to which nobody listens; ``own``: a word in it was the robot's own."""
+    def push(self, frame: Frame, plain: Frame, *, own: bool) -> None:
+        """A frame to which nobody listens. ``plain``: the same with more of the robot's own voice in it, where it is
+        not known yet how that sounds here; ``own``: a word in ``frame`` was the robot's own."""
         if (after := self._after) is None:
             return
-        after.push(frame)
+        after.push(frame, plain)
         if after.ago_s is not None or after.is_over:
             self._after = None
-        if own:
-            return
         if after.ago_s is not None and self._on_going_on is not None:
-            self._on_going_on(min(1.0, after.ago_s))
-            self.begun = after.utterance
-        elif after.told is not None and after.addition.whole is not None:
+            if not own:
+                self._on_going_on(min(1.0, after.ago_s))
+                self.begun = after.utterance
+        elif after.told is not None and after.addition is not None and after.addition.whole is not None:
             after.told(after.addition.whole)
 
     def _understand(self, first: str, whole: Utterance, on_more: More) -> None:
@@ -113,7 +115,9 @@ class Afterwards:
             nonlocal added
             found = self._transcriber.recognise(whole.samples, cancelled, lead=whole.lead)
             if isinstance(found, Transcript) and found.confidence >= UNSURE and not cancelled():
-                added = self._notice(first, found.text)
+                noticed = self._notice(first, found.text)
+                if noticed is not None and (noticed.clear or found.confidence >= CERTAIN):
+                    added = noticed
             return found
 
         def tell(future: asyncio.Future[Found]) -> None:

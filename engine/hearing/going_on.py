@@ -20,7 +20,7 @@ from config.schema import Endpoint
 from engine import events
 from engine.audio.endpoint import RESUME_FRAMES, Ended, Endpointer, Utterance
 from engine.audio.source import FRAME_S, Frame
-from engine.audio.vad import VadResult, VoiceActivity
+from engine.audio.vad import VoiceActivity
 from engine.hearing.ahead import CERTAIN, NOT_UNDERSTOOD
 from engine.hearing.readings import Judge
 
@@ -41,9 +41,12 @@ PRE_ROLL_FRAMES = 6
 
 
 class Addition:
-    """Hears what is added to a request that was complete, ``utterance``, to its end."""
+    """Hears what is added to a request that was complete, ``utterance``, to its end. ``vad`` is its own: what it gets
+    is not what others get."""
 
-    def __init__(self, utterance: Utterance, settings: Endpoint) -> None:
+    def __init__(self, utterance: Utterance, settings: Endpoint, vad: VoiceActivity) -> None:
+        vad.reset()
+        self._vad = vad
         patience = {"no_speech_s": ADDS_S, "max_length_s": min(LONGEST_S, settings.max_length_s)}
         self._endpointer = Endpointer(settings.model_copy(update=patience))
         self._utterance = utterance
@@ -51,9 +54,9 @@ class Addition:
         self.whole: Utterance | None = None
         """Once it is over: the request with what was added, if there was anything."""
 
-    def push(self, frame: Frame, vad: VadResult) -> None:
+    def push(self, frame: Frame) -> None:
         """The next frame after the utterance."""
-        if self.is_over or not isinstance(found := self._endpointer.push(frame, vad), Ended):
+        if self.is_over or not isinstance(found := self._endpointer.push(frame, self._vad.process(frame)), Ended):
             return
         self.is_over = True
         if found.utterance is not None and found.utterance.speech_s >= SPEECH_S:
@@ -66,7 +69,7 @@ class GoingOn:
 
     utterance: Utterance
     vad: VoiceActivity
-    addition: Addition
+    addition: Addition | None = None
     awaited: bool = False
     """It is known by now that the utterance had no end."""
     told: Callable[[Utterance], None] | None = None
@@ -78,18 +81,21 @@ class GoingOn:
     @property
     def is_over(self) -> bool:
         """Nobody goes on any more."""
-        over = self._since is None and self._frames * FRAME_S >= GOES_ON_S
-        return self.addition.is_over if self.told is not None else over and (self.awaited or self.addition.is_over)
+        added = self.addition is None or self.addition.is_over
+        if self.told is not None:
+            return added
+        return self._since is None and self._frames * FRAME_S >= GOES_ON_S and (self.awaited or added)
 
-    def push(self, frame: Frame) -> None:
-        """The next frame after the utterance."""
+    def push(self, frame: Frame, plain: Frame | None = None) -> None:
+        """The next frame after the utterance; ``plain``: the same with more of the robot's own voice in it, where it is
+        not known yet how that sounds here."""
         self._frames += 1
-        heard = self.vad.process(frame)
-        self.addition.push(frame, heard)
+        if self.addition is not None and not self.awaited:
+            self.addition.push(plain or frame)
         if self._since is not None:
             self._since += 1
-        elif self._frames * FRAME_S <= GOES_ON_S:
-            self._voice = self._voice + 1 if heard.speech else 0
+        elif self._frames * FRAME_S <= GOES_ON_S and self.told is None:
+            self._voice = self._voice + 1 if self.vad.process(frame).speech else 0
             if self._voice >= RESUME_FRAMES:
                 self._since = self._voice + PRE_ROLL_FRAMES
 

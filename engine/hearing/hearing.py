@@ -84,6 +84,7 @@ class Hearing:
     that a live source hears. ``echo`` takes the robot's own voice out of what a source hears that hears its
     loudspeaker. ``on_going_on`` is told, in the loop's thread, that somebody goes on whose turn was ended in the middle
     of a sentence, and how long ago (s, up to 1): whoever marks that moment and listens hears both pieces as one.
+    ``beside`` hears voices while the robot acts on what was said, for what is added to that; None: nothing is.
     ``prompt``: see ``Transcriber``. Leaving closes the source and the recogniser, whatever it is doing.
     """
 
@@ -104,6 +105,7 @@ class Hearing:
         listener: Listener | None = None,
         echo: EchoCanceller | None = None,
         on_going_on: Callable[[float], None] | None = None,
+        beside: VoiceActivity | None = None,
         prompt: bool = False,
     ) -> None:
         self.level = SILENT
@@ -127,7 +129,7 @@ class Hearing:
         self._echo = echo
         self._judge = judge
         self._partials = partials
-        self._afterwards = Afterwards(vad, endpoint, self._transcriber, judge, notice, on_going_on)
+        self._afterwards = Afterwards(vad, beside, endpoint, self._transcriber, judge, notice, on_going_on)
         self._phrase = ""  # what was said right before the mark
         self._ahead: tuple[Utterance, Decoding] | None = None  # the last utterance, if it is being recognised already
 
@@ -391,7 +393,7 @@ class Hearing:
                 taken = self._taken(others)
                 plain = taken if left is others else self._gain.apply(left)
                 self._ring.put(taken)
-                self._afterwards.push(taken, own=self.hears_itself)
+                self._afterwards.push(taken, taken if self.without_own_voice else plain, own=self.hears_itself)
                 if self._listener is not None:
                     self._listener.push(plain.samples)
                 self._overhearing.push(plain, taken)

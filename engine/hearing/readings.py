@@ -29,6 +29,8 @@ class Afterthought:
     text: str
     adds: bool
     """It is to be done after that request; else in its place."""
+    clear: bool = True
+    """It is a command; else only its first words tell that it belongs to the request, and it may be misheard."""
 
 
 Notice = Callable[[str, str], Afterthought | None]

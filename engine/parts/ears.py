@@ -139,6 +139,7 @@ class Ears:
             listener=self._listener,
             echo=EchoCanceller(self._played) if self._played is not None else None,
             on_going_on=self._on_going_on,
+            beside=make_vad(settings.vad) if settings.asr.backend != "openai" else None,  # as for _alert
             prompt=settings.robot.realtime_priority,
         )
         closing.push_async_exit(hearing)

@@ -41,7 +41,7 @@ def afterthought(first: str, whole: str, phrases: PhrasePlanner) -> Afterthought
     if after is None:
         asked = isinstance(phrases.plan(rest), UnknownPlace)  # which will be told
         thought = _GOES_ON.match(rest) and len(normalised_words(rest)) > 2  # about by large models, if there are any
-        return Afterthought(rest, adds=True) if asked or thought else None
+        return Afterthought(rest, adds=True, clear=False) if asked or thought else None
     if after == before or added == before:  # a word of thanks; or it was said once more
         return None
     if after == (*before, *(added or ())):

@@ -183,7 +183,7 @@ class Ears:
         """What is understood when the speaker goes on after a turn was cut; None where that is not waited for."""
         if first.utterance is None or not isinstance(first.result, Transcript | Rejected):
             return None
-        after = GoingOn(first.utterance, self.vad, Addition(first.utterance, self.settings.endpoint))
+        after = GoingOn(first.utterance, self.vad)
         unfinished = may_have_no_end(as_event(first.result), self.planner.completeness)
         kept: list[Frame] = []
         for frame in sound:
@@ -201,9 +201,9 @@ class Ears:
         """What is added by a speaker who goes on though the request was complete."""
         if first.utterance is None:
             return None
-        addition = Addition(first.utterance, self.settings.endpoint)
+        addition = Addition(first.utterance, self.settings.endpoint, self.vad)
         for frame in sound:
-            addition.push(frame, self.vad.process(frame))
+            addition.push(frame)
             if addition.is_over:
                 break
         if (whole := addition.whole) is None:

@@ -53,9 +53,9 @@ def test_a_correction_takes_the_place_of_the_first() -> None:
     assert after("Go to the kitchen.", "Sorry.") is None
 
 
-@pytest.mark.parametrize("rest", ["and then tell me a joke about cats", "go to the charging dock"])
+@pytest.mark.parametrize("rest", ["and then tell me a joke about cats", "go to the casino"])
 def test_what_is_more_than_phrases_know_is_answered(rest: str) -> None:
-    assert after("Go to the kitchen.", rest) == Afterthought(rest, adds=True)
+    assert after("Go to the kitchen.", rest) == Afterthought(rest, adds=True, clear=False)
 
 
 @pytest.mark.parametrize(

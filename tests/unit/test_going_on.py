@@ -137,7 +137,11 @@ class Told:
 
 
 async def adds(
-    pause_s: float, *, found: Afterthought | None = ADDED, whole: str | Rejected = "", meanwhile: str = ""
+    pause_s: float,
+    *,
+    found: Afterthought | None = ADDED,
+    whole: Transcript | Rejected | None = None,
+    meanwhile: str = "",
 ) -> Told:
     """What is told of somebody who goes on after a complete command, ``pause_s`` after its last word."""
     vad = make_vad(Vad(backend="auto", gate_mode=3, threshold=0.5))
@@ -160,8 +164,16 @@ async def adds(
         return found
 
     emit = Bus(SystemClock()).bound(turn=None, epoch=1)
+    beside = make_vad(Vad(backend="auto", gate_mode=3, threshold=0.5))
     async with Hearing(
-        lambda: sound, vad, ENDPOINT, recogniser, judge=judge, notice=notice, on_going_on=lambda ago: went_on(ago)
+        lambda: sound,
+        vad,
+        ENDPOINT,
+        recogniser,
+        judge=judge,
+        notice=notice,
+        on_going_on=lambda ago: went_on(ago),
+        beside=beside,
     ) as hearing:
         it = Told(hearing, recogniser)
         told.append(it)
@@ -192,6 +204,13 @@ def test_what_does_not_belong_to_the_request_is_not_told() -> None:
     it = run(adds(0.45, found=None))
     assert it.compared
     assert it.more == []
+
+
+@pytest.mark.parametrize(("confidence", "clear", "told"), [(0.6, True, True), (0.6, False, False), (0.9, False, True)])
+def test_what_is_no_command_has_to_be_heard_well(confidence: float, clear: bool, told: bool) -> None:
+    whole = Transcript("Raise your arm. And then sing.", confidence, SURE)
+    it = run(adds(0.45, found=Afterthought("And then sing.", adds=True, clear=clear), whole=whole))
+    assert bool(it.more) == told
 
 
 def test_what_is_not_understood_is_compared_with_nothing() -> None:
