@@ -15,6 +15,8 @@ from engine.hearing.readings import Afterthought
 from engine.plan import ActionCall
 from engine.planner.completeness import completeness
 from engine.planner.phrases.phrases import Matched, PhrasePlanner, UnknownPlace
+from engine.planner.readings.corrections import corrected
+from engine.planner.request import Language
 
 _FROM_HERE: Final = frozenset({"move_forward", "move_sideways", "move_left", "move_right"})
 """What leads elsewhere if it is begun anew."""
@@ -22,22 +24,21 @@ _FROM_HERE: Final = frozenset({"move_forward", "move_sideways", "move_left", "mo
 _GOES_ON: Final = re.compile(r"\W*(?:(?:and|then|also|afterwards)\b|然后|接着|接下来|之后|并且|再|还有)", re.IGNORECASE)
 """How somebody begins who has not said all."""
 
-_CORRECTS: Final = re.compile(r"\W*(?:(?:no|not|sorry|actually|i mean)\b|不对|不是|不，|错了|我是说)", re.IGNORECASE)
-"""How somebody begins who meant something else."""
 
-
-def afterthought(first: str, whole: str, phrases: PhrasePlanner) -> Afterthought | None:
+def afterthought(first: str, whole: str, phrases: PhrasePlanner, language: Language) -> Afterthought | None:
     """What was said after the request ``first``, as far as it belongs to it; ``whole`` is both together."""
     words = normalised_words(first)
     if normalised_words(whole)[: len(words)] != words:
         return None
     rest = whole[len(first_words(whole, len(words))) :].lstrip(" ,.，。、；;")
     before, after = _calls(first, phrases), _calls(whole, phrases)
-    if not rest or before is None or completeness(whole, phrases) == "incomplete":
+    if not rest or before is None:
+        return None
+    if not any(corrected(rest, language)) and any(_calls(meant, phrases) for meant in corrected(whole, language)):
+        return Afterthought(whole, adds=False)  # "no, to the bedroom"
+    if completeness(whole, phrases) == "incomplete":
         return None
     added = _calls(rest, phrases)
-    if _CORRECTS.match(rest):
-        return Afterthought(rest, adds=False) if added else None
     if after is None:
         asked = isinstance(phrases.plan(rest), UnknownPlace)  # which will be told
         thought = _GOES_ON.match(rest) and len(normalised_words(rest)) > 2  # about by large models, if there are any

@@ -111,7 +111,8 @@ class Planner:
 
     def afterthought(self, first: str, whole: str) -> Afterthought | None:
         """What somebody said after the request ``first`` that belongs to it; ``whole`` is both. In any thread."""
-        return afterthought(first, whole, self._phrases(self._language or language_of(whole)))
+        language = self._language or language_of(whole)
+        return afterthought(first, whole, self._phrases(language), language)
 
     def beginnings(self, chat: Chat) -> tuple[tuple[Message, ...], ...]:
         """What questions to ``chat`` will begin with, in the language that is likeliest to be spoken."""

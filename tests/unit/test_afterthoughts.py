@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
+
 import pytest
 
 import config
 from engine.hearing.readings import Afterthought
-from engine.planner.build import build_planner, build_registry
+from engine.parts.loading import at_home
+from engine.plan import Plan
+from engine.planner.build import build_planner
+from engine.planner.request import PlanRequest
 
-SETTINGS = config.load()
-PLANNER = build_planner(SETTINGS, build_registry(SETTINGS))
+PLANNER = build_planner(at_home(config.load(environ={})))
 
 
 def after(first: str, rest: str) -> Afterthought | None:
@@ -48,9 +52,23 @@ def test_what_cannot_stand_alone_makes_another_request_of_both(first: str, rest:
     assert (found.text.startswith(first), found.text.endswith(rest), found.adds) == (True, True, False)
 
 
-def test_a_correction_takes_the_place_of_the_first() -> None:
-    assert after("Go to the kitchen.", "No, to the bedroom.") == Afterthought("No, to the bedroom.", adds=False)
-    assert after("Go to the kitchen.", "Sorry.") is None
+@pytest.mark.parametrize(
+    ("first", "rest", "done"),
+    [
+        ("Go to the kitchen.", "No, to the bedroom.", "navigation(C)"),
+        ("Go to the kitchen.", "Sorry, the bedroom.", "navigation(C)"),
+        ("Pick up the red box.", "No, the blue one.", "pick_object(blue box)"),
+        ("Move forward one metre.", "Sorry, back one metre.", "move_forward(-1, 0.3)"),
+        ("去厨房。", "不对，去卧室", "navigation(C)"),
+    ],
+)
+def test_a_correction_takes_the_place_of_the_first(first: str, rest: str, done: str) -> None:
+    found = after(first, rest)
+    assert found is not None
+    assert not found.adds
+    plan = asyncio.run(PLANNER.plan(PlanRequest(found.text)))
+    assert isinstance(plan, Plan)
+    assert "; ".join(map(str, plan.actions)) == done
 
 
 @pytest.mark.parametrize("rest", ["and then tell me a joke about cats", "go to the casino"])
@@ -64,6 +82,8 @@ def test_what_is_more_than_phrases_know_is_answered(rest: str) -> None:
         ("Go to the kitchen.", ""),
         ("Go to the kitchen.", "please"),
         ("Go to the kitchen.", "Thank you."),
+        ("Go to the kitchen.", "Sorry."),
+        ("Go to the kitchen.", "No rush."),
         ("Go to the kitchen.", "Go to the kitchen."),
         ("Go to the kitchen.", "and then"),
         ("Go to the kitchen.", "Did you see the match?"),

@@ -33,6 +33,7 @@ def planned(text: str) -> str | NoPlan:
         ("turn left 90 degrees no make that 45", "move_left(45, 1)"),
         ("go to the kitchen, no, the bedroom I mean", "navigation(C)"),
         ("move forward 1 metre, sorry, back 1 metre", "move_forward(-1, 0.3)"),
+        ("Move forward one metre. Sorry, back one metre.", "move_forward(-1, 0.3)"),
         ("go to the kitchen and then the bedroom, no, the study", "navigation(A); navigation(D)"),
         ("go to the kitchen no wait go to the bedroom no the study", "navigation(D)"),
         ("bring me the red box, no, the blue one", "carry(blue box, zero, )"),

@@ -33,8 +33,8 @@ _CORRECTION_ZH: Final = re.compile(
 _MAKES: Final = re.compile(r"\bmake (?:it|that)\W*$", re.IGNORECASE)
 _FOR: Final = re.compile(r"\b(?:for|as|mean|means|meaning|saying|says|if)$", re.IGNORECASE)
 _TO_BE: Final = re.compile(rf"(?:{'|'.join(get_args(Colour))}|on|off|pink|cyan|gray|violet)\b", re.IGNORECASE)
-_ONE: Final = re.compile(r"\bone\b", re.IGNORECASE)
-"""As in "the red box, no, the blue one"."""
+_ONE: Final = re.compile(r"\bone\b(?! (?:half |quarter )?(?:met|cent|degree|second|minute|time|turn))", re.IGNORECASE)
+"""As in "the red box, no, the blue one", and not in "one metre"."""
 _WHICH_ONE: Final = re.compile(
     r"(?P<said>.+?)(?: please)?,? (?P<one>the \w+ one)(?:,? (?:i mean|that is|please))?[.!]*", re.IGNORECASE
 )
