@@ -59,7 +59,7 @@ class Afterwards:
     def ended(self, utterance: Utterance) -> None:
         """This has just been said."""
         if self._on_going_on is not None:
-            addition = Addition(utterance, self._endpoint, self._beside) if self._beside is not None else None
+            addition = Addition(utterance, self._endpoint) if self._beside is not None else None
             self._after = GoingOn(utterance, self._vad, addition)
 
     def understood(
@@ -93,11 +93,16 @@ class Afterwards:
             adding.cancel()
 
     def push(self, frame: Frame, plain: Frame, *, own: bool) -> None:
-        """A frame to which nobody listens. ``plain``: the same with more of the robot's own voice in it, where it is
+        """A frame of a live source. ``plain``: the same with more of the robot's own voice in it, where it is
         not known yet how that sounds here; ``own``: a word in ``frame`` was the robot's own."""
-        if (after := self._after) is None:
+        after = self._after
+        if self._beside is not None:
+            heard = self._beside.process(plain)  # always: a detector that has just begun misses who speaks softly
+            if after is not None and after.addition is not None and not after.awaited:
+                after.addition.push(plain, heard)
+        if after is None:
             return
-        after.push(frame, plain)
+        after.push(frame)
         if after.ago_s is not None or after.is_over:
             self._after = None
         if after.ago_s is not None and self._on_going_on is not None:

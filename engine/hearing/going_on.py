@@ -20,7 +20,7 @@ from config.schema import Endpoint
 from engine import events
 from engine.audio.endpoint import RESUME_FRAMES, Ended, Endpointer, Utterance
 from engine.audio.source import FRAME_S, Frame
-from engine.audio.vad import VoiceActivity
+from engine.audio.vad import VadResult, VoiceActivity
 from engine.hearing.ahead import CERTAIN, NOT_UNDERSTOOD
 from engine.hearing.readings import Judge
 
@@ -41,12 +41,9 @@ PRE_ROLL_FRAMES = 6
 
 
 class Addition:
-    """Hears what is added to a request that was complete, ``utterance``, to its end. ``vad`` is its own: what it gets
-    is not what others get."""
+    """Hears what is added to a request that was complete, ``utterance``, to its end."""
 
-    def __init__(self, utterance: Utterance, settings: Endpoint, vad: VoiceActivity) -> None:
-        vad.reset()
-        self._vad = vad
+    def __init__(self, utterance: Utterance, settings: Endpoint) -> None:
         patience = {"no_speech_s": ADDS_S, "max_length_s": min(LONGEST_S, settings.max_length_s)}
         self._endpointer = Endpointer(settings.model_copy(update=patience))
         self._utterance = utterance
@@ -54,9 +51,9 @@ class Addition:
         self.whole: Utterance | None = None
         """Once it is over: the request with what was added, if there was anything."""
 
-    def push(self, frame: Frame) -> None:
-        """The next frame after the utterance."""
-        if self.is_over or not isinstance(found := self._endpointer.push(frame, self._vad.process(frame)), Ended):
+    def push(self, frame: Frame, heard: VadResult) -> None:
+        """The next frame after the utterance, and whether there is a voice in it."""
+        if self.is_over or not isinstance(found := self._endpointer.push(frame, heard), Ended):
             return
         self.is_over = True
         if found.utterance is not None and found.utterance.speech_s >= SPEECH_S:
@@ -86,12 +83,9 @@ class GoingOn:
             return added
         return self._since is None and self._frames * FRAME_S >= GOES_ON_S and (self.awaited or added)
 
-    def push(self, frame: Frame, plain: Frame | None = None) -> None:
-        """The next frame after the utterance; ``plain``: the same with more of the robot's own voice in it, where it is
-        not known yet how that sounds here."""
+    def push(self, frame: Frame) -> None:
+        """The next frame after the utterance."""
         self._frames += 1
-        if self.addition is not None and not self.awaited:
-            self.addition.push(plain or frame)
         if self._since is not None:
             self._since += 1
         elif self._frames * FRAME_S <= GOES_ON_S and self.told is None:

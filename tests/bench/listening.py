@@ -201,9 +201,9 @@ class Ears:
         """What is added by a speaker who goes on though the request was complete."""
         if first.utterance is None:
             return None
-        addition = Addition(first.utterance, self.settings.endpoint, self.vad)
+        addition = Addition(first.utterance, self.settings.endpoint)
         for frame in sound:
-            addition.push(frame)
+            addition.push(frame, self.vad.process(frame))
             if addition.is_over:
                 break
         if (whole := addition.whole) is None:
