@@ -18,7 +18,7 @@ from engine.asr.recogniser import Rejected, Transcript
 from engine.asr.transcription import Found, Transcription
 from engine.audio.endpoint import Utterance
 from engine.audio.source import Frame
-from engine.audio.vad import VoiceActivity
+from engine.audio.vad import VadResult, VoiceActivity
 from engine.hearing.ahead import CERTAIN, UNSURE
 from engine.hearing.going_on import Addition, GoingOn, may_have_no_end
 from engine.hearing.readings import Afterthought, Judge, Notice
@@ -51,7 +51,8 @@ class Afterwards:
         self._judge = judge
         self._notice = notice
         self._on_going_on = on_going_on
-        self._after: GoingOn | None = None
+        self._going_on: GoingOn | None = None
+        self._addition: Addition | None = None
         self._adding: Transcription | None = None  # of the last request with what was added to it
         self.begun: Utterance | None = None
         """By whoever goes on now."""
@@ -59,8 +60,8 @@ class Afterwards:
     def ended(self, utterance: Utterance) -> None:
         """This has just been said."""
         if self._on_going_on is not None:
-            addition = Addition(utterance, self._endpoint) if self._beside is not None else None
-            self._after = GoingOn(utterance, self._vad, addition)
+            self._going_on = GoingOn(utterance, self._vad)
+            self._addition = Addition(utterance, self._endpoint) if self._beside is not None else None
 
     def understood(
         self,
@@ -70,21 +71,23 @@ class Afterwards:
     ) -> None:
         """It has no end, and its speaker may still go on; or it is complete, and something may be added, of which
         ``on_more`` is told."""
-        after, self._after = self._after, None
-        if after is None or after.utterance is not utterance:
-            return
+        going_on, self._going_on = self._going_on, None
+        addition, self._addition = self._addition, None
         if may_have_no_end(result, self._judge):
-            after.awaited = True
-        elif isinstance(result, events.TranscriptFinal) and on_more is not None and after.addition is not None:
-            first = result.text
-            after.told = lambda whole: self._understand(first, whole, on_more)
-        else:
+            if going_on is not None and going_on.utterance is utterance:
+                going_on.awaited = True
+                self._going_on = going_on
             return
-        self._after = after
+        if addition is None or addition.utterance is not utterance or on_more is None:
+            return
+        if isinstance(result, events.TranscriptFinal):
+            first = result.text
+            addition.told = lambda whole: self._understand(first, whole, on_more)
+            self._addition = addition
 
     def forget(self) -> None:
         """Nobody goes on with what was said before."""
-        self._after = None
+        self._going_on = self._addition = None
         self.make_way()
 
     def make_way(self) -> None:
@@ -95,22 +98,30 @@ class Afterwards:
     def push(self, frame: Frame, plain: Frame, *, own: bool) -> None:
         """A frame of a live source. ``plain``: the same with more of the robot's own voice in it, where it is
         not known yet how that sounds here; ``own``: a word in ``frame`` was the robot's own."""
-        after = self._after
         if self._beside is not None:
             heard = self._beside.process(plain)  # always: a detector that has just begun misses who speaks softly
-            if after is not None and after.addition is not None and not after.awaited:
-                after.addition.push(plain, heard)
-        if after is None:
+            self._hear_more(plain, heard)
+        if (going_on := self._going_on) is None or self._on_going_on is None:
             return
-        after.push(frame)
-        if after.ago_s is not None or after.is_over:
-            self._after = None
-        if after.ago_s is not None and self._on_going_on is not None:
-            if not own:
-                self._on_going_on(min(1.0, after.ago_s))
-                self.begun = after.utterance
-        elif after.told is not None and after.addition is not None and after.addition.whole is not None:
-            after.told(after.addition.whole)
+        going_on.push(frame)
+        if going_on.ago_s is not None or going_on.is_over:
+            self._going_on = None
+        if going_on.ago_s is not None and not own:
+            self._on_going_on(min(1.0, going_on.ago_s))
+            self.begun = going_on.utterance
+
+    def _hear_more(self, frame: Frame, heard: VadResult) -> None:
+        """A frame, for what may be added."""
+        if (addition := self._addition) is None:
+            return
+        addition.push(frame, heard)
+        if not addition.is_over:
+            return
+        if addition.whole is None:
+            self._addition = None
+        elif addition.told is not None:
+            self._addition = None
+            addition.told(addition.whole)
 
     def _understand(self, first: str, whole: Utterance, on_more: More) -> None:
         """Have the request ``first`` recognised together with what was added, and tell what that was."""
@@ -119,10 +130,8 @@ class Afterwards:
         def work(cancelled: Callable[[], bool]) -> Transcript | Rejected:
             nonlocal added
             found = self._transcriber.recognise(whole.samples, cancelled, lead=whole.lead)
-            if isinstance(found, Transcript) and found.confidence >= UNSURE and not cancelled():
-                noticed = self._notice(first, found.text)
-                if noticed is not None and (noticed.clear or found.confidence >= CERTAIN):
-                    added = noticed
+            if not cancelled():
+                added = added_to(first, found, self._notice)
             return found
 
         def tell(future: asyncio.Future[Found]) -> None:
@@ -132,3 +141,11 @@ class Afterwards:
 
         self._adding = adding = Transcription(work)
         self._transcriber.start(adding).add_done_callback(tell)
+
+
+def added_to(first: str, found: Found, notice: Notice) -> Afterthought | None:
+    """What was added to the request ``first``, where the transcript of both was heard well enough."""
+    if not isinstance(found, Transcript) or found.confidence < UNSURE:
+        return None
+    noticed = notice(first, found.text)
+    return noticed if noticed is not None and (noticed.clear or found.confidence >= CERTAIN) else None

@@ -43,10 +43,13 @@ PRE_ROLL_FRAMES = 6
 class Addition:
     """Hears what is added to a request that was complete, ``utterance``, to its end."""
 
+    told: Callable[[Utterance], None] | None = None
+    """Who is told of the whole; None: it is not known yet that the request was complete."""
+
     def __init__(self, utterance: Utterance, settings: Endpoint) -> None:
         patience = {"no_speech_s": ADDS_S, "max_length_s": min(LONGEST_S, settings.max_length_s)}
         self._endpointer = Endpointer(settings.model_copy(update=patience))
-        self._utterance = utterance
+        self.utterance = utterance
         self.is_over = False
         self.whole: Utterance | None = None
         """Once it is over: the request with what was added, if there was anything."""
@@ -57,7 +60,7 @@ class Addition:
             return
         self.is_over = True
         if found.utterance is not None and found.utterance.speech_s >= SPEECH_S:
-            self.whole = joined(self._utterance, found.utterance)
+            self.whole = joined(self.utterance, found.utterance)
 
 
 @dataclass(slots=True)
@@ -66,11 +69,8 @@ class GoingOn:
 
     utterance: Utterance
     vad: VoiceActivity
-    addition: Addition | None = None
     awaited: bool = False
     """It is known by now that the utterance had no end."""
-    told: Callable[[Utterance], None] | None = None
-    """It is known by now that the utterance was complete, and who is told of it with what was added."""
     _frames: int = 0
     _voice: int = 0  # frames of speech in a row
     _since: int | None = None  # frames since somebody went on, with the pre-roll
@@ -78,17 +78,15 @@ class GoingOn:
     @property
     def is_over(self) -> bool:
         """Nobody goes on any more."""
-        added = self.addition is None or self.addition.is_over
-        if self.told is not None:
-            return added
-        return self._since is None and self._frames * FRAME_S >= GOES_ON_S and (self.awaited or added)
+        return self._since is None and self._frames * FRAME_S >= GOES_ON_S
 
     def push(self, frame: Frame) -> None:
         """The next frame after the utterance."""
         self._frames += 1
         if self._since is not None:
             self._since += 1
-        elif self._frames * FRAME_S <= GOES_ON_S and self.told is None:
+            return
+        if not self.is_over:
             self._voice = self._voice + 1 if self.vad.process(frame).speech else 0
             if self._voice >= RESUME_FRAMES:
                 self._since = self._voice + PRE_ROLL_FRAMES

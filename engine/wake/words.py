@@ -49,6 +49,11 @@ Ask = Callable[[Spotted, NDArray[np.int16], Answer], None]
 thread; never, if the end comes before."""
 
 
+def asked_about(sound: NDArray[np.int16], at: int) -> NDArray[np.int16]:
+    """What of a sound is given to whoever is asked about a detection at this sample of it."""
+    return sound[:at][-round(ASKED_S * RATE) :]
+
+
 class Spotter(Protocol):
     """Hears one or several phrases. Belongs to one thread; what it finds does not depend on how sound is cut."""
 
@@ -205,8 +210,7 @@ class WordListener:
                         if spotted.sure:
                             wake(True)
                         elif refractory.is_over(spotted.at):
-                            sound = newest[: len(newest) - (heard - spotted.at)][-round(ASKED_S * RATE) :]
-                            self._ask(spotted, sound, wake)
+                            self._ask(spotted, asked_about(newest, len(newest) - (heard - spotted.at)), wake)
         except Exception as error:  # noqa: BLE001 - nobody listens for the word any more: that must be told
             self._closed = True
             self._fail(error)

@@ -26,7 +26,8 @@ from engine.audio.vad import VoiceActivity, make_vad
 from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import SaysoError
-from engine.hearing.ahead import UNSURE, DecodingAhead
+from engine.hearing.afterwards import added_to
+from engine.hearing.ahead import DecodingAhead
 from engine.hearing.going_on import GOES_ON_S, Addition, GoingOn, joined, may_have_no_end
 from engine.hearing.near_sounding import heard_as_command
 from engine.hearing.readings import Afterthought, sensible
@@ -210,10 +211,7 @@ class Ears:
             return None
         pending = clock.start(Transcription(lambda cancelled: self._recognise(whole.samples, cancelled)))
         await clock.answered(pending)
-        found = pending.result()
-        if not isinstance(found, Transcript) or found.confidence < UNSURE:
-            return None
-        return self.planner.afterthought(first.text, found.text)
+        return added_to(first.text, pending.result(), self.planner.afterthought)
 
     def _recognise(self, samples: Samples, cancelled: Callable[[], bool], quick: bool = False) -> Transcript | Rejected:
         found = self.recogniser.transcribe(samples * np.float32(1 / 32768), self.nouns, cancelled, quick=quick)

@@ -23,6 +23,7 @@ import numpy as np
 from config.schema import Settings
 from engine.asr.recogniser import Recogniser
 from engine.audio.source import RATE, Frame, Samples
+from engine.plan import Action
 from tests.bench.listening import Clockwork, Ears, Heard, Price, planned
 from tests.bench.report import Figure, figures
 from tests.bench.speech import Clip, clips, frames, mixed, noise, silence, speech_bounds
@@ -86,10 +87,11 @@ async def measure(
 
 async def _outcome(ears: Ears, clock: Clockwork, said: Said, heard: Heard, rest: Iterator[Frame]) -> tuple[str, str]:
     """What a cut-off led to, and what was understood."""
-    if said.parts and await planned(ears.planner, heard.text):
-        return await _carried_on(ears, clock, said, heard, rest)
+    done = await planned(ears.planner, heard.text)
+    if done and said.parts:
+        return await _carried_on(ears, clock, said, heard, done, rest)
     wanted = await planned(ears.planner, said.text)
-    if done := await planned(ears.planner, heard.text):  # a robot that acts is interrupted by a wake alone
+    if done:  # a robot that acts is interrupted by a wake alone
         return "all heard" if done == wanted else "harmed", f"{said.text!r} as {heard.text!r}"
     more = await ears.go_on(clock, heard, rest)
     if more is None:
@@ -99,12 +101,13 @@ async def _outcome(ears: Ears, clock: Clockwork, said: Said, heard: Heard, rest:
     return "harmed" if harmed else "healed", f"{said.text!r} as {heard.text!r}, then {more.text!r}"
 
 
-async def _carried_on(ears: Ears, clock: Clockwork, said: Said, heard: Heard, rest: Iterator[Frame]) -> tuple[str, str]:
-    """What became of the second of two commands when the first had been begun."""
+async def _carried_on(
+    ears: Ears, clock: Clockwork, said: Said, heard: Heard, begun: tuple[Action, ...], rest: Iterator[Frame]
+) -> tuple[str, str]:
+    """What became of the second of two commands when the first, or what was understood of it, had been ``begun``."""
     first, second = [await planned(ears.planner, part) for part in said.parts]
     more = await ears.add(clock, heard, rest)
     told = f"{' '.join(said.parts)!r} as {heard.text!r}, then {more.text if more is not None else ''!r}"
-    begun = await planned(ears.planner, heard.text)
     if begun != first:
         return "harmed", told
     if more is None:

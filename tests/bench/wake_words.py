@@ -35,7 +35,7 @@ from engine.parts.words import load_spotters
 from engine.wake.choice import known_words
 from engine.wake.head import Head
 from engine.wake.training.voices import Remembered, Sound, Voice, find_voices
-from engine.wake.words import ASKED_S, RATE, Spotted, Spotter, WordListener
+from engine.wake.words import RATE, Spotted, Spotter, WordListener, asked_about
 from tests.bench.report import figures, print_report, report
 from tests.bench.speech import DEMO, clips, noise
 from tui.commands.wake import read_sound
@@ -91,8 +91,7 @@ def frames(sound: NDArray[np.int16]) -> Iterator[NDArray[np.int16]]:
 
 def confirmed(recogniser: Recogniser, spotted: Spotted, sound: NDArray[np.int16]) -> bool:
     """Whether the recogniser, asked about a doubt in ``sound``, would wake for it."""
-    asked = sound[max(0, spotted.at - round(ASKED_S * RATE)) : spotted.at]
-    return bool(ends_with(recogniser, spotted.phrase, asked, likely=spotted.likely))
+    return bool(ends_with(recogniser, spotted.phrase, asked_about(sound, spotted.at), likely=spotted.likely))
 
 
 def say(spotter: Spotter, recogniser: Recogniser, phrase: str, words: Sequence[Sound], tally: Tally) -> None:

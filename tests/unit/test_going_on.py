@@ -131,6 +131,7 @@ class Told:
     went_on: list[float] = field(default_factory=list)
 
     async def settle(self) -> None:
+        """Let all be said, in virtual time, and understood."""
         await asyncio.sleep(6)
         await asyncio.get_running_loop().run_in_executor(self.hearing._transcriber.thread, lambda: None)
         await asyncio.sleep(0.01)

@@ -76,6 +76,10 @@ class Ears:
     def last(self) -> events.Body:
         return self.published[-1].body
 
+    async def recogniser_is_idle(self) -> None:
+        """Wait until the recogniser's thread has done what waits there."""
+        await asyncio.get_running_loop().run_in_executor(self.hearing._transcriber.thread, lambda: None)
+
 
 @asynccontextmanager
 async def ears(
@@ -363,7 +367,7 @@ def test_a_phrase_was_said_where_the_recogniser_finds_it_likely(
             await it.hearing.load()
             it.recogniser.likely = likelihood
             it.hearing.ask("hey jarvis", COMMAND, answer, likely=likely)
-            await asyncio.get_running_loop().run_in_executor(it.hearing._transcriber.thread, lambda: None)
+            await it.recogniser_is_idle()
         assert answers == [(said, True)]
         assert {"hey jarvis", "Hey Jarvis"} <= set(it.recogniser.weighed[0])
         it.hearing.ask("hey jarvis", COMMAND, answer, likely=likely)  # after the end, and nothing comes of it
@@ -386,7 +390,7 @@ def test_nobody_is_asked_about_a_phrase_before_the_recogniser_is_there_nor_while
             assert answers == [None, None]
             listening.cancel()
             await asyncio.gather(listening, return_exceptions=True)
-            await asyncio.get_running_loop().run_in_executor(it.hearing._transcriber.thread, lambda: None)
+            await it.recogniser_is_idle()
             assert it.recogniser.weighed == []
 
     asyncio.run(scenario())
@@ -399,13 +403,12 @@ def test_what_nobody_needs_to_know_any_more_is_not_looked_at() -> None:
             await it.hearing.load()
             it.recogniser.likely = 0.0
             held = threading.Event()
-            thread = it.hearing._transcriber.thread
-            thread.submit(held.wait)
+            it.hearing._transcriber.thread.submit(held.wait)
             it.hearing.ask("hey jarvis", COMMAND, answers.append, likely=True)
             listening = asyncio.create_task(it.hearing.listen(it.emit))
             await settle()
             held.set()
-            await asyncio.get_running_loop().run_in_executor(thread, lambda: None)
+            await it.recogniser_is_idle()
             listening.cancel()
             await asyncio.gather(listening, return_exceptions=True)
         assert answers == [None]
@@ -441,7 +444,7 @@ def test_a_recogniser_that_fails_cannot_tell() -> None:
         async with ears(PushSource, Failing()) as it:
             await it.hearing.load()
             it.hearing.ask("hey jarvis", COMMAND, answers.append, likely=True)
-            await asyncio.get_running_loop().run_in_executor(it.hearing._transcriber.thread, lambda: None)
+            await it.recogniser_is_idle()
         assert answers == [None]
 
     asyncio.run(scenario())
