@@ -4,7 +4,8 @@ Time is the number of frames that were pushed; nothing is read from outside, so 
 same utterance. An utterance starts once enough speech came in a row, and is given a pre-roll from before that, because
 a word begins before a detector is sure of it. It ends after enough silence, or at its greatest length, which also ends
 it in a noise that sounds like speech for ever. How much silence is enough, whoever knows what was said can say anew in
-every pause (:meth:`Endpointer.wait`), or that none is needed (:meth:`Endpointer.conclude`).
+every pause (:meth:`Endpointer.wait`), or that none is needed (:meth:`Endpointer.conclude`), and need not wait for
+another frame where that was all (:attr:`Endpointer.is_over`).
 """
 
 from __future__ import annotations
@@ -110,6 +111,13 @@ class Endpointer:
         return self._fading
 
     @property
+    def is_over(self) -> bool:
+        """Somebody has spoken, and no more silence is waited for: :meth:`finish` ends that as the next frame would."""
+        word = self._resumed > 0  # that has just begun: it is heard first
+        silent = self._silence >= self._silence_frames and not word
+        return self.in_speech and (silent or self._concluded)
+
+    @property
     def lead(self) -> Lead | None:
         """What was said right before the utterance, once that has begun."""
         return self._lead if self._frames else None
@@ -135,10 +143,10 @@ class Endpointer:
         return self._during(frame, vad) if self._frames else self._waiting(frame, vad)
 
     def finish(self) -> Ended:
-        """The source has ended: so does the utterance."""
+        """No frame comes any more, since enough has been heard or the source has ended: so does the utterance."""
         if not self._frames and self._run:  # a word cut off by the end of the sound
             self._begin()
-        return self._end("source_ended", trim=True)
+        return self._end("silence" if self.is_over else "source_ended", trim=True)
 
     def _waiting(self, frame: Frame, vad: VadResult) -> Started | Ended | None:
         if vad.speech:
@@ -169,8 +177,7 @@ class Endpointer:
         else:
             self._silence += 1
         self._fading = not self._silence and vad.probability < FADING
-        silent = self._silence >= self._silence_frames and not vad.speech  # a word that has just begun is heard first
-        if silent or self._concluded:
+        if self.is_over:
             return self._end("silence", trim=True)
         if len(self._frames) - self._pre_roll >= self._max_frames:
             return self._end("max_length", trim=False)

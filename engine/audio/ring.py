@@ -6,6 +6,7 @@ import asyncio
 import math
 import threading
 from collections import deque
+from collections.abc import Callable
 
 from engine.audio.source import FRAME_S, Frame
 from engine.errors import SaysoError
@@ -92,8 +93,13 @@ class Ring:
         with self._lock:
             self._listening = False
 
-    async def get(self) -> Frame | None:
-        """The next frame; None after the last. Raises the error that ended the source.
+    def look_again(self) -> None:
+        """Whoever waits may have ``enough`` by now."""
+        self._arrived.set()
+
+    async def get(self, enough: Callable[[], bool] = lambda: False) -> Frame | None:
+        """The next frame; None after the last, and where none has come yet and there are ``enough``. Raises the error
+        that ended the source.
 
         What has waited for the listener is not given all at once: judging it takes a millisecond a frame, and the
         robot process, which a wake has just told to stop, needs the processor more.
@@ -108,6 +114,8 @@ class Ring:
             if self._ended:
                 if self.error is not None:
                     raise self.error
+                return None
+            if enough():
                 return None
             self._arrived.clear()
             await self._arrived.wait()

@@ -178,6 +178,11 @@ class DecodingAhead:
             uncertain = verdict == "complete" and not self._whole.is_certain
             endpointer.wait(self._uncertain_s if uncertain else self._silence_s[verdict])
 
+    def ends(self, endpointer: Endpointer) -> bool:
+        """Between two frames: by what is known now, the utterance is over, and need not wait for the next one."""
+        self.advise(endpointer)
+        return endpointer.is_over
+
     def follow(self, endpointer: Endpointer) -> None:
         """After a frame that did not end the utterance: recognise what there is, if it is time to."""
         if not endpointer.in_speech:

@@ -25,6 +25,7 @@ import numpy as np
 from config.schema import Endpoint
 from engine import events
 from engine.asr.recogniser import Recogniser, Rejected, Transcript
+from engine.asr.transcription import Found, Transcription
 from engine.audio.echo import EchoCanceller
 from engine.audio.endpoint import Ended, Endpointer, Utterance
 from engine.audio.gain import Gain
@@ -315,9 +316,14 @@ class Hearing:
                 return work.recognise(samples, cancelled, quick, endpointer.lead)
             return work.recognise(np.concatenate((begun.samples, samples)), cancelled, quick, begun.lead)
 
-        ahead = DecodingAhead(recognise, work.start, self._endpoint, self._judge, emit, partials=self._partials)
+        def start(transcription: Transcription) -> asyncio.Future[Found]:
+            found = work.start(transcription)
+            found.add_done_callback(lambda _: self._ring.look_again())
+            return found
+
+        ahead = DecodingAhead(recognise, start, self._endpoint, self._judge, emit, partials=self._partials)
         try:
-            while (frame := await self._next_frame(source)) is not None:
+            while (frame := await self._next_frame(source, lambda: ahead.ends(endpointer))) is not None:
                 vad = self._vad.process(frame)
                 ahead.advise(endpointer)
                 found = endpointer.push(frame, vad)
@@ -347,12 +353,13 @@ class Hearing:
         if ahead is not None:
             ahead[1].transcription.cancel()
 
-    async def _next_frame(self, source: Source) -> Frame | None:
-        """The next frame, or None at the end: of the source, or of patience with a live one that delivers nothing."""
+    async def _next_frame(self, source: Source, enough: Callable[[], bool]) -> Frame | None:
+        """The next frame, or None at the end: of the source, or, with a live one, of the utterance, or of patience when
+        it delivers nothing."""
         if source.live:
             try:
                 async with asyncio.timeout(self._endpoint.no_speech_s):
-                    return await self._ring.get()
+                    return await self._ring.get(enough)
             except TimeoutError:
                 return None
         frame = await anext(source, None)

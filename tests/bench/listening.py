@@ -88,22 +88,27 @@ class Clockwork:
         self._waiting.append((self.now, transcription, future))
         return future
 
-    async def until(self, at: float) -> None:
-        """Let it be ``at`` s; whatever is recognised by then is answered."""
+    async def until(self, at: float, enough: Callable[[], bool] = lambda: False) -> bool:
+        """Let it be ``at`` s, or the moment of the first answer that is ``enough``, which is told; whatever is
+        recognised by then is answered."""
         self.now = at
         while (self._waiting and max(self._free, self._waiting[0][0]) <= at) or self._running:
             if self._running:
                 done, found, future = self._running[0]
                 if done > at:
-                    return
+                    return False
                 self._running.popleft()
                 future.set_result(found)
                 await asyncio.sleep(0)
+                if enough():
+                    self.now = done
+                    return True
             else:
                 asked, transcription, future = self._waiting.popleft()
                 found = transcription.run()
                 self._free = max(self._free, asked) + self._cost(found)
                 self._running.append((self._free, found, future))
+        return False
 
     async def answered(self, future: asyncio.Future[Found]) -> float:
         """When the answer is there, s."""
@@ -164,6 +169,9 @@ class Ears:
             if isinstance(found, Ended):
                 break
             ahead.follow(endpointer)
+            if await clock.until(frame.end + FRAME_S, lambda: ahead.ends(endpointer)):
+                found = endpointer.finish()
+                break
         else:
             found = endpointer.finish()
         ended, utterance = clock.now, found.utterance

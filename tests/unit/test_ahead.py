@@ -29,6 +29,7 @@ from engine.errors import ModelError
 from engine.hearing.ahead import CAUTION, DecodingAhead
 from engine.hearing.hearing import Hearing
 from engine.hearing.readings import Completeness
+from engine.hearing.transcriber import Transcriber
 from engine.parts.loading import at_home, vocabulary
 from engine.planner.build import build_planner
 from tests.bench.speech import speech_bounds
@@ -138,6 +139,25 @@ def test_what_was_said_decides_how_much_silence_ends_a_turn(found: Completeness,
             silent, final = await it.hear()
             assert silent == pytest.approx(silence_s, abs=0.25)  # levels are published ten times a second
             assert final.text == "Go to the kitchen."
+
+    run(scenario())
+
+
+def test_a_pass_that_ends_after_the_silence_ends_the_turn_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    pass_s = 10.375 * FRAME_S
+
+    async def passed(transcription: Transcription) -> Found:
+        await asyncio.sleep(pass_s)
+        return transcription.run()
+
+    async def scenario() -> None:
+        start = lambda _, transcription: asyncio.ensure_future(passed(transcription))  # noqa: E731
+        monkeypatch.setattr(Transcriber, "start", start)
+        async with listening(Scripted("Go to the kitchen."), KITCHEN, partials=False, judge=verdict("complete")) as it:
+            _, final = await it.hear()
+            assert final.text == "Go to the kitchen."
+            [ended_at] = [at for at, body in it.published if isinstance(body, events.ListenEnded)]
+            assert ended_at / FRAME_S % 1 == pytest.approx(0.375, abs=0.01), "between two frames"
 
     run(scenario())
 

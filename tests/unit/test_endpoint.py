@@ -120,6 +120,22 @@ def test_what_is_known_to_be_all_ends_in_the_middle_of_noise() -> None:
     assert numbers(ended) == list(range(21)), "nothing of it is taken for silence"
 
 
+def test_who_knows_that_no_more_silence_is_needed_waits_for_no_frame() -> None:
+    machine = Endpointer(SETTINGS)
+    heard = [True] * 10 + [False] * 8
+    for index, speech in enumerate(heard):
+        machine.push(Frame(np.zeros(FRAME_SAMPLES, np.int16), (index + 1) * FRAME_S), VadResult(float(speech), speech))
+    assert not machine.is_over
+    machine.wait(8 * FRAME_S)
+    assert machine.is_over
+    machine.push(Frame(np.zeros(FRAME_SAMPLES, np.int16), (len(heard) + 1) * FRAME_S), VadResult(1.0, True))
+    assert not machine.is_over, "a word may just have begun"
+    machine.conclude()
+    assert machine.is_over
+    assert machine.finish().reason == "silence"
+    assert not machine.is_over
+
+
 def test_a_voice_fades_before_the_pause_and_not_in_it() -> None:
     machine = Endpointer(SETTINGS)
     fading = []
