@@ -219,10 +219,10 @@ class Hearing:
         """A word that was heard just now was the robot's own. Any thread."""
         return self._echo is not None and self._echo.alone
 
-    def suspect(self, phrase: str, settled: Callable[[], None], *, sure: bool) -> None:
+    def suspect(self, phrase: str, settled: Callable[[], None], likelier: Callable[[], None], *, sure: bool) -> None:
         """``phrase`` seems to have been said just now: see :meth:`engine.hearing.overhearing.Overhearing.suspect`."""
         self._afterwards.make_way()
-        self._overhearing.suspect(phrase, settled, sure=sure)
+        self._overhearing.suspect(phrase, settled, likelier, sure=sure)
 
     def ask(self, phrase: str, sound: Samples, answer: Callable[[bool | None], None], *, likely: bool) -> None:
         """Find out whether ``sound`` ends with a ``phrase`` that wakes: see :meth:`Transcriber.ask`. Nobody can tell

@@ -5,8 +5,8 @@ pauses motion, in its own thread and in the moment in which it is sure, and the 
 its stop ends the pause as it ends everything else; when it does not, motion goes on, and that was a false pause, which
 is counted and told. When it never answers, the robot halts by itself (``PAUSE_LIMIT_S``).
 
-Of what the spotter is not sure, the recogniser is asked as well, while motion goes on. What only speaks is not paused,
-it is quieter meanwhile.
+Of what the spotter is not sure, the recogniser is asked as well, while motion goes on; it pauses when the recogniser
+has found that likely and looks once more. What only speaks is not paused, it is quieter meanwhile.
 """
 
 from __future__ import annotations
@@ -32,7 +32,9 @@ class Ears(Protocol):
     @property
     def overhears(self) -> bool: ...
 
-    def suspect(self, phrase: str, settled: Callable[[], None], *, sure: bool) -> None: ...
+    def suspect(
+        self, phrase: str, settled: Callable[[], None], likelier: Callable[[], None], *, sure: bool
+    ) -> None: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,11 +83,14 @@ class Hesitation:
         if state not in EXPRESSING or ears is None or not ears.overhears:
             return
         if sure:
-            if state == "ACTING" and self._begin():
-                self._bus.publish(MotionPaused("word", phrase), epoch=self._epoch.current)
-            self._duck(True)
+            self._rest(state, phrase)
         with contextlib.suppress(RuntimeError):  # the loop has ended, and stopped the robot
             self._loop.call_soon_threadsafe(self._look_into, ears, phrase, sure)
+
+    def _rest(self, state: State, phrase: str) -> None:
+        if state == "ACTING" and self._begin():
+            self._bus.publish(MotionPaused("word", phrase), epoch=self._epoch.current)
+        self._duck(True)
 
     def _begin(self) -> bool:
         """Pause, unless it is paused already."""
@@ -102,7 +107,12 @@ class Hesitation:
         if self._end is not None:
             self._end.cancel()
         self._end = self._loop.call_later(PAUSE_LIMIT_S, self._speak_up)  # the recogniser may never answer
-        ears.suspect(phrase, self._settle, sure=sure)
+        ears.suspect(phrase, self._settle, lambda: self._doubt(phrase), sure=sure)
+
+    def _doubt(self, phrase: str) -> None:
+        """It is likelier by now that this was said: the robot rests until that is known."""
+        if (state := self._state()) in EXPRESSING:
+            self._rest(state, phrase)
 
     def _settle(self) -> None:
         """It is known whether that was a stop. If so, it has begun a new epoch by now."""

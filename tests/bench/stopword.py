@@ -3,7 +3,7 @@
 What is measured are the engine's own parts, frame by frame in the time of the sound: the spotter, which pauses, and the
 recogniser, which overhears by itself and confirms what the spotter suspects. *Spotter* is the share of words at which
 motion paused, *recogniser* that of those that it heard without being asked, *both* that of those that became a stop.
-Latency is from the last sample of the word; the recogniser's part in it is the processor time that its decodings took
+Latency is from the last sample of the word; the recogniser's part in it is the time that its decodings took
 here, one after the other. The robot is told to *rest* by a pause, or by a stop where none came before it.
 
 The voices are those synthetic ones on this machine and in ``--voices`` that the head does not know: it names the
@@ -89,9 +89,9 @@ class Timed:
 
     @contextmanager
     def _timed(self) -> Iterator[None]:
-        began = time.process_time()
+        began = time.perf_counter()
         yield
-        self.decode_s.append(time.process_time() - began)
+        self.decode_s.append(time.perf_counter() - began)
         self.free = max(self.now, self.free) + self.decode_s[-1]
 
 
@@ -129,15 +129,20 @@ class Ears:
             heard.resumed += resting and (not heard.stopped or heard.stopped[-1] < heard.paused[-1])
             resting = False
 
+        def rest(at: float) -> None:
+            nonlocal resting
+            if not resting:
+                resting = True
+                heard.paused.append(at)
+
         for frame in frames(samples):
             recogniser.now = frame.end
             overhearing.push(frame)
             for spotted in self._spotter.push(frame.samples) if self._spotter is not None else ():
-                if spotted.sure and not resting:
-                    resting = True
-                    heard.paused.append(frame.end)
+                if spotted.sure:
+                    rest(frame.end)
                 if asking:
-                    overhearing.suspect(spotted.phrase, settled, sure=spotted.sure)
+                    overhearing.suspect(spotted.phrase, settled, lambda: rest(recogniser.free), sure=spotted.sure)
                 else:
                     resting = False
             while overhearing.busy:

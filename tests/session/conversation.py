@@ -76,6 +76,8 @@ class ScriptedHearing:
         self.overhearing = False
         self.suspected: list[str] = []
         """What it was asked to listen for."""
+        self.grow_likelier: Callable[[], None] = lambda: None
+        """What was suspected was rather said than not, and that is not known yet."""
         self._settled: Callable[[], None] = lambda: None
         self._said = ""
         self._ear: asyncio.Future[str | None] | None = None
@@ -133,14 +135,14 @@ class ScriptedHearing:
     def overhears(self) -> bool:
         return self.overhearing
 
-    def suspect(self, phrase: str, settled: Callable[[], None], *, sure: bool) -> None:
+    def suspect(self, phrase: str, settled: Callable[[], None], likelier: Callable[[], None], *, sure: bool) -> None:
         del sure
         self.suspected.append(phrase)
-        self._settled = settled
+        self._settled, self.grow_likelier = settled, likelier
 
     def settle(self) -> None:
         """It is known whether what was suspected was said."""
-        settled, self._settled = self._settled, lambda: None
+        settled, self._settled, self.grow_likelier = self._settled, lambda: None, lambda: None
         settled()
 
 

@@ -229,12 +229,15 @@ class SessionMachine(RuleBasedStateMachine):
     @rule(
         drive=st.booleans(),
         sure=st.booleans(),
+        likelier=st.booleans(),
         stop=st.sampled_from([True, False, None]),
         pause=AFTER,
         after=AFTER,
     )
-    def may_have_said_stop(self, drive: bool, sure: bool, stop: bool | None, pause: float, after: float) -> None:
-        """A spotter thinks so; the recogniser agrees, does not, or never says."""
+    def may_have_said_stop(
+        self, drive: bool, sure: bool, likelier: bool, stop: bool | None, pause: float, after: float
+    ) -> None:
+        """A spotter thinks so; the recogniser agrees, perhaps in two looks, does not, or never says."""
         if drive:
             self._ask(Say("go forward 2 metres"), 1.0)
         acting, paused = self._talk.session.state == "ACTING", self._talk.robot.paused
@@ -243,6 +246,8 @@ class SessionMachine(RuleBasedStateMachine):
             counts["pauses"] += 1
             assert self._talk.robot.state().twist.is_zero, "it still moves when it is paused"
         self._let_pass(pause)
+        if likelier:
+            self._talk.hearing.grow_likelier()
         if stop:
             self._ask(Heard("Stop."), 0)
         if stop is not None:

@@ -90,6 +90,43 @@ def test_of_what_may_well_be_something_else_the_recogniser_is_asked_and_motion_g
     converse(test)
 
 
+@pytest.mark.parametrize("stop", [True, False])
+def test_what_becomes_likelier_pauses_the_robot_until_it_is_known(stop: bool) -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.hesitation.suspect("停", sure=False)
+        await talk.pass_time(0.2)
+        talk.hearing.grow_likelier()
+        assert talk.robot.state().twist.is_zero
+        assert talk.bodies(events.MotionPaused) == [events.MotionPaused("word", "停")]
+        await talk.pass_time(0.2)
+        if stop:
+            await asyncio.to_thread(talk.send, Heard("停"))
+        talk.hearing.settle()
+        result = await talk.result()
+        assert result.exit_code == (ExitCode.INTERRUPTED if stop else ExitCode.DONE)
+        assert talk.hesitation.false_pauses == (not stop)
+        assert not talk.robot.paused
+        assert talk.ducked[-1] is False
+
+    converse(test)
+
+
+def test_what_becomes_likelier_once_the_robot_rests_pauses_nothing() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.hesitation.suspect("停", sure=False)
+        await talk.pass_time(0.1)
+        talk.send(Interrupt())
+        await talk.result()
+        talk.hearing.grow_likelier()
+        assert not talk.bodies(events.MotionPaused)
+        assert not talk.robot.paused
+        assert True not in talk.ducked
+
+    converse(test)
+
+
 def test_an_interrupt_in_a_pause_is_an_interrupt_and_nothing_is_resumed() -> None:
     async def test(talk: Conversation) -> None:
         await driving(talk)

@@ -29,10 +29,13 @@ from engine.clock import SystemClock
 from engine.errors import ModelError
 from engine.hearing.hearing import Hearing
 from engine.hearing.overhearing import (
+    AGAIN_FRAMES,
     ALONE,
     ALONE_FRAMES,
     AT_ONCE,
+    CONFIDENT,
     DOUBTFUL_LOGPROB,
+    NEARLY,
     SURE_LOGPROB,
     Alert,
     Overhearing,
@@ -71,8 +74,8 @@ def asks(pattern: str) -> list[tuple[int, list[int]]]:
     watch, asked = SpeechWatch(), []
     for number, sign in enumerate(pattern):
         frame = Frame(np.full(FRAME_SAMPLES, number, np.int16), number * FRAME_S)
-        if (sound := watch.push(frame, sign == "s")) is not None:
-            asked.append((number, sound[::FRAME_SAMPLES].tolist()))
+        if (said := watch.push(frame, sign == "s")) is not None:
+            asked.append((number, said.samples[::FRAME_SAMPLES].tolist()))
     return asked
 
 
@@ -208,6 +211,28 @@ def test_a_doubtful_stop_is_a_stop_but_sound_that_is_no_speech_is_none(reason: R
     asyncio.run(scenario())
 
 
+@pytest.mark.parametrize(
+    ("amid", "stops"),
+    [
+        (Transcript("停下", CONFIDENT + 0.05, DECODING), True),
+        (Transcript("停下", CONFIDENT - 0.05, DECODING), False),
+        (Rejected("low_confidence", "…", "停下", DECODING), False),
+        (Transcript("Stop", CONFIDENT - 0.05, DECODING), True),
+        (Rejected("low_confidence", "…", "Stop", DECODING), True),
+    ],
+    ids=["sure", "doubtful", "low confidence", "doubtful in English", "low confidence in English"],
+)
+def test_a_chinese_stop_in_the_middle_of_what_somebody_says_has_to_be_sure(
+    amid: Transcript | Rejected, stops: bool
+) -> None:
+    async def scenario(ears: Listening) -> None:
+        await ears.hear(np.concatenate((quiet(1), COMMAND, quiet(1))))
+        assert len(ears.passes) > 1
+        assert ears.told == [amid.text] * stops
+
+    suspecting(scenario, amid, "Stoppard is a writer.")
+
+
 def test_nothing_is_overheard_before_it_is_switched_on_nor_after_it_is_switched_off() -> None:
     async def scenario() -> None:
         ears, source = Scripted("Stop!"), PushSource()
@@ -303,7 +328,7 @@ class Listening(Scripted):
         """One after the other; the last one again and again. Empty: it cannot tell."""
         self.weighed: list[tuple[str, ...]] = []
         self.on_weighing: Callable[[], None] = lambda: None
-        self.settled = 0
+        self.settled = self.likelier = 0
         self.told: list[str] = []
         self._worker = ThreadPoolExecutor(1)
         self._frames = 0
@@ -335,7 +360,10 @@ class Listening(Scripted):
         def settled() -> None:
             self.settled += 1
 
-        self.overhearing.suspect(phrase, settled, sure=sure)
+        def likelier() -> None:
+            self.likelier += 1
+
+        self.overhearing.suspect(phrase, settled, likelier, sure=sure)
 
     async def rest(self) -> None:
         """Until nothing is being recognised, unless it may not be answered."""
@@ -384,7 +412,7 @@ def test_two_suspicions_at_once_are_looked_into_together() -> None:
         await ears.hear(quiet(2))
         ears.may_answer.clear()
         ears.suspect()
-        ears.overhearing.suspect("停", lambda: None, sure=False)
+        ears.overhearing.suspect("停", lambda: None, lambda: None, sure=False)
         ears.may_answer.set()
         await ears.rest()
         assert ears.settled == 0
@@ -404,7 +432,7 @@ def test_two_suspicions_at_once_are_looked_into_together() -> None:
     [
         ((AT_ONCE + 0.1,), 1, True),
         ((AT_ONCE - 0.1, ALONE + 0.1), 2, True),
-        ((AT_ONCE - 0.1, ALONE - 0.1), 2, False),
+        ((AT_ONCE - 0.1, NEARLY - 0.1), 2, False),
     ],
     ids=["certain at once", "alone", "the beginning of more"],
 )
@@ -427,7 +455,7 @@ def test_a_short_stop_counts_at_once_when_it_is_certain_and_later_when_it_was_al
     suspecting(scenario, "Nobody asks.")
 
 
-@pytest.mark.parametrize(("likelihood", "stops"), [(ALONE + 0.1, True), (ALONE - 0.1, False)])
+@pytest.mark.parametrize(("likelihood", "stops"), [(ALONE + 0.1, True), (NEARLY - 0.1, False)])
 def test_a_doubtful_short_stop_is_looked_for_once_when_it_shows_whether_it_was_all(
     likelihood: float, stops: bool
 ) -> None:
@@ -441,15 +469,52 @@ def test_a_doubtful_short_stop_is_looked_for_once_when_it_shows_whether_it_was_a
         await ears.hear(quiet(LATER_S))
         assert len(ears.weighed) == 1
         assert ears.told == (["停"] if stops else [])
-        assert ears.settled == 1
+        assert (ears.settled, ears.likelier) == (1, 0)
 
     suspecting(scenario, "Nobody asks.")
+
+
+@pytest.mark.parametrize(("second", "stops"), [(NEARLY + 0.1, True), (NEARLY - 0.1, False)])
+def test_what_is_nearly_a_short_stop_is_one_when_it_is_so_again(second: float, stops: bool) -> None:
+    async def scenario(ears: Listening) -> None:
+        ears.likelihoods = (ALONE - 0.1, second)
+        await ears.hear(quiet(2))
+        ears.suspect("停", sure=False)
+        await ears.hear(quiet(LATER_S))
+        assert len(ears.weighed) == 1
+        assert (ears.told, ears.settled, ears.likelier) == ([], 0, 1)
+        await ears.hear(quiet(AGAIN_FRAMES * FRAME_S))
+        assert len(ears.weighed) == 2
+        assert ears.told == (["停"] if stops else [])
+        assert (ears.settled, ears.likelier) == (1, 1)
+        await ears.hear(quiet(1))
+        assert len(ears.weighed) == 2
+
+    suspecting(scenario, "Nobody asks.")
+
+
+def test_what_a_pause_asks_for_waits_for_the_second_look_as_well() -> None:
+    async def scenario(ears: Listening) -> None:
+        ears.likelihoods = (NEARLY + 0.1, NEARLY - 0.1)
+        sound = np.concatenate((quiet(1), STOP, quiet(2)))
+        while not ears.passes:  # as much as a stop was said; the pause comes next
+            await ears.hear(sound[:FRAME_SAMPLES])
+            sound = sound[FRAME_SAMPLES:]
+        ears.suspect("停", sure=False)
+        await ears.hear(sound[: (ALONE_FRAMES + AGAIN_FRAMES - 1) * FRAME_SAMPLES])
+        assert (len(ears.weighed), len(ears.passes)) == (1, 1)
+        await ears.hear(quiet(1))
+        assert len(ears.weighed) == 2
+        assert ears.told == ["站住。"]
+        assert ears.settled == 1
+
+    suspecting(scenario, "听", "站住。")
 
 
 @pytest.mark.parametrize("alone", [True, False])
 def test_what_a_pause_asks_for_waits_for_the_look_at_a_short_stop_and_is_not_lost(alone: bool) -> None:
     async def scenario(ears: Listening) -> None:
-        ears.likelihoods = (ALONE + (0.1 if alone else -0.1),)
+        ears.likelihoods = (ALONE + 0.1 if alone else NEARLY - 0.1,)
         await ears.hear(quiet(1))
         for at in range(0, len(STOP), FRAME_SAMPLES):
             await ears.hear(STOP[at : at + FRAME_SAMPLES])
