@@ -204,8 +204,19 @@ class SessionMachine(RuleBasedStateMachine):
         counts["heard"] += self._talk.hearing.speak(text)
         self._let_pass(after)
 
-    @rule(text=st.sampled_from(REQUESTS), adds=st.booleans(), after=AFTER)
-    def goes_on(self, text: str, adds: bool, after: float) -> None:
+    @rule(
+        first=st.sampled_from([None, *REQUESTS]),
+        pause=st.sampled_from([0.4, 1.0]),
+        text=st.sampled_from(REQUESTS),
+        adds=st.booleans(),
+        after=AFTER,
+    )
+    def goes_on(self, first: str | None, pause: float, text: str, adds: bool, after: float) -> None:
+        """Somebody says more after a request: of now, or whichever was the last."""
+        if first is not None:
+            self._ask(Wake("key"), SETTLED_S)
+            counts["heard"] += self._talk.hearing.speak(first)
+            self._let_pass(pause)
         counts["added"] += self._talk.hearing.go_on(text, adds=adds)
         self._let_pass(after)
 

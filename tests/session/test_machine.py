@@ -13,7 +13,7 @@ from tests.session.machine import SessionMachine, counts
 
 STEPS = 10_000
 LENGTH = 60
-"""Steps of one conversation."""
+"""Steps of one conversation; some are shorter."""
 
 
 @pytest.fixture(autouse=True)
@@ -33,7 +33,7 @@ def test_ten_thousand_random_steps_break_no_rule_of_interruption() -> None:
         run_state_machine_as_test(  # type: ignore[no-untyped-call]
             SessionMachine,
             settings=settings(
-                max_examples=STEPS // LENGTH,
+                max_examples=STEPS // LENGTH * 5 // 4,
                 stateful_step_count=LENGTH,
                 deadline=None,
                 suppress_health_check=list(HealthCheck),
