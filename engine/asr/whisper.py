@@ -317,13 +317,13 @@ class _Result:
 
 def after(said: str, text: str) -> str:
     """A text without what it had to begin with, as a sentence of its own. Where nothing follows that, Whisper likes to
-    write it, or the beginning of it, once more."""
+    write it, or the beginning of it, once more; and behind what follows, one more of the commas that it began with."""
     text = text.strip()
     if not said:
         return text
     known = re.findall(r"\w+", said.casefold())
     again = r"\W+".join(known)
-    rest = re.sub(rf"^(?:{again}\b\W*)+", "", text, flags=re.IGNORECASE)
+    rest = re.sub(rf"^(?:{again}\b\W*)+", "", text, flags=re.IGNORECASE).rstrip(" ,，")
     left = re.findall(r"\w+", rest.casefold())
     if left == known[: len(left)]:
         return ""

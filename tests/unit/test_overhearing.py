@@ -28,19 +28,9 @@ from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import ModelError
 from engine.hearing.hearing import Hearing
-from engine.hearing.overhearing import (
-    AGAIN_FRAMES,
-    ALONE,
-    ALONE_FRAMES,
-    AT_ONCE,
-    CONFIDENT,
-    DOUBTFUL_LOGPROB,
-    NEARLY,
-    SURE_LOGPROB,
-    Alert,
-    Overhearing,
-    SpeechWatch,
-)
+from engine.hearing.overhearing import CONFIDENT, DOUBTFUL_LOGPROB, SURE_LOGPROB, Alert, Overhearing
+from engine.hearing.speech_watch import SpeechWatch
+from engine.hearing.suspicion import AGAIN_FRAMES, ALONE, ALONE_FRAMES, AT_ONCE, NEARLY
 from engine.parts.ears import Ears
 from engine.parts.loading import Sound
 from engine.parts.part import Part

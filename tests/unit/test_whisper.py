@@ -154,6 +154,7 @@ def test_nothing_but_what_is_known_is_no_speech() -> None:
     [
         (" Hey Jarvis, go to the kitchen.", "Go to the kitchen."),
         (" Hey Jarvis, Stop!", "Stop!"),
+        (" Hey Jarvis, go to the kitchen,", "Go to the kitchen"),
         (" Hey Jarvis, Hey, Jarvis. Hey jarvis turn left.", "Turn left."),
         (" Hey Jarvis, Hey Jarvis.", ""),
         (" Hey Jarvis, Hey", ""),
