@@ -36,6 +36,9 @@ class Audio(Section):
     gain_db: Annotated[float, Field(ge=-40, le=40)] | Literal["auto"] = Field(
         description="Gain before anything else, dB; auto: learnt from what is understood, 0 to 30."
     )
+    noise_suppression: Literal["off", "low", "moderate", "high"] = Field(
+        description="Steady noise is taken out of what is heard; only where it is as loud as the voice does that help."
+    )
 
 
 WakeProtocol = Literal["ai_voice", "ai_voice_bilingual", "csk4002", "iflytek"]

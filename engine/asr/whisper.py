@@ -316,14 +316,15 @@ class _Result:
 
 
 def after(said: str, text: str) -> str:
-    """A text without what it had to begin with, as a sentence of its own. Where nothing follows that, Whisper likes to
-    write it, or the beginning of it, once more; and behind what follows, one more of the commas that it began with."""
-    text = text.strip()
+    """A text without what it had to begin with, as a sentence of its own, and without a comma at its end, which a list
+    of nouns taught Whisper. Where nothing follows what came first, Whisper likes to write it, or the beginning of it,
+    once more."""
+    text = text.strip().rstrip(" ,，")
     if not said:
         return text
     known = re.findall(r"\w+", said.casefold())
     again = r"\W+".join(known)
-    rest = re.sub(rf"^(?:{again}\b\W*)+", "", text, flags=re.IGNORECASE).rstrip(" ,，")
+    rest = re.sub(rf"^(?:{again}\b\W*)+", "", text, flags=re.IGNORECASE)
     left = re.findall(r"\w+", rest.casefold())
     if left == known[: len(left)]:
         return ""

@@ -26,6 +26,7 @@ from config.schema import Endpoint
 from engine import events
 from engine.asr.recogniser import Recogniser, Rejected, Transcript
 from engine.asr.transcription import Found, Transcription
+from engine.audio.denoise import NoiseSuppressor, Suppression
 from engine.audio.echo import EchoCanceller
 from engine.audio.endpoint import Ended, Endpointer, Utterance
 from engine.audio.gain import Gain
@@ -78,7 +79,8 @@ class Hearing:
     belongs to the loop's thread.
 
     ``open_source`` makes the source to begin with; :meth:`hear` puts another in its place. ``vocabulary``: nouns and
-    names to expect. ``gain_db`` (a number or "auto") is applied before anything else. ``on_end`` is called, in the
+    names to expect. ``suppression`` of noise and then ``gain_db`` (a number or "auto") are applied before anything else
+    but the taking out of the robot's own voice. ``on_end`` is called, in the
     loop's thread, when a live source has ended or is lost. ``judge`` is asked, in the recogniser's thread, whether
     somebody who pauses has said all, and ``notice`` what was added to a request; ``partials``: words are recognised
     while somebody talks. ``alert`` is told of a stop that is overheard (see :meth:`overhear`). ``listener`` gets all
@@ -97,6 +99,7 @@ class Hearing:
         recogniser: Recogniser,
         *,
         vocabulary: Sequence[str] = (),
+        suppression: Suppression = "off",
         gain_db: float | Literal["auto"] = 0.0,
         on_end: Callable[[SaysoError | None], None] = lambda error: None,
         judge: Judge = lambda text: "unknown",
@@ -116,6 +119,7 @@ class Hearing:
         self._vad = vad
         self._endpoint = endpoint
         self._recogniser = recogniser
+        self._of_others, self._of_all = NoiseSuppressor(suppression), NoiseSuppressor(suppression)
         self._gain = Gain(gain_db)
         self._transcriber = Transcriber(recogniser, vocabulary, judge, prompt=prompt)
         self._open = AsyncExitStack()
@@ -179,6 +183,8 @@ class Hearing:
         self._open, self._source, self._missing = opened, source, None
         self._afterwards.forget()
         self._told.clear()
+        self._of_others.reset()
+        self._of_all.reset()
         if source.live:
             self._ring.restart()
             if self._listener is not None:
@@ -366,8 +372,8 @@ class Hearing:
         return self._taken(frame) if frame is not None else None
 
     def _taken(self, frame: Frame) -> Frame:
-        """Every frame passes here once: gain and level."""
-        frame = self._gain.apply(frame)
+        """Every frame passes here once: noise, gain and level."""
+        frame = self._gain.apply(self._of_others.apply(frame))
         self.level = loudness([frame])
         return frame
 
@@ -398,7 +404,7 @@ class Hearing:
             async for frame in source:
                 left, others = self._without_echo(frame)
                 taken = self._taken(others)
-                plain = taken if left is others else self._gain.apply(left)
+                plain = self._gain.apply(self._of_all.apply(left))
                 self._ring.put(taken)
                 self._afterwards.push(taken, taken if self.without_own_voice else plain, own=self.hears_itself)
                 if self._listener is not None:

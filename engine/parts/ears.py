@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from config.schema import Settings
+from engine.audio.denoise import usable
 from engine.audio.echo import EchoCanceller
 from engine.audio.feed import Door
 from engine.audio.microphone import Lost, Microphone
@@ -130,6 +131,7 @@ class Ears:
             settings.endpoint,
             recogniser,
             vocabulary=vocabulary(settings),
+            suppression=usable(settings.audio.noise_suppression, self._warn),
             gain_db=settings.audio.gain_db,
             on_end=self._ended,
             judge=self._judge,

@@ -50,6 +50,19 @@ def noise(seconds: float, seed: int) -> Samples:
     return np.resize(sound, count)
 
 
+def hum(seconds: float, seed: int) -> Samples:
+    """A fan beside the microphone: noise, the more the deeper, and the tones of its motor."""
+    count = round(seconds * RATE)
+    white = np.fft.rfft(np.random.default_rng(seed).normal(size=count))
+    sound = np.fft.irfft(white / np.sqrt(np.maximum(np.fft.rfftfreq(count, 1 / RATE), 60)), count)
+    sound /= sound.std()
+    time = np.arange(count) / RATE
+    for hertz, level in ((100, 0.4), (200, 0.3), (1200, 0.2)):
+        sound += level * np.sin(2 * np.pi * hertz * time)
+    steady: Samples = (3000 * sound / sound.std()).astype(np.int16)
+    return steady
+
+
 def mixed(speech: Samples, background: Samples, snr_db: float) -> Samples:
     """``speech`` in ``background`` of the same length; the ratio counts the speech's loud parts only."""
     voice, rest = speech.astype(np.float64), background.astype(np.float64)

@@ -11,10 +11,12 @@ from typing import Literal
 
 import numpy as np
 import pytest
+import soundfile
 
 from config.schema import Endpoint, Vad
 from engine import events
 from engine.asr.recogniser import Rejected, Transcript
+from engine.audio.denoise import Suppression
 from engine.audio.echo import EchoCanceller
 from engine.audio.endpoint import Utterance
 from engine.audio.level import SILENT
@@ -30,6 +32,7 @@ from engine.errors import DeviceError, ModelError, SaysoError
 from engine.hearing.hearing import Hearing, NothingHeard
 from engine.hearing.transcriber import LIKELY_SAID, SAID
 from tests import recogniser
+from tests.bench.speech import hum
 from tests.room import BEGUN, Room, Speaker, decibels, mixed, said_in_turn
 from tests.room import samples as sampled
 from tests.virtual_time import run
@@ -86,6 +89,7 @@ async def ears(
     open_source: Callable[[], Source],
     recogniser: Scripted | None = None,
     *,
+    suppression: Suppression = "off",
     gain_db: float | Literal["auto"] = 0.0,
     on_end: Callable[[SaysoError | None], None] = lambda error: None,
 ) -> AsyncIterator[Ears]:
@@ -96,6 +100,7 @@ async def ears(
         ENDPOINT,
         recogniser,
         vocabulary=("kitchen",),
+        suppression=suppression,
         gain_db=gain_db,
         on_end=on_end,
     )
@@ -268,6 +273,30 @@ def test_the_gain_comes_before_everything_else() -> None:
             assert isinstance(heard, Utterance)
             await it.hearing.transcribe(heard, it.emit)
             assert np.abs(it.recogniser.passes[0].samples).max() == pytest.approx(0.25, rel=0.05)
+
+    asyncio.run(scenario())
+
+
+@pytest.mark.parametrize("live", [True, False])
+def test_noise_is_suppressed_before_anybody_hears_it(live: bool, tmp_path: Path) -> None:
+    async def scenario() -> None:
+        noisy = np.concatenate((quiet(1.5), COMMAND, quiet(1)))
+        noisy += hum(len(noisy) / RATE, 0) // 8
+        file = tmp_path / "noisy.wav"
+        soundfile.write(file, noisy, RATE)
+
+        async def heard(suppression: Suppression) -> Samples:
+            async with ears(
+                lambda: pushed(noisy, end=True) if live else WavSource(file, "fast"), suppression=suppression
+            ) as it:
+                utterance = await it.hearing.listen(it.emit)
+                assert isinstance(utterance, Utterance)
+                return utterance.samples
+
+        as_it_is, less = await heard("off"), await heard("moderate")
+        pause = slice(0, round(0.15 * RATE))  # of the pre-roll
+        assert less[pause].std() < as_it_is[pause].std() / 2
+        assert np.abs(less).max() > np.abs(as_it_is).max() / 2
 
     asyncio.run(scenario())
 

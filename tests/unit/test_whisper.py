@@ -171,6 +171,10 @@ def test_a_text_that_had_to_begin_with_nothing_is_left_as_it_is() -> None:
     assert after("", " go, go. ") == "go, go."
 
 
+def test_a_text_does_not_end_in_a_comma() -> None:
+    assert after("", " Go to the kitchen, ") == "Go to the kitchen"
+
+
 @pytest.mark.model
 def test_the_language_is_that_of_the_request_and_a_chinese_lead_invites_nobody_to_write_chinese() -> None:
     either = WhisperRecogniser(model_folder(), SETTINGS.model_copy(update={"language": "auto"}))

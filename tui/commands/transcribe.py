@@ -9,6 +9,7 @@ from typing import Any
 
 from config.schema import Settings
 from engine.asr.recogniser import Recogniser
+from engine.audio.denoise import usable
 from engine.audio.endpoint import Utterance
 from engine.audio.vad import make_vad
 from engine.audio.wav import WavSource
@@ -53,6 +54,7 @@ async def _transcribe(path: Path, recogniser: Recogniser, settings: Settings) ->
         settings.endpoint,
         recogniser,
         vocabulary=vocabulary(settings),
+        suppression=usable(settings.audio.noise_suppression, say),
         gain_db=settings.audio.gain_db,
     )
     async with hearing:
