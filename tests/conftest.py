@@ -10,8 +10,12 @@ from hypothesis import settings
 settings.register_profile("sayso", deadline=None)
 settings.load_profile("sayso")
 
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell starts what runs in the background like that, and the
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # programs under test would inherit it
+# A shell ignores one of these for what runs in the background, and nohup the other: the programs under test would, too.
+# A handler ends with us.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, lambda *_: None)
 
 for name in ("COLUMNS", "LINES"):  # programs under test are to ask their terminal how big it is
     os.environ.pop(name, None)
