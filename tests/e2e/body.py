@@ -39,7 +39,7 @@ class Body:
 
     def _processes(self) -> list[psutil.Process]:
         children = psutil.Process(self._sayso).children(recursive=True)
-        return [child for child in children if _MODULE in child.cmdline()]
+        return [child for child in children if _is_robot(child)]
 
     @property
     def twist(self) -> Twist:
@@ -89,6 +89,13 @@ class Body:
             return self.memory.ints[TICKS] >= end
 
         until(over, "time passes")
+
+
+def _is_robot(process: psutil.Process) -> bool:
+    try:
+        return _MODULE in process.cmdline()
+    except psutil.NoSuchProcess:  # another child, that has just ended
+        return False
 
 
 def until(met: Callable[[], object], what: str) -> None:
