@@ -16,6 +16,7 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,13 +41,21 @@ DOUBTFUL_LOGPROB = -0.6
 """…and from this one when it was not. Of those that somebody said most do, in noise too; of other words, few."""
 
 
+class IsStop(Protocol):
+    """Whether a text holds a stop."""
+
+    def __call__(self, text: str, *, ended: bool = True) -> bool:
+        """Not ``ended``: somebody talks on, and what is a stop only by itself ("wait") is none yet."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class Alert:
     """What is listened for without a wake, and who is told. ``is_stop`` and ``on_words`` are called in the recogniser's
     thread."""
 
     vad: VoiceActivity  # of its own: a detector remembers what it heard
-    is_stop: Callable[[str], bool]
+    is_stop: IsStop
     on_words: Callable[[str], None]  # told of the words that hold a stop, as they were recognised
 
 
@@ -209,7 +218,7 @@ class Overhearing:
         # no vocabulary: a prompt makes a recogniser hear in noise what it was prompted with
         found = self._recogniser.transcribe(samples, (), dropped, quick=True)
         counts = _is_speech(found) if ended or not is_chinese(found.text) else _is_sure(found)
-        return "stop" if counts and alert.is_stop(found.text) else "none", found.text
+        return "stop" if counts and alert.is_stop(found.text, ended=ended) else "none", found.text
 
     def _expected(
         self, alert: Alert, samples: NDArray[np.float32], dropped: Callable[[], bool], look: Look

@@ -209,10 +209,18 @@ def test_a_doubtful_stop_is_a_stop_but_sound_that_is_no_speech_is_none(reason: R
         (Rejected("low_confidence", "…", "停下", DECODING), False),
         (Transcript("Stop", CONFIDENT - 0.05, DECODING), True),
         (Rejected("low_confidence", "…", "Stop", DECODING), True),
+        (Transcript("Wait", CONFIDENT + 0.05, DECODING), False),
     ],
-    ids=["sure", "doubtful", "low confidence", "doubtful in English", "low confidence in English"],
+    ids=[
+        "sure",
+        "doubtful",
+        "low confidence",
+        "doubtful in English",
+        "low confidence in English",
+        "the beginning of more",
+    ],
 )
-def test_a_chinese_stop_in_the_middle_of_what_somebody_says_has_to_be_sure(
+def test_amid_what_somebody_says_a_stop_counts_that_is_sure_and_none_that_may_be_the_beginning_of_more(
     amid: Transcript | Rejected, stops: bool
 ) -> None:
     async def scenario(ears: Listening) -> None:

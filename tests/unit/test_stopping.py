@@ -124,6 +124,17 @@ def test_a_chinese_stop_with_more_behind_it_is_not_only_a_stop() -> None:
     assert not is_only_stop("停下来，然后左转")
 
 
+@pytest.mark.parametrize("said", ["Wait", "Please wait", "Cancel", "Hold on", "等一下", "不行"])
+def test_what_stops_only_by_itself_is_no_stop_while_somebody_talks_on(said: str) -> None:
+    assert is_stop(said)
+    assert not is_stop(said, ended=False)
+
+
+@pytest.mark.parametrize("said", ["Stop", "No, stop", "wait, stop", "Freeze!", "Stop and turn", "停", "喂，停下来"])
+def test_a_stop_is_one_whatever_follows(said: str) -> None:
+    assert is_stop(said, ended=False)
+
+
 def test_a_very_long_text_is_not_looked_at() -> None:
     assert is_stop("停" * 1000)
     assert not is_stop("停" * 1001)

@@ -25,9 +25,10 @@ _HAN_PAUSE = re.compile(rf"(?<={_HAN})\s+(?={_HAN})|[~～]+")
 """Recognisers write a space between Chinese characters where they would write a comma in English."""
 
 
-def is_stop(text: str) -> bool:
-    """Whether ``text`` tells the robot to stop, in any language."""
-    return len(text) <= MAX_TEXT and _words().stops(text)
+def is_stop(text: str, *, ended: bool = True) -> bool:
+    """Whether ``text`` tells the robot to stop, in any language. Not ``ended``: somebody talks on, and what is a stop
+    only by itself is none yet, for "wait" may have been the beginning of "waiting for you"."""
+    return len(text) <= MAX_TEXT and _words().stops(text, ended=ended)
 
 
 def is_end_task(text: str) -> bool:
@@ -64,8 +65,8 @@ class _StopWords:
         self._leading = re.compile(rf"(?:{around} )*+{anywhere} {any_of(stop('joints'))}")
         self._end_task = re.compile(any_of(section("end_task")))
 
-    def stops(self, text: str) -> bool:
-        return any(self._stop_in(parts) for parts in self._readings(text))
+    def stops(self, text: str, *, ended: bool) -> bool:
+        return any(self._stop_in(parts, ended=ended) for parts in self._readings(text))
 
     def only_stops(self, text: str) -> bool:
         return any(self._nothing_but_stop(parts) for parts in self._readings(text))
@@ -73,8 +74,8 @@ class _StopWords:
     def ends_task(self, text: str) -> bool:
         return any(self._end_task.fullmatch(" ".join(parts)) for parts in self._readings(text))
 
-    def _stop_in(self, parts: Sequence[str]) -> bool:
-        if any(self._anywhere.fullmatch(part) for part in parts) or self._nothing_but_stop(parts):
+    def _stop_in(self, parts: Sequence[str], *, ended: bool) -> bool:
+        if any(self._anywhere.fullmatch(part) for part in parts) or (ended and self._nothing_but_stop(parts)):
             return True
         return bool(parts) and self._leading.match(parts[0]) is not None
 
