@@ -24,6 +24,9 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
+Suppression = Literal["off", "low", "moderate", "high"]
+
+
 class Audio(Section):
     """Where sound comes from."""
 
@@ -36,7 +39,7 @@ class Audio(Section):
     gain_db: Annotated[float, Field(ge=-40, le=40)] | Literal["auto"] = Field(
         description="Gain before anything else, dB; auto: learnt from what is understood, 0 to 30."
     )
-    noise_suppression: Literal["off", "low", "moderate", "high"] = Field(
+    noise_suppression: Suppression = Field(
         description="Steady noise is taken out of what is heard; only where it is as loud as the voice does that help."
     )
 

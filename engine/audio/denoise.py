@@ -9,17 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from config.schema import Suppression
 from engine.audio.source import RATE, Frame
 
-Suppression = Literal["off", "low", "moderate", "high"]
-"""How much is taken away, as WebRTC calls it: 6, 12 or 18 dB."""
-
 LEVELS: Final[dict[Suppression, int]] = {"low": 0, "moderate": 1, "high": 2}
+"""How WebRTC numbers what takes away 6, 12 or 18 dB."""
 
 BLOCK: Final = RATE // 100
 """Samples that the library takes at a time (10 ms). Of more, it fills the last block up with silence each time."""

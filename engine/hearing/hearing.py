@@ -22,11 +22,11 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from config.schema import Endpoint
+from config.schema import Endpoint, Suppression
 from engine import events
 from engine.asr.recogniser import Recogniser, Rejected, Transcript
 from engine.asr.transcription import Found, Transcription
-from engine.audio.denoise import NoiseSuppressor, Suppression
+from engine.audio.denoise import NoiseSuppressor
 from engine.audio.echo import EchoCanceller
 from engine.audio.endpoint import Ended, Endpointer, Utterance
 from engine.audio.gain import Gain
@@ -80,8 +80,8 @@ class Hearing:
 
     ``open_source`` makes the source to begin with; :meth:`hear` puts another in its place. ``vocabulary``: nouns and
     names to expect. ``suppression`` of noise and then ``gain_db`` (a number or "auto") are applied before anything else
-    but the taking out of the robot's own voice. ``on_end`` is called, in the
-    loop's thread, when a live source has ended or is lost. ``judge`` is asked, in the recogniser's thread, whether
+    but the taking out of the robot's own voice. ``on_end`` is called, in the loop's thread, when a live source has
+    ended or is lost. ``judge`` is asked, in the recogniser's thread, whether
     somebody who pauses has said all, and ``notice`` what was added to a request; ``partials``: words are recognised
     while somebody talks. ``alert`` is told of a stop that is overheard (see :meth:`overhear`). ``listener`` gets all
     that a live source hears. ``echo`` takes the robot's own voice out of what a source hears that hears its
@@ -404,7 +404,8 @@ class Hearing:
             async for frame in source:
                 left, others = self._without_echo(frame)
                 taken = self._taken(others)
-                plain = self._gain.apply(self._of_all.apply(left))
+                quieter = self._of_all.apply(left)
+                plain = taken if quieter is others else self._gain.apply(quieter)
                 self._ring.put(taken)
                 self._afterwards.push(taken, taken if self.without_own_voice else plain, own=self.hears_itself)
                 if self._listener is not None:

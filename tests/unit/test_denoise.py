@@ -7,7 +7,8 @@ import sys
 import numpy as np
 import pytest
 
-from engine.audio.denoise import LATE, NoiseSuppressor, Suppression, usable
+from config.schema import Suppression
+from engine.audio.denoise import LATE, NoiseSuppressor, usable
 from engine.audio.level import loudness
 from engine.audio.source import FRAME_SAMPLES, RATE, Frame, Samples
 from tests.bench.speech import clips, frames, hum

@@ -13,10 +13,9 @@ import numpy as np
 import pytest
 import soundfile
 
-from config.schema import Endpoint, Vad
+from config.schema import Endpoint, Suppression, Vad
 from engine import events
 from engine.asr.recogniser import Rejected, Transcript
-from engine.audio.denoise import Suppression
 from engine.audio.echo import EchoCanceller
 from engine.audio.endpoint import Utterance
 from engine.audio.level import SILENT
