@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import os
-import signal
 import subprocess
 import threading
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 
 import numpy as np
-import psutil
 import pytest
 
 from engine.audio.loudspeaker import Loudspeaker
@@ -19,11 +17,12 @@ from engine.audio.player import Playback, Player
 from engine.audio.source import RATE, Samples
 from engine.errors import DeviceError
 from tests.audio.server import SoundServer
+from tests.children import children
 
 pytestmark = pytest.mark.audio
 
 LIMIT_S = 30.0
-ME = psutil.Process()
+PROCESS = "engine.audio.sounder"
 
 
 @pytest.fixture(autouse=True)
@@ -32,7 +31,7 @@ def _at_the_server(server: SoundServer, monkeypatch: pytest.MonkeyPatch) -> Iter
     for name, value in server.environment.items():
         monkeypatch.setenv(name, value)
     yield
-    assert [child for child in ME.children() if "engine.audio.sounder" in child.cmdline()] == []
+    assert children(PROCESS) == []
 
 
 class Microphone:
@@ -210,8 +209,9 @@ def test_a_sounder_that_is_killed_is_one_error_and_can_be_started_anew() -> None
         await player.open()
         playback = await fed(player, chirp(20.0))
         await playback.news()
-        assert speaker.pid is not None
-        os.kill(speaker.pid, signal.SIGKILL)
+        (sounder,) = children(PROCESS)
+        assert sounder.pid == speaker.pid
+        sounder.kill()
         with pytest.raises(DeviceError, match="SIGKILL"):
             async with asyncio.timeout(LIMIT_S):
                 await playback.until_ended()

@@ -18,6 +18,7 @@ from engine.audio.microphone import Lost, Microphone
 from engine.audio.source import Frame
 from engine.errors import DeviceError, ExitCode
 from tests.audio.server import SoundServer
+from tests.children import children
 from tests.e2e.sayso import command, environment
 
 SPEECH = Path(__file__).parents[2] / "assets" / "speech"
@@ -40,7 +41,7 @@ async def within(seconds: float = LIMIT_S) -> AsyncIterator[None]:
 
 
 def recorders() -> list[psutil.Process]:
-    return [child for child in psutil.Process().children() if "engine.audio.recorder" in child.cmdline()]
+    return children("engine.audio.recorder")
 
 
 async def until_recording() -> None:

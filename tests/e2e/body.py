@@ -12,10 +12,9 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import psutil
-
 from engine.robot.geometry import Pose, Twist
 from engine.robot.sim.memory import REST_TIME, TICKS, ZERO_TIME, Memory
+from tests.children import children
 
 CAN_READ = sys.platform == "linux" and Path("/proc/self/fd").is_dir()
 LIMIT_S = 30
@@ -29,17 +28,12 @@ class Body:
 
     def __init__(self, sayso: int) -> None:
         """``sayso`` is the process id; waits until it has a robot."""
-        self._sayso = sayso
-        until(lambda: self._processes() or None, "a robot process")
-        self.process = self._processes()[0]
+        until(lambda: children(_MODULE, sayso), "a robot process")
+        self.process = children(_MODULE, sayso)[0]
         numbers = [word.partition("=")[2] for word in self.process.cmdline() if word.startswith("--memory=")]
         fd = os.open(f"/proc/{self.process.pid}/fd/{numbers[0]}", os.O_RDWR)
         self.memory = Memory(fd)
         os.close(fd)
-
-    def _processes(self) -> list[psutil.Process]:
-        children = psutil.Process(self._sayso).children(recursive=True)
-        return [child for child in children if _is_robot(child)]
 
     @property
     def twist(self) -> Twist:
@@ -89,13 +83,6 @@ class Body:
             return self.memory.ints[TICKS] >= end
 
         until(over, "time passes")
-
-
-def _is_robot(process: psutil.Process) -> bool:
-    try:
-        return _MODULE in process.cmdline()
-    except psutil.NoSuchProcess:  # another child, that has just ended
-        return False
 
 
 def until(met: Callable[[], object], what: str) -> None:

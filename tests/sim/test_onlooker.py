@@ -19,19 +19,20 @@ from engine.perception.perceive import perceive
 from engine.perception.sighting import Sight
 from engine.robot.camera import Picture
 from engine.robot.floor_map import FloorMap
+from tests.children import children
 from tests.open_files import open_files
 from tests.sim.rig import run, running
 
 RAYS: Final = {"backend": "rays", "width": 160, "height": 120}
 LIMIT_S: Final = 30.0
-ME: Final = psutil.Process()
+PROCESS: Final = "engine.perception.onlooker_worker"
 
 
 @pytest.fixture(autouse=True)
 def _nothing_is_left() -> Iterator[None]:
     before = open_files()
     yield
-    assert [child for child in ME.children() if "onlooker_worker" in " ".join(child.cmdline())] == []
+    assert children(PROCESS) == []
     assert open_files() == before
 
 
@@ -94,7 +95,7 @@ def test_it_sees_what_perception_sees_and_goes_with_whoever_made_it(scene: tuple
             sight = await onlooker.perceive(*scene)
             assert facts(sight) == facts(perceive(*scene))
             assert sight.picture is scene[0]
-        assert onlooker.pid is not None
+        assert [child.pid for child in children(PROCESS)] == [onlooker.pid]
         await onlooker.close()
         with pytest.raises(CameraError, match="has ended"):
             await onlooker.perceive(*scene)

@@ -38,6 +38,7 @@ from engine.lead import Lead
 from engine.parts.ears import Ears
 from engine.parts.loading import Sound
 from engine.parts.part import Part
+from tests.children import children
 from tests.open_files import open_files
 from tests.unit.test_whisper import NOUNS, SETTINGS, model_folder, recogniser, spoken
 
@@ -61,7 +62,7 @@ def _nothing_is_left() -> Iterator[None]:
 
 
 def workers() -> list[psutil.Process]:
-    return [child for child in ME.children() if "engine.asr.worker" in child.cmdline()]
+    return children("engine.asr.worker")
 
 
 @contextmanager

@@ -22,6 +22,7 @@ from engine.llm.chat import Ask, Message
 from engine.llm.llama import NotRunning
 from engine.llm.local import LocalChat
 from engine.parts.loading import gguf_of
+from tests.children import children
 
 LIMIT_S = 100.0
 """s for what takes a moment; a test that waits longer has failed."""
@@ -60,8 +61,7 @@ def chat(runner: asyncio.Runner, folder: Path) -> Iterator[LocalChat]:
 
 
 def workers() -> list[psutil.Process]:
-    alive = [child for child in psutil.Process().children() if child.status() != psutil.STATUS_ZOMBIE]
-    return [child for child in alive if "engine.llm.llama_worker" in child.cmdline()]
+    return children("engine.llm.llama_worker")
 
 
 def until(what: Callable[[], object]) -> None:

@@ -31,11 +31,11 @@ from engine.tts.isolated import IsolatedVoice
 from engine.tts.sentences import Sentence, sentences
 from engine.tts.synthesis import Piece, Synthesiser
 from tests.bench.wer import errors, normalised
+from tests.children import children
 
 T = TypeVar("T")
 LIMIT_S = 60.0
 """s for what takes a moment; a test that waits longer has failed."""
-ME = psutil.Process()
 TEXT = "Moved 1.00 m forward. I am in the kitchen, next to the table."
 
 
@@ -87,7 +87,7 @@ def _nothing_is_left(stages: dict[str, Stage]) -> Iterator[None]:
 
 
 def workers() -> list[psutil.Process]:
-    return [child for child in ME.children() if "engine.tts.worker" in child.cmdline()]
+    return children("engine.tts.worker")
 
 
 def settings(*overrides: str) -> Settings:
