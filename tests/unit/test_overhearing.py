@@ -4,56 +4,40 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from config import load
-from config.schema import Endpoint, Vad
+from config.schema import Endpoint
 from engine import events
-from engine.asr.recogniser import Decoding, Recogniser, Rejected, RejectReason, Transcript
+from engine.asr.recogniser import Recogniser, Rejected, RejectReason, Transcript
 from engine.audio.endpoint import Utterance
 from engine.audio.pipe import PushSource
 from engine.audio.simulated import SimulatedMicrophone
 from engine.audio.source import FRAME_S, FRAME_SAMPLES, RATE, Frame, Samples, Source
 from engine.audio.vad import make_vad
-from engine.audio.wav import WavSource, read_wav
+from engine.audio.wav import WavSource
 from engine.bus import Bus
 from engine.clock import SystemClock
-from engine.errors import ModelError
 from engine.hearing.hearing import Hearing
-from engine.hearing.overhearing import CONFIDENT, DOUBTFUL_LOGPROB, SURE_LOGPROB, Alert, Overhearing
+from engine.hearing.overhearing import CONFIDENT, Alert
 from engine.hearing.speech_watch import SpeechWatch
-from engine.hearing.suspicion import AGAIN_FRAMES, ALONE, ALONE_FRAMES, AT_ONCE, NEARLY
 from engine.parts.ears import Ears
 from engine.parts.loading import Sound
 from engine.parts.part import Part
 from engine.planner.phrases.stopping import is_stop
 from tests.bench.speech import noise
 from tests.recogniser import Scripted
+from tests.unit.overheard import COMMAND, DECODING, LONG, SPEECH, STOP, VAD, Listening, quiet, suspecting
 from tests.unit.test_whisper import model_folder, recogniser
 from tests.virtual_time import run
 
-SPEECH = Path(__file__).parents[2] / "assets" / "speech"
-STOP = read_wav(SPEECH / "stop.wav")
-COMMAND = read_wav(SPEECH / "go_to_the_kitchen.wav")
-LONG = read_wav(SPEECH / "go_to_the_bedroom_then_turn_around.wav")
 ENDPOINT = Endpoint(
     pre_roll_s=0.3, start_s=0.1, silence_s=0.6, complete_s=0.35, incomplete_s=1.2, max_length_s=15, no_speech_s=2
 )
-VAD = Vad(backend="auto", gate_mode=3, threshold=0.5)
-LATER_S = (ALONE_FRAMES + 1) * FRAME_S
-DECODING = Decoding("en", -0.1, 0.02, 1.0, 0.1, 10)
-
-
-def quiet(seconds: float) -> Samples:
-    return np.random.default_rng(0).normal(0, 5, round(seconds * RATE)).astype(np.int16)
 
 
 # When something is recognised
@@ -312,380 +296,6 @@ def test_a_recording_is_listened_to_and_never_overheard() -> None:
             assert told.words == []
 
     asyncio.run(scenario())
-
-
-# What a spotter suspects
-
-
-class Listening(Scripted):
-    """Ears with a suspicion: whether it was settled, and what the recogniser was asked."""
-
-    def __init__(self, *answers: Transcript | Rejected | ModelError | str) -> None:
-        super().__init__(*answers)
-        self.likelihoods: Sequence[float] = ()
-        """One after the other; the last one again and again. Empty: it cannot tell."""
-        self.weighed: list[tuple[str, ...]] = []
-        self.on_weighing: Callable[[], None] = lambda: None
-        self.settled = self.likelier = 0
-        self.told: list[str] = []
-        self._worker = ThreadPoolExecutor(1)
-        self._frames = 0
-        self.overhearing = Overhearing(Alert(make_vad(VAD), is_stop, self.told.append), self, self._worker)
-        self.overhearing.switch(True)
-
-    @property
-    def expected(self) -> list[tuple[str, ...]]:
-        """What each quick pass was told to expect."""
-        assert all(given.quick for given in self.passes)
-        return [given.vocabulary for given in self.passes]
-
-    async def hear(self, sound: Samples) -> None:
-        """Take a piece of sound, and let all of it be recognised that is to be."""
-        for at in range(0, len(sound) - FRAME_SAMPLES + 1, FRAME_SAMPLES):
-            self._frames += 1
-            self.overhearing.push(Frame(sound[at : at + FRAME_SAMPLES], self._frames * FRAME_S))
-            await self.rest()
-
-    def likelihood(
-        self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False
-    ) -> float | None:
-        self.weighed.append(tuple(texts))
-        self.on_weighing()
-        count = len(self.likelihoods)
-        return self.likelihoods[min(len(self.weighed), count) - 1] if count else None
-
-    def suspect(self, phrase: str = "stop", *, sure: bool = True) -> None:
-        def settled() -> None:
-            self.settled += 1
-
-        def likelier() -> None:
-            self.likelier += 1
-
-        self.overhearing.suspect(phrase, settled, likelier, sure=sure)
-
-    async def rest(self) -> None:
-        """Until nothing is being recognised, unless it may not be answered."""
-        while self.overhearing.busy and self.may_answer.is_set():
-            await asyncio.get_running_loop().run_in_executor(self._worker, lambda: None)
-            await asyncio.sleep(0)
-
-    @property
-    def hinted(self) -> int:
-        """How often the recogniser was told what to expect."""
-        return self.expected.count(("stop",))
-
-
-def suspecting(
-    scenario: Callable[[Listening], Awaitable[None]], *answers: Transcript | Rejected | ModelError | str
-) -> None:
-    """Run a scenario in which the recogniser has these answers, the last one for ever."""
-
-    async def main() -> None:
-        ears = Listening(*answers)
-        try:
-            await scenario(ears)
-        finally:
-            ears.may_answer.set()
-            ears._worker.shutdown()
-
-    asyncio.run(main())
-
-
-def test_a_suspicion_is_looked_into_at_once_and_the_recogniser_told_what_to_expect() -> None:
-    async def scenario(ears: Listening) -> None:
-        await ears.hear(quiet(2))
-        assert ears.expected == [], "nobody has said anything"
-        ears.suspect()
-        await ears.rest()
-        assert ears.expected == [("stop",)]
-        assert ears.passes[0].seconds == pytest.approx(1.5, abs=FRAME_S)
-        assert ears.told == ["Stop."]
-        assert ears.settled == 1
-
-    suspecting(scenario, "Stop.")
-
-
-def test_two_suspicions_at_once_are_looked_into_together() -> None:
-    async def scenario(ears: Listening) -> None:
-        await ears.hear(quiet(2))
-        ears.may_answer.clear()
-        ears.suspect()
-        ears.overhearing.suspect("停", lambda: None, lambda: None, sure=False)
-        ears.may_answer.set()
-        await ears.rest()
-        assert ears.settled == 0
-        await ears.hear(quiet(LATER_S))
-        assert ears.expected == [("stop",), ("stop", "停")]
-        assert ears.told == ["停。"]
-        assert ears.settled == 1
-
-    suspecting(scenario, "Shop.", "停。")
-
-
-# What is so short that its likelihood counts
-
-
-@pytest.mark.parametrize(
-    ("likelihoods", "looks", "stops"),
-    [
-        ((AT_ONCE + 0.1,), 1, True),
-        ((AT_ONCE - 0.1, ALONE + 0.1), 2, True),
-        ((AT_ONCE - 0.1, NEARLY - 0.1), 2, False),
-    ],
-    ids=["certain at once", "alone", "the beginning of more"],
-)
-def test_a_short_stop_counts_at_once_when_it_is_certain_and_later_when_it_was_all(
-    likelihoods: tuple[float, ...], looks: int, stops: bool
-) -> None:
-    async def scenario(ears: Listening) -> None:
-        ears.likelihoods = likelihoods
-        await ears.hear(quiet(2))
-        ears.suspect("停", sure=True)
-        await ears.rest()
-        assert len(ears.weighed) == 1
-        assert ears.settled == (looks == 1)
-        await ears.hear(quiet(LATER_S))
-        assert len(ears.weighed) == looks
-        assert ears.told == (["停"] if stops else [])
-        assert ears.settled == 1
-        assert ears.expected == []  # nobody was asked for a text
-
-    suspecting(scenario, "Nobody asks.")
-
-
-@pytest.mark.parametrize(("likelihood", "stops"), [(ALONE + 0.1, True), (NEARLY - 0.1, False)])
-def test_a_doubtful_short_stop_is_looked_for_once_when_it_shows_whether_it_was_all(
-    likelihood: float, stops: bool
-) -> None:
-    async def scenario(ears: Listening) -> None:
-        ears.likelihoods = (likelihood,)
-        await ears.hear(quiet(2))
-        ears.suspect("停", sure=False)
-        await ears.rest()
-        assert ears.weighed == []
-        assert ears.settled == 0
-        await ears.hear(quiet(LATER_S))
-        assert len(ears.weighed) == 1
-        assert ears.told == (["停"] if stops else [])
-        assert (ears.settled, ears.likelier) == (1, 0)
-
-    suspecting(scenario, "Nobody asks.")
-
-
-@pytest.mark.parametrize(("second", "stops"), [(NEARLY + 0.1, True), (NEARLY - 0.1, False)])
-def test_what_is_nearly_a_short_stop_is_one_when_it_is_so_again(second: float, stops: bool) -> None:
-    async def scenario(ears: Listening) -> None:
-        ears.likelihoods = (ALONE - 0.1, second)
-        await ears.hear(quiet(2))
-        ears.suspect("停", sure=False)
-        await ears.hear(quiet(LATER_S))
-        assert len(ears.weighed) == 1
-        assert (ears.told, ears.settled, ears.likelier) == ([], 0, 1)
-        await ears.hear(quiet(AGAIN_FRAMES * FRAME_S))
-        assert len(ears.weighed) == 2
-        assert ears.told == (["停"] if stops else [])
-        assert (ears.settled, ears.likelier) == (1, 1)
-        await ears.hear(quiet(1))
-        assert len(ears.weighed) == 2
-
-    suspecting(scenario, "Nobody asks.")
-
-
-def test_what_a_pause_asks_for_waits_for_the_second_look_as_well() -> None:
-    async def scenario(ears: Listening) -> None:
-        ears.likelihoods = (NEARLY + 0.1, NEARLY - 0.1)
-        sound = np.concatenate((quiet(1), STOP, quiet(2)))
-        while not ears.passes:  # as much as a stop was said; the pause comes next
-            await ears.hear(sound[:FRAME_SAMPLES])
-            sound = sound[FRAME_SAMPLES:]
-        ears.suspect("停", sure=False)
-        await ears.hear(sound[: (ALONE_FRAMES + AGAIN_FRAMES - 1) * FRAME_SAMPLES])
-        assert (len(ears.weighed), len(ears.passes)) == (1, 1)
-        await ears.hear(quiet(1))
-        assert len(ears.weighed) == 2
-        assert ears.told == ["站住。"]
-        assert ears.settled == 1
-
-    suspecting(scenario, "听", "站住。")
-
-
-@pytest.mark.parametrize("alone", [True, False])
-def test_what_a_pause_asks_for_waits_for_the_look_at_a_short_stop_and_is_not_lost(alone: bool) -> None:
-    async def scenario(ears: Listening) -> None:
-        ears.likelihoods = (ALONE + 0.1 if alone else NEARLY - 0.1,)
-        await ears.hear(quiet(1))
-        for at in range(0, len(STOP), FRAME_SAMPLES):
-            await ears.hear(STOP[at : at + FRAME_SAMPLES])
-            if len(ears.passes) == 1:  # as much as a stop was said; the pause comes next
-                break
-        ears.suspect("停", sure=False)
-        await ears.hear(STOP[at + FRAME_SAMPLES :][: (ALONE_FRAMES - 1) * FRAME_SAMPLES])
-        assert ears.weighed == []
-        assert len(ears.passes) == 1
-        await ears.hear(quiet(2 * FRAME_S))
-        assert len(ears.weighed) == 1
-        assert ears.told == (["停"] if alone else ["站住。"])
-        assert len(ears.passes) == (1 if alone else 2)
-        assert ears.settled == 1
-
-    suspecting(scenario, "听", "站住。")
-
-
-def test_beside_a_short_stop_another_one_is_looked_for_as_ever() -> None:
-    async def scenario(ears: Listening) -> None:
-        ears.likelihoods = (-9.0,)
-        await ears.hear(quiet(2))
-        ears.may_answer.clear()
-        ears.suspect()
-        ears.suspect("停")
-        ears.may_answer.set()
-        await ears.rest()
-        assert ears.expected == [("stop",), ("stop",)]
-        assert ears.told == ["Stop."]
-
-    suspecting(scenario, "Shop.", "Stop.")
-
-
-def test_a_likelihood_that_nobody_needs_any_more_is_no_stop() -> None:
-    async def scenario(ears: Listening) -> None:
-        ears.likelihoods = (0.0,)
-        ears.on_weighing = ears.overhearing.drop
-        await ears.hear(quiet(2))
-        ears.suspect("停")
-        await ears.rest()
-        assert ears.told == []
-        assert ears.settled == 1
-
-    suspecting(scenario, "Nobody asks.")
-
-
-def test_without_a_suspicion_the_recogniser_is_told_nothing() -> None:
-    async def scenario(ears: Listening) -> None:
-        await ears.hear(np.concatenate((quiet(1), COMMAND, quiet(1))))
-        assert set(ears.expected) == {()}
-
-    suspecting(scenario, "Go to the kitchen.")
-
-
-def test_a_suspicion_that_is_not_confirmed_is_settled_once_when_nobody_talks_on() -> None:
-    async def scenario(ears: Listening) -> None:
-        await ears.hear(quiet(2))
-        ears.suspect()
-        await ears.rest()
-        assert ears.settled == 1
-        await ears.hear(quiet(1))
-        assert (ears.hinted, ears.settled, ears.told) == (1, 1, [])
-
-    suspecting(scenario, "Shop.")
-
-
-def test_somebody_who_talks_on_is_listened_to_once_more_within_a_third_of_a_second() -> None:
-    async def scenario(ears: Listening) -> None:
-        await ears.hear(np.concatenate((quiet(1), LONG[: RATE // 2 * 3])))
-        ears.suspect()
-        await ears.rest()
-        assert (ears.hinted, ears.settled) == (1, 0)
-        await ears.hear(LONG[RATE // 2 * 3 :][: round(0.32 * RATE)])
-        assert (ears.hinted, ears.settled) == (2, 1)
-        assert ears.told == []
-
-    suspecting(scenario, "go to the")
-
-
-def test_the_second_look_may_find_what_the_first_did_not() -> None:
-    async def scenario(ears: Listening) -> None:
-        await ears.hear(np.concatenate((quiet(1), LONG[: RATE // 5])))
-        ears.suspect()
-        await ears.rest()
-        await ears.hear(LONG[RATE // 5 :][: round(0.4 * RATE)])
-        assert ears.told == ["Stop!"]
-        assert ears.settled == 1
-
-    suspecting(scenario, "st", "Stop!")
-
-
-@pytest.mark.parametrize(
-    "doubtful",
-    [
-        Transcript("Stop.", 0.4, replace(DECODING, avg_logprob=DOUBTFUL_LOGPROB - 0.05)),
-        Rejected("low_confidence", "…", "Stop.", DECODING),
-        Rejected("no_speech", "…", "Stop.", DECODING),
-    ],
-    ids=["unlikely", "low confidence", "no speech"],
-)
-def test_who_was_told_to_expect_a_doubtful_stop_must_be_sure_of_it(doubtful: Transcript | Rejected) -> None:
-    async def scenario(ears: Listening) -> None:
-        await ears.hear(quiet(2))
-        ears.suspect(sure=False)
-        await ears.rest()
-        assert ears.told == []
-        assert ears.settled == 1
-
-    suspecting(scenario, doubtful)
-
-
-@pytest.mark.parametrize(("logprob", "stops"), [(SURE_LOGPROB + 0.05, True), (SURE_LOGPROB - 0.05, False)])
-def test_of_what_the_spotter_is_sure_the_recogniser_need_not_be(logprob: float, stops: bool) -> None:
-    async def scenario(ears: Listening) -> None:
-        await ears.hear(quiet(2))
-        ears.suspect(sure=True)
-        await ears.rest()
-        assert ears.told == ["Stop."] * stops
-        assert ears.settled == 1
-
-    suspecting(scenario, Transcript("Stop.", 0.4, replace(DECODING, avg_logprob=logprob)))
-
-
-def test_a_recogniser_that_fails_leaves_a_suspicion_unsettled() -> None:
-    async def scenario(ears: Listening) -> None:
-        await ears.hear(quiet(2))
-        ears.suspect()
-        await ears.rest()
-        assert ears.settled == 0
-        ears.suspect()
-        await ears.rest()
-        assert ears.settled == 1, "the next one is another one"
-
-    suspecting(scenario, ModelError("It has ended."), "Shop.")
-
-
-def test_a_suspicion_of_what_is_forgotten_is_settled() -> None:
-    async def scenario(ears: Listening) -> None:
-        await ears.hear(quiet(2))
-        ears.may_answer.clear()
-        ears.suspect()
-        ears.overhearing.switch(False)
-        assert ears.settled == 1
-        ears.may_answer.set()
-        await ears.rest()
-        assert (ears.settled, ears.told) == (1, [])
-
-    suspecting(scenario, "Stop.")
-
-
-def test_nobody_is_suspected_while_it_is_off() -> None:
-    async def scenario(ears: Listening) -> None:
-        await ears.hear(quiet(2))
-        ears.overhearing.switch(False)
-        assert not ears.overhearing.usable
-        ears.suspect()
-        assert ears.settled == 1
-        assert ears.expected == []
-
-    suspecting(scenario, "Stop.")
-
-
-def test_a_word_that_is_suspected_twice_has_one_answer() -> None:
-    async def scenario(ears: Listening) -> None:
-        await ears.hear(quiet(2))
-        ears.may_answer.clear()
-        ears.suspect()
-        ears.suspect()
-        ears.may_answer.set()
-        await ears.rest()
-        assert ears.settled == 1
-
-    suspecting(scenario, "Shop.")
 
 
 # The real recogniser

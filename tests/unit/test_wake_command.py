@@ -23,7 +23,7 @@ from engine.wake.head import Trial
 from engine.wake.training.trainer import Trained, train
 from engine.wake.training.trial import Point, doubts
 from engine.wake.training.voices import Espeak, Remembered, trimmed
-from tests.unit.test_wake_words import tiny
+from tests.unit.test_heads import tiny
 from tui import cli
 from tui.commands import wake
 from tui.commands.head_plot import alarms, described, figures, plot
