@@ -45,6 +45,7 @@ class Scripted:
     of what is given."""
 
     name = "scripted"
+    takes_lead = True
 
     def __init__(self, *answers: Answer | Callable[[Given], Answer]) -> None:
         self.answers = answers

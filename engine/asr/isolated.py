@@ -51,6 +51,8 @@ class IsolatedRecogniser:
     A process that is lost is replaced when something is asked for the next time.
     """
 
+    takes_lead = True
+
     def __init__(self, folder: Path, settings: Asr) -> None:
         self.name = WhisperRecogniser(folder, settings).name  # cheap as long as it loads nothing
         self._arguments = (f"--folder={folder}", f"--settings={settings.model_dump_json()}")

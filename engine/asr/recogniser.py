@@ -55,6 +55,9 @@ class Rejected:
 class Recogniser(Protocol):
     """Turns utterances into text. Blocking, and for one thread at a time; only ``close`` may come from any."""
 
+    takes_lead: bool
+    """It can be told what was said right before a sound; all others may hear the end of that in it."""
+
     @property
     def name(self) -> str:
         """For people: ``whisper-base (int8, 1 thread)``; once it is loaded, with its language and how long it takes."""

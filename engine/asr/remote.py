@@ -58,6 +58,8 @@ class Elsewhere(Protocol):
 class RemoteRecogniser:
     """See ``Recogniser``."""
 
+    takes_lead = False
+
     def __init__(self, elsewhere: Elsewhere, settings: Asr) -> None:
         self.name = elsewhere.name
         self._elsewhere = elsewhere

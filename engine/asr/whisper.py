@@ -75,6 +75,8 @@ FILES = ("model.bin", "config.json", "tokenizer.json")
 class WhisperRecogniser:
     """A CTranslate2 Whisper model in a folder of this machine; nothing is ever downloaded."""
 
+    takes_lead = True
+
     def __init__(self, folder: Path, settings: Asr) -> None:
         self._folder = folder
         self._settings = settings

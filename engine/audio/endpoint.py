@@ -5,7 +5,8 @@ same utterance. An utterance starts once enough speech came in a row, and is giv
 a word begins before a detector is sure of it. It ends after enough silence, or at its greatest length, which also ends
 it in a noise that sounds like speech for ever. How much silence is enough, whoever knows what was said can say anew in
 every pause (:meth:`Endpointer.wait`), or that none is needed (:meth:`Endpointer.conclude`), and need not wait for
-another frame where that was all (:attr:`Endpointer.is_over`).
+another frame where that was all (:attr:`Endpointer.is_over`). And where it was no utterance at all, they say so, and it
+is waited for one as before (:meth:`Endpointer.forget`).
 """
 
 from __future__ import annotations
@@ -134,6 +135,16 @@ class Endpointer:
     def conclude(self) -> None:
         """All has been said: the next frame ends the utterance, whatever is heard in it."""
         self._concluded = True
+
+    def forget(self) -> None:
+        """What somebody has said so far was no utterance: wait for one, no longer than if nothing had been said."""
+        new = len(self._frames) - self._resumed  # a word that has just begun may be it
+        self._before.extend(self._frames[:new])
+        self._run, self._frames = self._frames[new:], []
+        self._silence_frames = self._usual_silence
+        self._silence = self._resumed = self._speech = 0
+        self._fading = self._concluded = False
+        self._lead = None
 
     def push(self, frame: Frame, vad: VadResult) -> Started | Ended | None:
         """Take the next frame. Raises ``RuntimeError`` after the end."""

@@ -178,6 +178,15 @@ class DecodingAhead:
             uncertain = verdict == "complete" and not self._whole.is_certain
             endpointer.wait(self._uncertain_s if uncertain else self._silence_s[verdict])
 
+    @property
+    def found_nothing(self) -> bool:
+        """Nothing was said before the present pause, but what is known to have been said before that."""
+        whole = self._whole
+        if whole is None or whole.future is None or not whole.is_over or whole.is_doubtful:
+            return False
+        found = whole.future.result()
+        return isinstance(found, Rejected) and found.reason == "no_speech"
+
     def ends(self, endpointer: Endpointer) -> bool:
         """Between two frames: by what is known now, the utterance is over, and need not wait for the next one."""
         self.advise(endpointer)

@@ -44,6 +44,10 @@ from engine.hearing.readings import Judge, Notice
 from engine.hearing.transcriber import Transcriber, as_event
 from engine.lead import Lead
 
+SETTLING_FRAMES = 16
+"""How much of a wake word (0.5 s) a detector of voices hears before the request that follows: one that begins in the
+middle of a voice misses it in noise, of 300 such requests at 10 and at 5 dB 5 % to the end and 13 % at first."""
+
 LONGEST_PHRASE = 40
 """Characters of what can have been said in the second before a request; whoever sends commands may write more."""
 
@@ -250,7 +254,7 @@ class Hearing:
         self._drop_ahead()
         self._afterwards.forget()
         begun, self._afterwards.begun = self._afterwards.begun, None
-        phrase, self._phrase = self._phrase, ""
+        phrase, self._phrase = self._phrase if self._recogniser.takes_lead else "", ""
         source = self._source
         if source is None or self._missing is not None or self._ring.error is not None:
             raise self._missing or self._ring.error or DeviceError("There is nothing to hear with.")
@@ -259,6 +263,7 @@ class Hearing:
         emit(events.ListenStarted(source.name, restarted))
         ended = events.ListenEnded("cancelled", 0.0, 0.0)
         try:
+            await self._settle(before[-SETTLING_FRAMES:] if lead is not None else ())
             end = await self._find_utterance(source, emit, begun, lead)
             heard = end.utterance
             ended = events.ListenEnded(
@@ -308,10 +313,16 @@ class Hearing:
                 self._told.add(warning)
                 emit(events.Log("warning", "microphone", warning))
 
+    async def _settle(self, before: Sequence[Frame]) -> None:
+        """Have the detector of voices begin anew, with what was heard ``before``."""
+        self._vad.reset()
+        for frame in before:
+            self._vad.process(frame)
+            await asyncio.sleep(0)  # a millisecond each
+
     async def _find_utterance(self, source: Source, emit: Emit, begun: Utterance | None, lead: Lead | None) -> Ended:
         """Feed frames to the endpointer until it has an end; what was ``begun``, or a ``lead``, comes before it. Raises
         what the source raises."""
-        self._vad.reset()
         patience = {} if begun is None else {"no_speech_s": GOES_ON_S}  # it may have been no voice that went on
         endpointer = Endpointer(self._endpoint.model_copy(update=patience), lead)
         meter = Meter()
@@ -327,10 +338,20 @@ class Hearing:
             found.add_done_callback(lambda _: self._ring.look_again())
             return found
 
-        ahead = DecodingAhead(recognise, start, self._endpoint, self._judge, emit, partials=self._partials)
+        def decoding_ahead() -> DecodingAhead:
+            return DecodingAhead(recognise, start, self._endpoint, self._judge, emit, partials=self._partials)
+
+        def enough() -> bool:
+            return ahead.ends(endpointer)
+
+        ahead = decoding_ahead()
         try:
-            while (frame := await self._next_frame(source, lambda: ahead.ends(endpointer))) is not None:
+            while (frame := await self._next_frame(source, enough)) is not None:
                 vad = self._vad.process(frame)
+                if endpointer.lead is not None and ahead.found_nothing:
+                    ahead.drop()
+                    endpointer.forget()
+                    ahead = decoding_ahead()
                 ahead.advise(endpointer)
                 found = endpointer.push(frame, vad)
                 if (level := meter.add(frame, vad, in_speech=endpointer.in_speech)) is not None:

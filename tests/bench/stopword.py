@@ -65,6 +65,7 @@ class Timed:
         self.free = 0.0  # s of the sound, when its newest answer is there
         self.decode_s: list[float] = []
         self.name = recogniser.name
+        self.takes_lead = recogniser.takes_lead
         self.load = recogniser.load
         self.close = recogniser.close
         self._recogniser = recogniser

@@ -27,7 +27,7 @@ from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import ModelError
 from engine.hearing.ahead import CAUTION, DecodingAhead
-from engine.hearing.hearing import Hearing
+from engine.hearing.hearing import Hearing, NothingHeard
 from engine.hearing.readings import Completeness
 from engine.hearing.transcriber import Transcriber
 from engine.parts.loading import at_home, vocabulary
@@ -605,6 +605,51 @@ def test_the_next_listener_is_not_told_what_the_last_one_heard() -> None:
             assert isinstance(second, Utterance)
             assert (await it.hearing.transcribe(second, it.emit)).text == "Turn left."
             assert len(scripted.passes) == 2
+
+    run(scenario())
+
+
+NOTHING = Rejected("no_speech", "Nothing was said after “hey jarvis”.", "", SURE)
+
+
+async def woken(it: Listening) -> None:
+    """In the midst of the first words, which are those of the phrase."""
+    await asyncio.sleep(1.0)
+    it.hearing.mark(0.0, "hey jarvis")
+
+
+@pytest.mark.parametrize("pause_s", [0.9, 3.0])
+def test_who_says_the_wake_word_and_pauses_is_still_listened_to(pause_s: float) -> None:
+    async def scenario() -> None:
+        scripted = Scripted(NOTHING, "Go to the kitchen.")
+        async with listening(scripted, KITCHEN, quiet(pause_s), KITCHEN, partials=False) as it:
+            await woken(it)
+            _, final = await it.hear()
+            assert final.text == "Go to the kitchen."
+            assert [given.lead is not None for given in scripted.passes] == [True, False]
+            assert scripted.passes[1].seconds < len(KITCHEN) / RATE + 1, "without what was said before the pause"
+
+    run(scenario())
+
+
+def test_who_says_the_wake_word_and_no_more_is_waited_for_as_long_as_who_says_nothing() -> None:
+    async def scenario() -> None:
+        async with listening(Scripted(NOTHING), KITCHEN) as it:
+            await woken(it)
+            began = asyncio.get_running_loop().time()
+            heard = await it.hearing.listen(it.emit)
+            assert isinstance(heard, NothingHeard)
+            assert heard.reason == "no_speech"
+            assert asyncio.get_running_loop().time() - began == pytest.approx(ENDPOINT.no_speech_s, abs=0.2)
+
+    run(scenario())
+
+
+def test_a_request_of_which_no_word_was_understood_is_turned_down() -> None:
+    async def scenario() -> None:
+        async with listening(Scripted(NOTHING), KITCHEN) as it:
+            _, final = await it.hear()
+            assert isinstance(final, events.TranscriptRejected)
 
     run(scenario())
 

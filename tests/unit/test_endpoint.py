@@ -70,6 +70,36 @@ def test_what_was_said_before_belongs_to_an_utterance_that_begins_at_once(silenc
     assert (numbers(ended)[0] == 0) == follows, "without a gap"
 
 
+def test_after_what_was_no_utterance_one_is_waited_for_with_the_newest_sound_before_it() -> None:
+    machine = Endpointer(SETTINGS, LEAD)
+    pattern = [True] * 8 + [False] * 12 + [True] * 30 + [False] * 40
+    found = []
+    for index, speech in enumerate(pattern):
+        if index == 21:  # the first frame of a word has just been heard
+            assert machine.lead is LEAD
+            machine.forget()
+            assert not machine.in_speech
+        frame = Frame(np.full(FRAME_SAMPLES, index, np.int16), (index + 1) * FRAME_S)
+        found.append(machine.push(frame, VadResult(float(speech), speech)))
+        if isinstance(found[-1], Ended):
+            break
+    (ended,) = [item for item in found if isinstance(item, Ended)]
+    assert ended.utterance is not None
+    assert ended.utterance.lead is None
+    assert numbers(ended)[0] == 20 - PRE_ROLL
+    assert ended.utterance.speech_s == pytest.approx(30 * FRAME_S)
+
+
+def test_what_was_no_utterance_does_not_prolong_the_wait_for_one() -> None:
+    machine = Endpointer(SETTINGS)
+    for index in range(NO_SPEECH):
+        if index == 30:
+            machine.forget()
+        speech = index < 20
+        found = machine.push(Frame(np.zeros(FRAME_SAMPLES, np.int16), (index + 1) * FRAME_S), VadResult(1.0, speech))
+    assert found == Ended("no_speech", None)
+
+
 def test_a_blip_shorter_than_the_start_never_starts() -> None:
     started, ended, count = hear(([True] * (START - 1) + [False]) * 30)
     assert started is None

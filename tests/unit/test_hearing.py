@@ -31,7 +31,8 @@ from engine.errors import DeviceError, ModelError, SaysoError
 from engine.hearing.hearing import Hearing, NothingHeard
 from engine.hearing.transcriber import LIKELY_SAID, SAID
 from tests import recogniser
-from tests.bench.speech import hum
+from tests.bench.speech import hum, speech_bounds
+from tests.bench.speech import mixed as in_noise
 from tests.room import BEGUN, Room, Speaker, decibels, mixed, said_in_turn
 from tests.room import samples as sampled
 from tests.virtual_time import run
@@ -348,6 +349,30 @@ def test_what_came_before_a_pause_or_is_not_known_is_not_told(ago_s: float | Non
             await it.hearing.transcribe(heard, it.emit)
         assert it.recogniser.passes
         assert [given.lead for given in it.recogniser.passes] == [None] * len(it.recogniser.passes)
+
+    asyncio.run(scenario())
+
+
+def test_a_request_that_follows_a_phrase_in_noise_without_a_pause_is_heard_from_its_beginning() -> None:
+    words = read_wav(SPEECH / "raise_your_arm.wav")
+    begin, end = (round(at * RATE) for at in speech_bounds(words))
+    words = words[begin:end]
+    half = round(0.6 * len(words)) // FRAME_SAMPLES * FRAME_SAMPLES  # the phrase ends in the midst of a word
+    voice = np.concatenate((quiet(0.96), words, quiet(1)))
+    sound = in_noise(voice, np.random.default_rng(1).normal(0, 1000, len(voice)).astype(np.int16), 5.0)
+    marked = round(0.96 * RATE) + half
+
+    async def scenario() -> None:
+        source = PushSource()
+        async with ears(lambda: source) as it:
+            source.push(sound[:marked].tobytes())
+            await settle()
+            it.hearing.mark(0.0, "hey jarvis")
+            source.push(sound[marked:].tobytes())
+            heard = await it.hearing.listen(it.emit)
+            assert isinstance(heard, Utterance)
+            assert heard.lead is not None
+            assert heard.start == pytest.approx(marked / RATE)
 
     asyncio.run(scenario())
 

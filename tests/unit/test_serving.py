@@ -55,6 +55,7 @@ class Counting:
     """A recogniser that hears how long a sound is, once it may."""
 
     name = "counting (slowly), en"
+    takes_lead = False
 
     def __init__(self, *, free: bool = True) -> None:
         self.asked: list[tuple[int, tuple[str, ...]]] = []
