@@ -121,7 +121,10 @@ class Asr(Section):
     backend: Literal["whisper", "openai", "wyoming"] = Field(
         description="whisper: on this machine; openai: a service (platform); wyoming: a server (server)."
     )
-    model: str = Field(description="Of whisper: a name from `sayso models list`, or a folder with a CTranslate2 model.")
+    model: str = Field(
+        description="Of whisper: a name from `sayso models list`, a size (small, large-v3) that `hf download` has"
+        " fetched, or a folder with a CTranslate2 model."
+    )
     platform: str | None = Field(description="Of openai: whose /audio/transcriptions it is (platforms.yaml).")
     server: str | None = Field(description="Of wyoming: its address, tcp://HOST:PORT or unix:///PATH.")
     language: str = Field(description="ISO 639-1 code, or auto.")

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from config.schema import Asr
 from engine.asr.gates import judge
 from engine.asr.recogniser import Decoding, Rejected, Transcript
+from engine.asr.sizes import title
 from engine.errors import ModelError
 from engine.han import is_chinese
 from engine.lead import Lead
@@ -84,7 +85,7 @@ class WhisperRecogniser:
         self._model: Any = None
         self._first: tuple[_Sound, tuple[str, ...], _Result] | None = None  # the last short pass
         self._spoken: tuple[NDArray[np.float32], str] | None = None  # the last sound whose language was looked for
-        self.name = self._name = f"{folder.name} (int8, {self._threads} thread{'s' if self._threads > 1 else ''})"
+        self.name = self._name = f"{title(folder)} (int8, {self._threads} thread{'s' if self._threads > 1 else ''})"
 
     def load(self) -> None:
         """Load the model and run it once, so that the first command is as quick as the next. About 1 s.

@@ -299,7 +299,11 @@ def _speech_model(settings: Settings) -> Path:
     folder = Path(name).expanduser()
     if folder.is_absolute() or folder.is_dir():
         return folder
-    return model_store(settings).find(name)
+    from engine.asr.sizes import in_hub, is_size, listed
+
+    store = model_store(settings)
+    ours = listed(name, store.manifest.models)
+    return in_hub(name) if ours is None and is_size(name) else store.find(ours or name)
 
 
 def make_demo() -> SimulatedMicrophone:

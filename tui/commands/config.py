@@ -122,6 +122,7 @@ def _scene(settings: Settings) -> None:
 
 def _recogniser(settings: Settings) -> None:
     """Whether there is such a model; it need not be fetched. Raises :class:`ModelError`."""
+    from engine.asr.sizes import is_size, listed
     from engine.parts.loading import model_store
 
     name = settings.asr.model
@@ -130,7 +131,9 @@ def _recogniser(settings: Settings) -> None:
         return
     if folder.is_absolute():
         raise ModelError(f"There is no folder {folder}.")
-    model_store(settings).manifest[name]
+    manifest = model_store(settings).manifest
+    if listed(name, manifest.models) is None and not is_size(name):
+        manifest[name]
 
 
 def _theme(settings: Settings) -> None:

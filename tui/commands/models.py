@@ -8,6 +8,7 @@ from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
 
 from config.schema import Settings
+from engine.asr.sizes import listed
 from engine.errors import ExitCode, SaysoError
 from engine.models import ModelStore, Progress
 from engine.parts.loading import model_store, voice_to_fetch
@@ -40,7 +41,7 @@ def needed(store: ModelStore, settings: Settings) -> list[str]:
     they are files of the user's own."""
     words = settings.wake.words
     heads = MODEL if words == "auto" or set(words) - set(PHRASES) else None
-    names = (settings.asr.model, voice_to_fetch(settings), heads)
+    names = (listed(settings.asr.model, store.manifest.models), voice_to_fetch(settings), heads)
     return [name for name in names if name is not None and name in store.manifest.models]
 
 
