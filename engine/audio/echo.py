@@ -107,6 +107,7 @@ class EchoCanceller:
         self._lag = self.drift = 0.0
         self._stamps.clear()
         self._heard, self._at, self._active, self._late = 0, None, False, None
+        self.alone = False
 
     def clean(self, frame: Samples, at: float) -> Cleaned | None:
         """The frame, shape (512,), without what is the robot's own; None: there is nothing of it in there. ``at``: when

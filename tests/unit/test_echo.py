@@ -201,6 +201,19 @@ def test_another_source_is_another_room() -> None:
     assert decibels(heard, left) == pytest.approx(0, abs=0.5)
 
 
+def test_what_another_source_hears_is_not_the_robots_own() -> None:
+    played = answer(20)
+    echoes = canceller(played)
+    heard = Room(drift_ppm=0).echo(played)
+    for start in range(8 * RATE, 20 * RATE, FRAME_SAMPLES):
+        echoes.clean(samples(heard[start : start + FRAME_SAMPLES]), BEGUN + (start + FRAME_SAMPLES) / RATE)
+        if echoes.alone:
+            break
+    assert echoes.alone
+    echoes.reset()
+    assert not echoes.alone
+
+
 def test_what_was_learnt_can_be_shifted() -> None:
     random = np.random.default_rng(0)
     sound = random.normal(0, 0.1, 400 * BLOCK).astype(np.float32)
