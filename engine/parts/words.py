@@ -49,6 +49,7 @@ class WordsPart:
         self._emit = emit
         self._wakes = wakes
         self._listener: WordListener | None = None
+        self._late = False  # and that has been told
 
     async def keep(self, make_part: Callable[[], Part[str]]) -> None:
         """Listen until this is cancelled. Where nothing is to be listened for, there is no part."""
@@ -101,6 +102,10 @@ class WordsPart:
     def push(self, samples: NDArray[np.int16]) -> None:
         if (listener := self._listener) is not None:
             listener.push(samples)
+            if listener.dropped and not self._late:
+                self._late = True
+                text = "This machine is too slow or too busy to listen for wake words: some are missed."
+                self._emit(Log("warning", "wake words", text))
 
     def reset(self) -> None:
         if (listener := self._listener) is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 
 import numpy as np
 import pytest
@@ -12,12 +13,12 @@ from config import load
 from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.commands import Wake
-from engine.events import ErrorRaised, Event
+from engine.events import ErrorRaised, Event, Log
 from engine.handle import PartStatus
 from engine.parts import words as module
 from engine.parts.part import Part
 from engine.parts.words import FRESH_STARTS, WordsPart
-from engine.wake.words import Spotted
+from engine.wake.words import BEHIND_S, RATE, Spotted
 
 LIMIT_S = 20
 CLAP = np.full(512, 9000, np.int16)
@@ -37,6 +38,58 @@ class Failing:
         return [Spotted("clap", len(samples), len(samples))]
 
     def reset(self) -> None: ...
+
+
+class Slow(Failing):
+    """A spotter that hears nothing before the test lets it."""
+
+    def __init__(self) -> None:
+        super().__init__(broken=False)
+        self.began, self.may_hear = threading.Event(), threading.Event()
+        self.heard = 0
+
+    def push(self, samples: NDArray[np.int16]) -> list[Spotted]:
+        self.heard += 1
+        self.began.set()
+        assert self.may_hear.wait(LIMIT_S)
+        return []
+
+
+def test_who_cannot_keep_up_with_the_sound_is_told_of_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    slow = Slow()
+    monkeypatch.setattr(module, "load_spotters", lambda *_, **__: [slow])
+    told: list[str] = []
+    bus = Bus(SystemClock())
+    bus.subscribe(lambda event: told.append(event.body.message) if isinstance(event.body, Log) else None)
+
+    async def scenario() -> None:
+        ready = asyncio.Event()
+        words = WordsPart(
+            load(overrides=("wake.words=[clap]",), environ={}),
+            lambda wake: None,
+            lambda spotted: None,
+            lambda phrase, sound, said: None,
+            bus.bound(turn=None, epoch=0),
+        )
+        keeping = asyncio.create_task(words.keep(lambda: Part("wake words", lambda status: ready.set())))
+        async with asyncio.timeout(LIMIT_S):
+            await ready.wait()
+            words.push(CLAP)
+            await asyncio.to_thread(slow.began.wait, LIMIT_S)
+            slow.began.clear()
+            for _ in range(round(2 * BEHIND_S * RATE / len(CLAP))):
+                words.push(CLAP)
+            assert told == []
+            slow.may_hear.set()
+            await asyncio.to_thread(slow.began.wait, LIMIT_S)
+            for _ in range(3):
+                words.push(CLAP)
+        assert len(told) == 1
+        assert "too slow" in told[0]
+        keeping.cancel()
+        await asyncio.gather(keeping, return_exceptions=True)
+
+    asyncio.run(scenario())
 
 
 @pytest.mark.parametrize("faults", [1, FRESH_STARTS, FRESH_STARTS + 1])
