@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from config.schema import Asr
-from engine.asr.recogniser import Rejected, Transcript
+from engine.asr.recogniser import RecogniserLost, Rejected, Transcript
 from engine.asr.whisper import WhisperRecogniser
 from engine.asr.wire import (
     ANSWERS,
@@ -149,7 +149,7 @@ class IsolatedRecogniser:
             try:
                 self._child = child = Child("recogniser", _WORKER, self._arguments)
             except ProcessError as error:
-                raise ModelError(error.message, hint=_AGAIN) from error
+                raise RecogniserLost(error.message, hint=_AGAIN) from error
         wire = Wire(child.link, ANSWERS)
         answer = self._answer(wire)
         if not isinstance(answer, Loaded):
@@ -205,15 +205,15 @@ class IsolatedRecogniser:
             return _closed()
         assert self._child is not None, "only this thread takes it away"
         why = self._child.epitaph(wait=_EPITAPH_S) or "The recogniser process closed its connection."
-        return ModelError(why, hint=_AGAIN)
+        return RecogniserLost(why, hint=_AGAIN)
 
     @staticmethod
     def _silence() -> ModelError:
-        return ModelError(f"The recogniser process has not answered for {ANSWER_LIMIT_S:g} s.", hint=_AGAIN)
+        return RecogniserLost(f"The recogniser process has not answered for {ANSWER_LIMIT_S:g} s.", hint=_AGAIN)
 
     @staticmethod
     def _nonsense(what: str) -> ModelError:
-        return ModelError(f"The recogniser process gave an answer that makes no sense: {what}.", hint=_AGAIN)
+        return RecogniserLost(f"The recogniser process gave an answer that makes no sense: {what}.", hint=_AGAIN)
 
 
 def _raw(samples: NDArray[np.float32]) -> bytes:

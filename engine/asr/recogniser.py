@@ -13,6 +13,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.errors import ModelError
 from engine.lead import Lead
 
 RejectReason = Literal["no_speech", "low_confidence", "too_short", "empty", "artefact"]
@@ -50,6 +51,10 @@ class Rejected:
     detail: str  # a sentence for people
     text: str = ""
     decoding: Decoding | None = None
+
+
+class RecogniserLost(ModelError):
+    """What the recogniser lives in is gone, or as good as gone; asked again, it begins anew."""
 
 
 class Recogniser(Protocol):

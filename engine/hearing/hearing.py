@@ -44,6 +44,9 @@ from engine.hearing.readings import Judge, Notice
 from engine.hearing.transcriber import Transcriber, as_event
 from engine.lead import Lead
 
+WARN_S = 5.0
+"""How often what a live source tolerates is told while nobody listens, at most, s."""
+
 SETTLING_FRAMES = 16
 """How much of a wake word (0.5 s) a detector of voices hears before the request that follows: one that begins in the
 middle of a voice misses it in noise, of 300 such requests at 10 and at 5 dB 5 % to the end and 13 % at first."""
@@ -85,12 +88,13 @@ class Hearing:
     ``open_source`` makes the source to begin with; :meth:`hear` puts another in its place. ``vocabulary``: nouns and
     names to expect. ``suppression`` of noise and then ``gain_db`` (a number or "auto") are applied before anything else
     but the taking out of the robot's own voice. ``on_end`` is called, in the loop's thread, when a live source has
-    ended or is lost. ``judge`` is asked, in the recogniser's thread, whether
-    somebody who pauses has said all, and ``notice`` what was added to a request; ``partials``: words are recognised
-    while somebody talks. ``alert`` is told of a stop that is overheard (see :meth:`overhear`). ``listener`` gets all
-    that a live source hears. ``echo`` takes the robot's own voice out of what a source hears that hears its
-    loudspeaker. ``on_going_on`` is told, in the loop's thread, that somebody goes on whose turn was ended in the middle
-    of a sentence, and how long ago (s, up to 1): whoever marks that moment and listens hears both pieces as one.
+    ended or is lost, and ``warn`` of what it tolerates while nobody listens. ``judge`` is asked, in the recogniser's
+    thread, whether somebody who pauses has said all, and ``notice`` what was added to a request; ``partials``: words
+    are recognised while somebody talks. ``alert`` is told of a stop that is overheard (see :meth:`overhear`).
+    ``listener`` gets all that a live source hears. ``echo`` takes the robot's own voice out of what a source hears that
+    hears its loudspeaker. ``on_going_on`` is told, in the loop's thread, that somebody goes on whose turn was ended in
+    the middle of a sentence, and how long ago (s, up to 1): whoever marks that moment and listens hears both pieces as
+    one.
     ``beside`` hears voices while the robot acts on what was said, for what is added to that; None: nothing is.
     ``prompt``: see ``Transcriber``. Leaving closes the source and the recogniser, whatever it is doing.
     """
@@ -106,6 +110,7 @@ class Hearing:
         suppression: Suppression = "off",
         gain_db: float | Literal["auto"] = 0.0,
         on_end: Callable[[SaysoError | None], None] = lambda error: None,
+        warn: Callable[[str], None] = lambda words: None,
         judge: Judge = lambda text: "unknown",
         notice: Notice = lambda first, whole: None,
         partials: bool = True,
@@ -124,7 +129,7 @@ class Hearing:
         self._endpoint = endpoint
         self._recogniser = recogniser
         self._of_others, self._of_all = NoiseSuppressor(suppression), NoiseSuppressor(suppression)
-        self._gain = Gain(gain_db)
+        self._gain = self._usual_gain = Gain(gain_db)
         self._transcriber = Transcriber(recogniser, vocabulary, judge, prompt=prompt)
         self._open = AsyncExitStack()
         self._source: Source | None = None
@@ -133,6 +138,7 @@ class Hearing:
         self._pump: asyncio.Task[None] | None = None
         self._ring = Ring(math.ceil(endpoint.pre_roll_s / FRAME_S))
         self._on_end = on_end
+        self._warn = warn
         self._overhearing = Overhearing(alert, recogniser, self._transcriber.thread)
         self._listener = listener
         self._echo = echo
@@ -174,9 +180,14 @@ class Hearing:
         """What the source tolerated so far."""
         return self._source.warnings if self._source is not None else ()
 
-    async def hear(self, source: Source) -> None:
+    async def hear(self, source: Source, gain: Gain | None = None) -> None:
         """From now on hear ``source``, which is opened here, in the place of the one before, which is closed. Somebody
-        who listens goes on listening. Raises what opening it raises; then all stays as it was."""
+        who listens goes on listening. ``gain``: that of this source; else it is the usual one, as it was left. Raises
+        what opening it raises; then all stays as it was."""
+        if (
+            self._pump is not None and self._pump.done()
+        ):  # what has ended may still have the device that is to be opened
+            await self._close_source()
         opened = AsyncExitStack()
         await opened.enter_async_context(source)
         try:
@@ -185,6 +196,7 @@ class Hearing:
             await opened.aclose()
             raise
         self._open, self._source, self._missing = opened, source, None
+        self._gain = gain or self._usual_gain
         self._afterwards.forget()
         self._told.clear()
         self._of_others.reset()
@@ -275,7 +287,8 @@ class Hearing:
         finally:
             self._ring.release()
             emit(ended)
-            self._warn(emit)
+            for warning in self._untold():
+                emit(events.Log("warning", "microphone", warning))
         if heard is not None:
             return heard
         if end.reason == "source_ended":
@@ -306,12 +319,11 @@ class Hearing:
         """There is no source any more: that is what whoever listens from now on is told."""
         self._missing = error
 
-    def _warn(self, emit: Emit) -> None:
-        """Tell what the source tolerated and nobody has been told yet: its counters grow, but nothing is repeated."""
-        for warning in self.warnings:
-            if warning not in self._told:
-                self._told.add(warning)
-                emit(events.Log("warning", "microphone", warning))
+    def _untold(self) -> list[str]:
+        """What the source tolerated and nobody has been told yet: its counters grow, but nothing is repeated."""
+        untold = [warning for warning in self.warnings if warning not in self._told]
+        self._told.update(untold)
+        return untold
 
     async def _settle(self, before: Sequence[Frame]) -> None:
         """Have the detector of voices begin anew, with what was heard ``before``."""
@@ -421,6 +433,7 @@ class Hearing:
     async def _keep_reading(self, source: Source) -> None:
         """The task that reads a live source until it ends, is lost, or another one takes its place."""
         error: SaysoError | None = None
+        warned = 0.0  # stream time, s
         try:
             async for frame in source:
                 left, others = self._without_echo(frame)
@@ -432,6 +445,11 @@ class Hearing:
                 if self._listener is not None:
                     self._listener.push(plain.samples)
                 self._overhearing.push(plain, taken)
+                if frame.end - warned >= WARN_S and not self._ring.is_listened_to:
+                    warned = frame.end
+                    for warning in self._untold():
+                        self._warn(warning)
+                await asyncio.sleep(0)  # much may have come at once, and the robot waits for its heartbeat
         except SaysoError as lost:
             error = lost
         except Exception as fault:  # noqa: BLE001 - nobody waits for this task: whoever opens sources is told

@@ -57,6 +57,7 @@ class Alert:
     vad: VoiceActivity  # of its own: a detector remembers what it heard
     is_stop: IsStop
     on_words: Callable[[str], None]  # told of the words that hold a stop, as they were recognised
+    unasked: bool = True  # what is said is recognised; else only what a spotter is sure of
 
 
 class Overhearing:
@@ -88,6 +89,10 @@ class Overhearing:
         """Something is being recognised, or waits for that."""
         return bool(self._works)
 
+    @property
+    def _listens_unasked(self) -> bool:
+        return self._alert is not None and self._alert.unasked
+
     def switch(self, on: bool) -> None:
         """Listen from now on, or not any more; either way, what was heard before does not count."""
         if on != self._on:
@@ -105,7 +110,7 @@ class Overhearing:
         """Somebody has just said ``phrase``, it seems, or it is even ``sure``: find out at once. ``settled`` is called
         when that is known, after whoever is to be alerted was; never, where the recogniser fails or no sound comes any
         more. ``likelier`` is called before that where it becomes more likely, and another look will tell."""
-        if not self.usable:
+        if not self.usable or not (sure or self._listens_unasked):
             settled()
             return
         suspicion = self._suspicion
@@ -130,10 +135,11 @@ class Overhearing:
         self._newest.append(frame)
         said = self._watch.push(frame, alert.vad.process(others or frame).speech)
         suspicion = self._suspicion
-        if suspicion is not None and suspicion.waits:
-            suspicion.held = said or suspicion.held
-        elif said is not None:
-            self._ask(alert, said)
+        if said is not None and alert.unasked:
+            if suspicion is not None and suspicion.waits:
+                suspicion.held = said
+            else:
+                self._ask(alert, said)
         if suspicion is not None:
             suspicion.frames += 1
             if not suspicion.looks and suspicion.is_due(paused=said is not None):

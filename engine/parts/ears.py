@@ -14,9 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from config.schema import Settings
+from engine.asr.recogniser import RecogniserLost
 from engine.audio.denoise import usable
 from engine.audio.echo import EchoCanceller
 from engine.audio.feed import Door
+from engine.audio.gain import Gain
 from engine.audio.microphone import Lost, Microphone
 from engine.audio.pipe import GuestSource, PushSource
 from engine.audio.satellite import Satellite
@@ -26,7 +28,7 @@ from engine.audio.sounded import Sounded
 from engine.audio.source import Source
 from engine.audio.vad import make_vad
 from engine.commands import Wake
-from engine.errors import DeviceError, SaysoError, StorageError
+from engine.errors import DeviceError, ModelError, SaysoError, StorageError
 from engine.hearing.hearing import Hearing, HearingFault, Listener
 from engine.hearing.overhearing import Alert
 from engine.hearing.readings import Judge, Notice
@@ -37,6 +39,10 @@ from engine.planner.phrases.stopping import is_stop
 AGAIN_S = 5.0
 """Pause before looking for the microphone again when looking itself has failed, s; before opening a source again that a
 fault of ours has ended; and before trying again to get the door that another sayso has."""
+
+
+FRESH_STARTS = 2
+"""How often a recogniser that is lost while it loads is started again."""
 
 
 class Ears:
@@ -134,6 +140,7 @@ class Ears:
             suppression=usable(settings.audio.noise_suppression, self._warn),
             gain_db=settings.audio.gain_db,
             on_end=self._ended,
+            warn=self._warn,
             judge=self._judge,
             notice=self._notice,
             partials=settings.asr.backend == "whisper",  # what is elsewhere is asked once
@@ -141,11 +148,11 @@ class Ears:
             listener=self._listener,
             echo=EchoCanceller(self._played) if self._played is not None else None,
             on_going_on=self._on_going_on,
-            beside=make_vad(settings.vad) if settings.asr.backend != "openai" else None,  # as for _alert
+            beside=make_vad(settings.vad) if settings.asr.backend != "openai" else None,  # a service
             prompt=settings.robot.realtime_priority,
         )
         closing.push_async_exit(hearing)
-        await hearing.load()
+        await self._have_recogniser(hearing)
         if self._woken_early:
             hearing.mark()
         await self._microphone.load(lambda: self._open(hearing), str)
@@ -153,11 +160,26 @@ class Ears:
             await self._do_without(hearing)
         return hearing
 
+    async def _have_recogniser(self, hearing: Hearing) -> None:
+        """Raises ``ModelError``."""
+        for _ in range(FRESH_STARTS):
+            try:
+                return await hearing.load()
+            except RecogniserLost as error:  # the machine may be short of memory while all else loads as well
+                self._warn(f"{error.message} It is started again.")
+                await asyncio.sleep(AGAIN_S)
+        try:
+            return await hearing.load()
+        except RecogniserLost as error:
+            hint = "Start sayso again; if it keeps happening, try a smaller asr.model."
+            raise ModelError(error.message, hint=hint) from error
+
     def _alert(self) -> Alert | None:
-        """Whatever is said while the robot moves is no business of a service."""
-        if self._on_words is None or self._settings.asr.backend == "openai":
+        """Whatever is said while the robot moves is no business of a service, but for what must be a stop."""
+        if self._on_words is None:
             return None
-        return Alert(make_vad(self._settings.vad), is_stop, self._on_words)
+        unasked = self._settings.asr.backend != "openai"
+        return Alert(make_vad(self._settings.vad), is_stop, self._on_words, unasked)
 
     async def _open(self, hearing: Hearing) -> str:
         try:
@@ -252,7 +274,7 @@ class Ears:
         """Hear the guest, or after the last one whatever is usual here."""
         self._faulty = False
         if guest is not None:
-            await hearing.hear(guest)
+            await hearing.hear(guest, Gain("auto" if self._settings.audio.gain_db == "auto" else 0.0))
             self._heard = guest
             self._microphone.succeed(guest.name, guest.name)
             return

@@ -35,7 +35,7 @@ def quiet(seconds: float) -> Samples:
 class Listening(Scripted):
     """Ears with a suspicion: whether it was settled, and what the recogniser was asked."""
 
-    def __init__(self, *answers: Transcript | Rejected | ModelError | str) -> None:
+    def __init__(self, *answers: Transcript | Rejected | ModelError | str, unasked: bool = True) -> None:
         super().__init__(*answers)
         self.likelihoods: Sequence[float] = ()
         """One after the other; the last one again and again. Empty: it cannot tell."""
@@ -45,7 +45,8 @@ class Listening(Scripted):
         self.told: list[str] = []
         self._worker = ThreadPoolExecutor(1)
         self._frames = 0
-        self.overhearing = Overhearing(Alert(make_vad(VAD), is_stop, self.told.append), self, self._worker)
+        alert = Alert(make_vad(VAD), is_stop, self.told.append, unasked)
+        self.overhearing = Overhearing(alert, self, self._worker)
         self.overhearing.switch(True)
 
     @property
@@ -91,12 +92,14 @@ class Listening(Scripted):
 
 
 def suspecting(
-    scenario: Callable[[Listening], Awaitable[None]], *answers: Transcript | Rejected | ModelError | str
+    scenario: Callable[[Listening], Awaitable[None]],
+    *answers: Transcript | Rejected | ModelError | str,
+    unasked: bool = True,
 ) -> None:
     """Run a scenario in which the recogniser has these answers, the last one for ever."""
 
     async def main() -> None:
-        ears = Listening(*answers)
+        ears = Listening(*answers, unasked=unasked)
         try:
             await scenario(ears)
         finally:

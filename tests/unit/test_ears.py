@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 
 from config import load
+from engine.asr.recogniser import RecogniserLost
 from engine.audio.feed import Door
 from engine.audio.source import FRAME_SAMPLES, Frame
 from engine.errors import DeviceError, SaysoError
 from engine.handle import PartStatus
 from engine.hearing.hearing import Hearing, HearingFault
 from engine.parts import ears as module
-from engine.parts.ears import Ears
+from engine.parts.ears import FRESH_STARTS, Ears
 from engine.parts.loading import Sound
 from engine.parts.part import Part
 from tests.recogniser import Scripted
@@ -41,6 +42,45 @@ def test_without_a_recogniser_the_microphone_does_not_seem_to_be_opened_for_ever
         await asyncio.gather(keeping, return_exceptions=True)
 
     asyncio.run(scenario())
+
+
+class LostAtFirst(Scripted):
+    """A recogniser whose process does not survive the first loadings."""
+
+    def __init__(self, losses: int) -> None:
+        super().__init__("Go to the kitchen.")
+        self.losses = losses
+
+    def load(self) -> None:
+        if self.losses:
+            self.losses -= 1
+            raise RecogniserLost("The recogniser process was killed by SIGKILL.", hint="Say it again.")
+
+
+@pytest.mark.parametrize(("losses", "state"), [(FRESH_STARTS, "ready"), (FRESH_STARTS + 1, "missing")])
+def test_a_recogniser_that_is_lost_while_it_loads_is_started_again(
+    losses: int, state: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "make_isolated_recogniser", lambda settings: LostAtFirst(losses))
+    monkeypatch.setattr(module, "AGAIN_S", 0.01)
+    warned: list[str] = []
+
+    async def scenario() -> None:
+        told: asyncio.Queue[PartStatus] = asyncio.Queue()
+        recogniser: Part[Hearing] = Part("recogniser", told.put_nowait)
+        ears = Ears(
+            load(environ={}), Sound("none"), Part("microphone", lambda news: None), recogniser, warn=warned.append
+        )
+        keeping = asyncio.create_task(ears.keep())
+        async with asyncio.timeout(LIMIT_S):
+            status = await told.get()
+        assert status.state == state
+        assert "Say it again" not in status.detail, "nobody would hear it"
+        keeping.cancel()
+        await asyncio.gather(keeping, return_exceptions=True)
+
+    asyncio.run(scenario())
+    assert warned == ["The recogniser process was killed by SIGKILL. It is started again."] * FRESH_STARTS
 
 
 class Kept:

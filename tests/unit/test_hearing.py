@@ -18,6 +18,7 @@ from engine import events
 from engine.asr.recogniser import Rejected, Transcript
 from engine.audio.echo import EchoCanceller
 from engine.audio.endpoint import Utterance
+from engine.audio.gain import Gain
 from engine.audio.level import SILENT
 from engine.audio.pipe import PushSource
 from engine.audio.ring import CATCH_UP_S, Ring
@@ -28,7 +29,7 @@ from engine.audio.wav import WavSource, read_wav
 from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import DeviceError, ModelError, SaysoError
-from engine.hearing.hearing import Hearing, NothingHeard
+from engine.hearing.hearing import WARN_S, Hearing, NothingHeard
 from engine.hearing.transcriber import LIKELY_SAID, SAID
 from tests import recogniser
 from tests.bench.speech import hum, speech_bounds
@@ -92,6 +93,7 @@ async def ears(
     suppression: Suppression = "off",
     gain_db: float | Literal["auto"] = 0.0,
     on_end: Callable[[SaysoError | None], None] = lambda error: None,
+    warn: Callable[[str], None] = lambda words: None,
 ) -> AsyncIterator[Ears]:
     recogniser = recogniser or Scripted()
     hearing = Hearing(
@@ -103,6 +105,7 @@ async def ears(
         suppression=suppression,
         gain_db=gain_db,
         on_end=on_end,
+        warn=warn,
     )
     async with hearing:
         yield Ears(hearing, recogniser)
@@ -119,7 +122,7 @@ def pushed(*sounds: Samples, end: bool = False) -> PushSource:
 
 async def settle() -> None:
     """Let the background reader take what there is."""
-    for _ in range(20):
+    for _ in range(300):  # frames, at one a turn of the loop
         await asyncio.sleep(0)
 
 
@@ -614,7 +617,93 @@ def test_lost_sound_is_told_after_the_listening_and_only_once() -> None:
     asyncio.run(scenario())
 
 
+def test_what_a_source_loses_while_nobody_listens_is_told_now_and_then() -> None:
+    async def scenario() -> None:
+        source, told = Overrun(), list[str]()
+        async with ears(lambda: source, warn=told.append):
+            source.push(quiet(WARN_S - 1).tobytes())
+            await settle()
+            assert told == []
+            for lost in (2, 3):  # both within the next few seconds
+                source.overruns = lost
+                source.push(quiet(1.5).tobytes())
+                await settle()
+            assert told == ["The device lost sound 2 times."]
+
+    asyncio.run(scenario())
+
+
+class Exclusive(PushSource):
+    """A device that one can have at a time."""
+
+    taken = False
+
+    async def __aenter__(self) -> Exclusive:
+        if Exclusive.taken:
+            raise DeviceError("The device is busy.")
+        Exclusive.taken = True
+        await super().__aenter__()
+        return self
+
+    async def __aexit__(self, *error: object) -> None:
+        Exclusive.taken = False
+        await super().__aexit__(*error)
+
+
+def test_a_device_that_has_ended_is_let_go_before_it_is_opened_again() -> None:
+    async def scenario() -> None:
+        ended = asyncio.Event()
+        source = Exclusive()
+        async with ears(lambda: source, on_end=lambda error: ended.set()) as it:
+            source.finish()
+            await ended.wait()
+            await it.hearing.hear(again := Exclusive())
+            again.push(np.concatenate((COMMAND, quiet(1))).tobytes())
+            assert isinstance(await it.hearing.listen(it.emit), Utterance)
+
+    asyncio.run(scenario())
+
+
+def test_much_sound_at_once_holds_nobody_up() -> None:
+    async def scenario() -> None:
+        source = PushSource()
+        async with ears(lambda: source):
+            source.push(quiet(60).tobytes())
+            turns, loop = 0, asyncio.get_running_loop()
+
+            def beat() -> None:
+                nonlocal turns
+                turns += 1
+                loop.call_soon(beat)
+
+            beat()
+            await settle()
+            assert turns > 200
+
+    asyncio.run(scenario())
+
+
 # The automatic gain
+
+
+def test_a_guest_is_as_loud_as_it_is_and_the_own_microphone_as_before() -> None:
+    async def scenario() -> None:
+        async with ears(PushSource, gain_db=20.0) as it:
+
+            async def level() -> float:
+                source = it.hearing._source
+                assert isinstance(source, PushSource)
+                source.push((COMMAND / 30).astype(np.int16)[: RATE // 2].tobytes())
+                await settle()
+                return it.hearing.level.peak_db
+
+            own = await level()
+            await it.hearing.hear(PushSource(), Gain(0.0))
+            assert await level() == pytest.approx(own - 20, abs=0.5)
+            await it.hearing.hear(PushSource())
+            assert await level() == pytest.approx(own, abs=0.1)
+
+    asyncio.run(scenario())
 
 
 @pytest.mark.parametrize("understood", [True, False])

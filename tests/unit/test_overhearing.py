@@ -139,10 +139,15 @@ def saying(*sounds: Samples) -> PushSource:
     return source
 
 
-async def heard_out(hearing: Hearing) -> None:
-    """Let the source be read to its end, and whatever was overheard be recognised."""
-    for _ in range(100):
+async def all_read() -> None:
+    """Let the source be read to its end, a frame at every turn of the loop."""
+    for _ in range(20 * RATE // FRAME_SAMPLES):
         await asyncio.sleep(0)
+
+
+async def heard_out(hearing: Hearing) -> None:
+    """Let all be read, and whatever was overheard be recognised."""
+    await all_read()
     await hearing.load()  # queues up behind it
 
 
@@ -152,8 +157,7 @@ def test_a_stop_is_told_in_the_thread_that_recognised_it() -> None:
         ears.may_answer.clear()
         async with overhearing(saying(STOP), ears) as (hearing, told):
             await asyncio.to_thread(ears.began.wait, 20)
-            for _ in range(200):  # until all of it is heard
-                await asyncio.sleep(0)
+            await all_read()
             ears.may_answer.set()
             await told.wait()
             await heard_out(hearing)
@@ -254,8 +258,7 @@ def test_what_waits_is_replaced_by_what_is_newer() -> None:
             await asyncio.to_thread(slow.began.wait, 20)
             for _ in range(5):
                 source.push(np.concatenate((COMMAND, quiet(1))).tobytes())
-            for _ in range(200):
-                await asyncio.sleep(0)
+            await all_read()
             slow.may_answer.set()
             await heard_out(hearing)
             assert works(slow) == ["overheard"] * 2
@@ -272,8 +275,7 @@ def test_a_command_waits_for_nothing_that_was_overheard_before_it() -> None:
         async with overhearing(source, slow) as (hearing, _):
             await asyncio.to_thread(slow.began.wait, 20)
             source.push(np.concatenate((COMMAND, quiet(1))).tobytes())
-            for _ in range(200):
-                await asyncio.sleep(0)
+            await all_read()
             utterance = Utterance(COMMAND, 0.0, len(COMMAND) / RATE, 1.0)
             transcribing = asyncio.ensure_future(hearing.transcribe(utterance, emit))
             await asyncio.sleep(0)

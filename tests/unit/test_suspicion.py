@@ -31,6 +31,22 @@ def test_a_suspicion_is_looked_into_at_once_and_the_recogniser_told_what_to_expe
     suspecting(scenario, "Stop.")
 
 
+def test_a_service_is_asked_about_what_a_spotter_is_sure_of_and_about_nothing_else() -> None:
+    async def scenario(ears: Listening) -> None:
+        await ears.hear(np.concatenate((quiet(1), STOP, quiet(1), COMMAND, quiet(1))))
+        ears.suspect(sure=False)
+        await ears.hear(quiet(1))
+        assert ears.passes == []
+        assert ears.settled == 1, "nobody knows, and nobody was told to rest"
+        ears.suspect(sure=True)
+        await ears.rest()
+        assert ears.expected == [("stop",)]
+        assert ears.told == ["Stop."]
+        assert ears.settled == 2
+
+    suspecting(scenario, "Stop.", unasked=False)
+
+
 def test_two_suspicions_at_once_are_looked_into_together() -> None:
     async def scenario(ears: Listening) -> None:
         await ears.hear(quiet(2))
