@@ -10,15 +10,19 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from typing import Final
+
+FIRST: Final = 1
+"""What was begun before any interruption belongs to it."""
 
 
 class Epoch:
-    """Thread-safe counter, starting at 1. ``on_advance`` gets each new epoch before :meth:`advance` returns."""
+    """Thread-safe counter, starting at ``FIRST``. ``on_advance`` gets each new epoch before :meth:`advance` returns."""
 
     def __init__(self, on_advance: Callable[[int], None]) -> None:
         self._on_advance = on_advance
         self._lock = threading.Lock()
-        self._current = 1
+        self._current = FIRST
 
     @property
     def current(self) -> int:

@@ -24,6 +24,10 @@ from engine.messages import LENGTH_BYTES, packed
 
 ANSWER_S: Final = 10.0
 """A sounder that says nothing for so long when it is started hangs."""
+STALLED_S: Final = 3.0
+"""A loudspeaker that runs and takes no sound for so long hangs, s: no driver says so when its sound server is frozen.
+One that was just started has twice as long: Bluetooth wakes up."""
+_LOOKS: Final = 6  # within that time
 _SOUNDER: Final = "engine.audio.sounder"
 _EPITAPH_S: Final = 1.0  # from the end of the link to the end of the process
 
@@ -31,10 +35,11 @@ _EPITAPH_S: Final = 1.0  # from the end of the link to the end of the process
 class Loudspeaker:
     """A loudspeaker by (part of) its name or by index; None is the system's default."""
 
-    def __init__(self, device: str | int | None = None) -> None:
+    def __init__(self, device: str | int | None = None, *, stalled_s: float = STALLED_S) -> None:
         self.name = "loudspeaker"
         self.rate = 48_000
         self._device = msgspec.json.encode(device).decode()
+        self._stalled_s = stalled_s
         self._child: Child | None = None
         self._reports: BinaryIO | None = None
         self._hush = -1  # the pipe's end where a byte silences it
@@ -43,6 +48,8 @@ class Loudspeaker:
         self._pull: Pull | None = None
         self._lost: Callable[[SaysoError], None] = lambda error: None
         self._feeding: threading.Thread | None = None
+        self._taken = 0  # blocks
+        self._watching: asyncio.Task[None] | None = None
 
     @property
     def pid(self) -> int | None:
@@ -65,8 +72,10 @@ class Loudspeaker:
 
     async def start(self) -> None:
         self._send(packed(Run(True)))
+        self._watching = asyncio.create_task(self._watch(), name="loudspeaker")
 
     async def stop(self) -> None:
+        await self._look_away()
         self._send(packed(Run(False)))
 
     def hush(self) -> None:
@@ -76,10 +85,31 @@ class Loudspeaker:
                 os.write(self._hush, b"!")
 
     async def close(self) -> None:
+        await self._look_away()
         await asyncio.to_thread(self._close)
 
+    async def _watch(self) -> None:
+        """While it runs it takes a block every 20 ms, whatever there is to play. Looks are counted, not time: a loop
+        that was away has not looked."""
+        taken, idle, patience = self._taken, 0, 2 * _LOOKS
+        while idle < patience:
+            await asyncio.sleep(self._stalled_s / _LOOKS)
+            idle += 1
+            if self._taken != taken:
+                taken, idle, patience = self._taken, 0, _LOOKS
+        self._lost(DeviceError(f"The {self.name} takes no sound.", hint=SOUGHT))
+
+    async def _look_away(self) -> None:
+        watching, self._watching = self._watching, None
+        if watching is not None:
+            watching.cancel()
+            await asyncio.gather(watching, return_exceptions=True)
+
     def _open(self) -> None:
-        theirs, ours = os.pipe()
+        try:
+            theirs, ours = os.pipe()
+        except OSError as error:
+            raise DeviceError(f"The loudspeaker process cannot be started: {error}.") from error
         self._hushes = 0
         try:
             arguments = (f"--device={self._device}", f"--hush={theirs}", *(("--patient",) if self._patient else ()))
@@ -116,6 +146,7 @@ class Loudspeaker:
             while report := self._report():
                 match report:
                     case Wanted(at):
+                        self._taken += 1
                         hushes = self._hushes  # before the look at what there is to play
                         block = packed(Block(hushes, self._pull(count, at).tobytes()))
                         with contextlib.suppress(OSError):  # it has gone, and what it said before is still to be read

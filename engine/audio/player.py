@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from engine.audio.sounded import Sounded
 from engine.audio.source import Samples, to_int16
+from engine.epoch import FIRST
 from engine.errors import SaysoError
 
 BLOCK_S: Final = 0.02
@@ -216,7 +217,7 @@ class Player:
         self._ducked = 10 ** (-duck_db / 20)
         self._ducking = False
         self._gain = 1.0  # of what ducks, at the end of the last block
-        self._epoch = 0  # of the newest stop: what was begun before it is over
+        self._epoch = FIRST  # of the newest stop: what was begun before it is over
         self._active: list[Playback] = []
         self._changing = threading.Lock()  # guards the list above, for moments
         self.sounded = Sounded()

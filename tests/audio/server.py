@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes.util
 import os
 import shutil
+import signal
 import subprocess
 import time
 from pathlib import Path
@@ -67,6 +68,15 @@ class SoundServer:
         if process is not None:
             process.kill()
             process.communicate()
+
+    def freeze(self) -> None:
+        """It hangs, until it is killed or goes on."""
+        assert self._process is not None
+        self._process.send_signal(signal.SIGSTOP)
+
+    def go_on(self) -> None:
+        assert self._process is not None
+        self._process.send_signal(signal.SIGCONT)
 
     def play(self, sound: Path, *, volume: float = 1.0) -> None:
         """Say a recording into the microphone; returns when it has been said."""

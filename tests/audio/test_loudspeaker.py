@@ -126,7 +126,7 @@ def test_a_stop_silences_the_device_in_the_midst_of_a_sound(microphone: Micropho
             playback = await fed(player, chirp(10.0))
             while playback.position < 0.5:
                 await playback.news()
-            player.stop(1)
+            player.stop(2)
             await playback.until_ended()
             assert not playback.complete
             return await asyncio.to_thread(microphone.hear, 1.0), playback.position
@@ -140,7 +140,7 @@ def test_what_is_played_after_a_stop_is_heard(microphone: Microphone) -> None:
         async with playing() as player:
             first = await fed(player, chirp(10.0))
             await first.news()
-            player.stop(1)
+            player.stop(2)
             await first.until_ended()
             await asyncio.to_thread(microphone.hear, 0.5)
             before = len(await asyncio.to_thread(microphone.hear, 0.1))
@@ -170,6 +170,24 @@ def test_a_sound_server_that_dies_is_one_error_and_one_that_comes_back_is_found(
             await again.until_ended()
             assert again.complete
             assert [type(each) for each in told] == [DeviceError, type(None)]
+
+    asyncio.run(scenario())
+
+
+def test_a_sound_server_that_hangs_is_one_error_and_one_that_goes_on_is_found(server: SoundServer) -> None:
+    async def scenario() -> None:
+        async with playing() as player:
+            playback = await fed(player, chirp(20.0))
+            await playback.news()
+            server.freeze()
+            with pytest.raises(DeviceError, match=r"^The loudspeaker \(default\) takes no sound\."):
+                await playback.until_ended()
+            assert not player.usable
+            server.go_on()
+            await player.open(patient=True)
+            again = await fed(player, chirp(0.2))
+            await again.until_ended()
+            assert again.complete
 
     asyncio.run(scenario())
 

@@ -25,6 +25,7 @@ from engine.audio.sounds import NOTES, sound
 from engine.audio.source import RATE, Framer, Samples
 from engine.audio.vad import make_vad
 from engine.audio.wav import read_wav
+from engine.epoch import Epoch
 from engine.errors import DeviceError
 from tests.bench.speech import DEMO, silence, speech_bounds
 from tests.virtual_time import run
@@ -196,7 +197,7 @@ def test_a_stop_silences_within_a_block_wherever_it_comes(offset: int, blocks: i
 
             def stop(count: int) -> None:
                 if count == blocks:
-                    player.stop(1)
+                    player.stop(2)
 
             room.on_block = stop
             playback = await fed(player, np.concatenate((np.zeros(offset, np.int16), tone(2.0))))
@@ -257,6 +258,22 @@ def test_telling_an_old_epoch_again_silences_nothing() -> None:
             player.stop(2)
             await playback.until_ended()
             assert playback.complete
+
+    run(scenario())
+
+
+def test_the_first_epoch_told_again_silences_nothing_and_the_second_does() -> None:
+    async def scenario() -> None:
+        async with playing() as (player, _):
+            epoch = Epoch(player.stop)
+            playback = await fed(player, tone(0.3))
+            epoch.tell_again()  # a robot has got ready meanwhile
+            await playback.until_ended()
+            assert playback.complete
+            playback = await fed(player, tone(0.3))
+            epoch.advance()
+            await playback.until_ended()
+            assert not playback.complete
 
     run(scenario())
 

@@ -15,7 +15,7 @@ from config import load
 from engine.audio import satellite as satellite_module
 from engine.audio.player import BLOCK_S, Player
 from engine.audio.satellite import Satellite
-from engine.audio.satellite_loudspeaker import LEAD_S, SatelliteLoudspeaker
+from engine.audio.satellite_loudspeaker import GOODBYE_S, LEAD_S, SatelliteLoudspeaker
 from engine.audio.satellite_microphone import SatelliteMicrophone
 from engine.audio.source import FRAME_SAMPLES
 from engine.audio.source import RATE as HEARD_RATE
@@ -100,7 +100,7 @@ def test_whoever_interrupts_hears_no_more_than_what_was_on_its_way(address: str)
     async def test(there: peer.Satellite, player: Player, satellite: Satellite) -> None:
         playback = player.play(tone(player, 10.0))
         await asyncio.sleep(2.0)
-        player.stop(1)
+        player.stop(2)
         stopped = now()
         await playback.until_ended()
         assert not playback.complete
@@ -113,6 +113,27 @@ def test_whoever_interrupts_hears_no_more_than_what_was_on_its_way(address: str)
         assert again.complete
 
     with_satellite(address, test)
+
+
+def test_one_that_takes_nothing_any_more_holds_up_nobody_who_stops_and_is_lost(address: str) -> None:
+    async def scenario() -> None:
+        lost: asyncio.Queue[SaysoError] = asyncio.Queue()
+        async with peer.there(peer.Satellite(address)) as there:
+            output = SatelliteLoudspeaker(Satellite(address))
+            output.busy = lambda: True
+            await output.open(lambda count, at: np.ones(count, np.int16), lost.put_nowait)
+            await output.start()
+            await asyncio.sleep(1.0)
+            there.stall()
+            await asyncio.sleep(8.0)  # longer than what fits on the way
+            stopped = now()
+            await output.stop()
+            assert now() - stopped <= GOODBYE_S
+            assert "closed the connection" in str(await lost.get())
+            assert now() - stopped <= GOODBYE_S
+            await output.close()
+
+    run(scenario())
 
 
 @pytest.mark.parametrize("buffer_s", [0.0, 0.2, 0.5, 0.9])
