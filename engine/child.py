@@ -43,24 +43,25 @@ class Child:
         """Start ``python -m module``; ``name`` is for people, ``shared`` are descriptors that it inherits under the
         same number, ``environment`` is added to ours. Raises :class:`ProcessError`."""
         self._name = name
-        self.link, theirs = socket.socketpair()
-        # No pipe for stderr: nobody would read it while all is well, and a full pipe stops the writer.
-        self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 - closed in release()
-        try:
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", module, f"--link={theirs.fileno()}", *arguments],
-                pass_fds=(theirs.fileno(), *shared),
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=self._stderr,
-                env={**_environment(), **(environment or {})},
-                start_new_session=True,  # Ctrl-C and the terminal's hang-up reach the engine alone
-            )
-        except OSError as error:
-            self.release()
-            raise ProcessError(f"The {name} process cannot be started: {error}.") from error
-        finally:
-            theirs.close()
+        with contextlib.ExitStack() as ours:  # until the process runs
+            try:
+                self.link, theirs = socket.socketpair()
+                ours.enter_context(self.link)
+                with theirs:
+                    # No pipe for stderr: nobody would read it while all is well, and a full pipe stops the writer.
+                    self._stderr = ours.enter_context(tempfile.TemporaryFile())
+                    self._process = subprocess.Popen(
+                        [sys.executable, "-P", "-m", module, f"--link={theirs.fileno()}", *arguments],
+                        pass_fds=(theirs.fileno(), *shared),
+                        stdin=subprocess.DEVNULL,
+                        stdout=subprocess.DEVNULL,
+                        stderr=self._stderr,
+                        env={**_environment(), **(environment or {})},
+                        start_new_session=True,  # Ctrl-C and the terminal's hang-up reach the engine alone
+                    )
+            except OSError as error:
+                raise ProcessError(f"The {name} process cannot be started: {error}.") from error
+            ours.pop_all()
 
     @property
     def pid(self) -> int:
