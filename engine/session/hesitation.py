@@ -104,15 +104,20 @@ class Hesitation:
     # In the loop
 
     def _look_into(self, ears: Ears, phrase: str, sure: bool) -> None:
-        if self._end is not None:
-            self._end.cancel()
-        self._end = self._loop.call_later(PAUSE_LIMIT_S, self._speak_up)  # the recogniser may never answer
+        self._speak_up_later()
         ears.suspect(phrase, self._settle, lambda: self._doubt(phrase), sure=sure)
 
     def _doubt(self, phrase: str) -> None:
         """It is likelier by now that this was said: the robot rests until that is known."""
         if (state := self._state()) in EXPRESSING:
             self._rest(state, phrase)
+            self._speak_up_later()
+
+    def _speak_up_later(self) -> None:
+        """If nothing comes before: the recogniser may never answer."""
+        if self._end is not None:
+            self._end.cancel()
+        self._end = self._loop.call_later(PAUSE_LIMIT_S, self._speak_up)
 
     def _settle(self) -> None:
         """It is known whether that was a stop. If so, it has begun a new epoch by now."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 
-from engine.errors import PlanError, RobotError
+from engine.errors import CameraError, PlanError, RobotError
 from engine.perception.asking import as_png
 from engine.perception.memory import WorldMemory
 from engine.perception.naming import wanted
@@ -54,7 +54,7 @@ class Recall:
         """What the camera shows now, as a PNG file; None where there is no picture to be had."""
         try:
             return await asyncio.to_thread(as_png, await self._robot.look())
-        except RobotError:
+        except (CameraError, RobotError):
             return None
 
     def now(self) -> float:

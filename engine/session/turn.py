@@ -275,9 +275,11 @@ class Turn:
         return await self._answer(f"I cannot tell whether that was all. {found.answer}", found.exit_code, "failed")
 
     def _looked(self) -> bool:
-        """Whether the newest thing that was done in this turn is a look."""
+        """Whether the newest thing that was done in this turn is a look, of which there is a picture."""
         done = next((entry for entry in reversed(self._cycle.entries) if isinstance(entry, Acted)), None)
-        return done is not None and done.turn == self.id and done.ran.action.name == "seewhat"
+        if done is None or done.turn != self.id:
+            return False
+        return done.ran.action.name == "seewhat" and done.ran.result.ok
 
     def _thought(self, body: events.Body) -> None:
         if self._thinking and self.cut is None:

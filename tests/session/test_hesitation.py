@@ -112,6 +112,24 @@ def test_what_becomes_likelier_pauses_the_robot_until_it_is_known(stop: bool) ->
     converse(test)
 
 
+@pytest.mark.parametrize("answers", [True, False])
+def test_what_becomes_likelier_late_does_not_leave_the_voice_quiet(answers: bool) -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("colourless green ideas"))  # it takes a while to say why not
+        await talk.until(events.SpeechStarted)
+        talk.hesitation.suspect("停", sure=False)
+        await talk.pass_time(PAUSE_LIMIT_S + 0.1)
+        talk.hearing.grow_likelier()
+        assert talk.ducked[-1] is True
+        if answers:
+            talk.hearing.settle()
+        else:
+            await talk.pass_time(PAUSE_LIMIT_S + 0.1)
+        assert talk.ducked[-1] is False
+
+    converse(test, voice=SlowVoice())
+
+
 def test_what_becomes_likelier_once_the_robot_rests_pauses_nothing() -> None:
     async def test(talk: Conversation) -> None:
         await driving(talk)

@@ -10,9 +10,12 @@ from engine import events
 from engine.commands import Interrupt, Say, Wake
 from engine.errors import ExitCode
 from engine.llm.chat import Unreachable
+from engine.perception.memory import WorldMemory
 from engine.plan import Plan, parse_calls
 from engine.planner.build import build_registry
 from engine.planner.request import NoPlan, PlanRequest
+from engine.robot.camera import Picture
+from engine.session.recall import Recall
 from tests.session.conversation import Conversation, converse
 
 REGISTRY = build_registry(load(environ={}))
@@ -103,6 +106,35 @@ def test_what_failed_twice_is_spent_and_its_failure_is_what_is_reported() -> Non
         assert [len(request.spent) for request in model.asked] == [0, 0, 1]
 
     converse(test, plans=model)
+
+
+def test_a_look_at_which_the_camera_is_lost_is_thought_over_without_a_picture() -> None:
+    model = Model([plan("seewhat()", finished=False), plan("", "I cannot see.")])
+
+    async def test(talk: Conversation) -> None:
+        looks: list[str] = []
+        look = talk.robot.look
+
+        async def counted() -> Picture:
+            looks.append("look")
+            return await look()
+
+        talk.robot.look = counted  # type: ignore[method-assign]
+        talk.send(Say("what is there"))
+        result = await talk.result()
+        assert (result.exit_code, result.message) == (ExitCode.FAILED, "I cannot see.")
+        assert [body.error_code for body in talk.bodies(events.ActionFinished)] == ["camera_lost"]
+        assert [request.picture for request in model.asked] == [None, None]
+        assert len(looks) == 1, "what failed once is not waited for again"
+
+    converse(test, plans=model)
+
+
+def test_where_the_camera_is_lost_after_a_look_there_is_no_picture() -> None:
+    async def test(talk: Conversation) -> None:
+        assert await Recall(talk.robot, WorldMemory()).picture() is None
+
+    converse(test)
 
 
 def test_a_model_that_fails_after_a_failure_leaves_the_failure_to_be_told() -> None:
