@@ -63,6 +63,8 @@ class SpokenVoice:
         self._trouble = ""  # that was reported last, and lasts
         self._lately = deque[str](maxlen=3)  # what sounded
         self._saying = ("", 0.0)  # what sounds, or was the last to; until when it may be overheard
+        self.missed: Callable[[], None] = lambda: None
+        """Is told, in the loop's thread, that an answer was only shown, for want of a voice."""
 
     def settle(self, synthesiser: Synthesiser | None) -> None:
         """From now on it speaks with ``synthesiser``, which is loaded; without one it will not speak."""
@@ -95,6 +97,8 @@ class SpokenVoice:
         synthesiser = await self._loaded()
         if synthesiser is None or not self._player.usable:
             heard(text)
+            if synthesiser is None:
+                self.missed()
             return
         speech = _Speech(text, heard, self._player.begin(epoch))
         self._saying = (text, inf)

@@ -3,7 +3,8 @@
 Nobody waits for it: until it is ready, answers are only shown. With ``voice.backend: auto`` nothing is wrong with a
 machine without a voice or a loudspeaker, so there is one line in the log and no part; what somebody asked for by name
 is a part, and says what it lacks. A loudspeaker that is not there, or no longer, is looked for in the background, so
-that plugging it in is enough.
+that plugging it in is enough. A voice whose process was lost while it loaded is tried again when an answer goes without
+it, and is there for those that follow.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import asyncio
 import functools
 from collections.abc import Callable
 from contextlib import suppress
+from math import inf
 from typing import Final
 
 from config.schema import Settings
@@ -24,10 +26,13 @@ from engine.parts.fetching import Fetching, Pull
 from engine.parts.loading import make_synthesiser, model_store, voice_to_fetch
 from engine.parts.part import Part
 from engine.speaking import SpokenVoice
-from engine.tts.synthesis import Synthesiser
+from engine.tts.synthesis import Synthesiser, VoiceLost
 
 AGAIN_S: Final = 5.0
 """Pause before looking for the loudspeaker again when looking itself has failed, s."""
+PAUSE_S: Final = 60.0
+"""From a voice that was lost while it loaded to the next try, s: each may keep the machine busy for half a minute."""
+_LATER: Final = "It is tried again when there is something to say."
 
 
 class VoicePart:
@@ -44,12 +49,14 @@ class VoicePart:
         self._part: Part[str] | None = None
         self._synthesiser: Synthesiser | None = None
         self._tried = False  # to load the voice
+        self._again_at = inf  # from then on (of the loop, s) it may be tried again
         self._found = False  # there is a loudspeaker, or was
-        self._lost = asyncio.Event()
+        self._news = asyncio.Event()  # the loudspeaker is lost, or the voice is to be tried again
 
     async def keep(self) -> None:
         """Open the loudspeaker and load the voice; let go of both when this is cancelled."""
         self._player.tell = self._follow
+        self._voice.missed = self._try_again
         try:
             found = await self._open()
             while True:
@@ -58,7 +65,7 @@ class VoicePart:
                     await self._load()
                 self._voice.settle(self._synthesiser)
                 if found:
-                    await self._until_lost()
+                    await self._until_news()
                 found = await self._find()
         finally:
             self._voice.settle(None)
@@ -93,16 +100,16 @@ class VoicePart:
         self._found = True
         return True
 
-    async def _until_lost(self) -> None:
-        self._lost.clear()
+    async def _until_news(self) -> None:
+        self._news.clear()
         if self._player.usable:
-            await self._lost.wait()
+            await self._news.wait()
 
     def _follow(self, trouble: SaysoError | None) -> None:
         """The loudspeaker is lost, or was and is there again."""
         part, made = self._part, self._synthesiser
         if trouble is not None:
-            self._lost.set()
+            self._news.set()
         if part is not None and made is not None:
             part.fail(trouble) if trouble is not None else part.succeed(made.name, f"{made.name}, {self._player.name}")
         elif trouble is not None:
@@ -130,10 +137,19 @@ class VoicePart:
             self._synthesiser = None
             await made.close()
 
-    @staticmethod
-    async def _up(synthesiser: Synthesiser) -> str:
-        await synthesiser.load()
+    async def _up(self, synthesiser: Synthesiser) -> str:
+        try:
+            await synthesiser.load()
+        except VoiceLost as error:
+            self._again_at = asyncio.get_running_loop().time() + PAUSE_S
+            raise VoiceLost(error.message, hint=_LATER) from error
         return synthesiser.name
+
+    def _try_again(self) -> None:
+        """Somebody could have used a voice."""
+        if asyncio.get_running_loop().time() >= self._again_at:
+            self._again_at, self._tried = inf, False
+            self._news.set()
 
     def _missing(self) -> Fetching | None:
         """The model that is to be fetched first, if any."""

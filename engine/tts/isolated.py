@@ -1,13 +1,15 @@
 """A voice in a process of its own, kept warm: what is under the GPL stays outside, and a crash of it harms nobody.
 
 The process is started by :meth:`IsolatedVoice.load`, or by the first sentence. One that is lost is replaced when the
-next sentence is asked for; it ends with the engine, however that ends.
+next sentence is asked for, unless the last one did not even get ready, a moment ago; it ends with the engine, however
+that ends.
 """
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncGenerator
+from math import inf
 from typing import Final, Literal
 
 import msgspec
@@ -17,7 +19,7 @@ from engine.child import Child
 from engine.errors import ModelError, ProcessError
 from engine.messages import LENGTH_BYTES, packed
 from engine.tts.sentences import Sentence
-from engine.tts.synthesis import Piece
+from engine.tts.synthesis import Piece, VoiceLost
 from engine.tts.wire import (
     ANSWERS,
     MAX_BYTES,
@@ -32,9 +34,12 @@ from engine.tts.wire import (
 
 ANSWER_S: Final = 30.0
 """A process that neither answers nor ends for so long is lost; the slowest machine needs less for anything."""
+PAUSE_S: Final = 60.0
+"""From a process that did not get ready to the next one that a sentence starts, s: each may take ``ANSWER_S``."""
 _WORKER: Final = "engine.tts.worker"
 _EPITAPH_S: Final = 1.0  # from the end of the link to the end of the process
 _AGAIN: Final = "It is started anew for the next answer."
+_LATER: Final = f"It is started anew for the first answer after {PAUSE_S:g} s."
 
 
 class IsolatedVoice:
@@ -51,6 +56,7 @@ class IsolatedVoice:
         self._number = 0  # of the last sentence
         self._owed = 0  # of the last sentence whose end has come
         self._due = 0  # bytes of a message whose length was read: whoever read it may have been cancelled since
+        self._broken = (-inf, "")  # until when (of the loop, s) no sentence starts another, and why
 
     @property
     def pid(self) -> int | None:
@@ -58,20 +64,23 @@ class IsolatedVoice:
         return self._child.pid if self._child is not None else None
 
     async def load(self) -> None:
-        """Start the process and wait until the voice is loaded. Raises ``ModelError``."""
+        """Start the process and wait until the voice is loaded. Raises ``ModelError``; ``VoiceLost`` without a hint:
+        whoever loads it knows when that is tried again."""
         async with self._one:
             await self._ready()
 
     async def synthesise(self, sentence: Sentence) -> AsyncGenerator[Piece]:
         """See ``Synthesiser``. Raises ``ModelError``."""
         async with self._one:
-            await self._ready()
+            await self._ready_again()
             self._number += 1
             number = self._number
             self._send(Speak(number, sentence))
             try:
                 while not isinstance(answer := await self._answer_to(number), Done):
                     yield Piece(np.frombuffer(answer.samples, np.int16), answer.rate, answer.said)
+            except VoiceLost as error:
+                raise VoiceLost(error.message, hint=_AGAIN) from error
             finally:
                 if self._owed < number and self._child is not None:
                     self._send(Cancel(number))
@@ -94,7 +103,7 @@ class IsolatedVoice:
             await self._end()
             raise
         except ProcessError as error:
-            raise ModelError(error.message, hint=_AGAIN) from error
+            raise VoiceLost(error.message) from error
         self._number = self._owed = self._due = 0
         try:
             self._child.link.setblocking(False)
@@ -105,6 +114,18 @@ class IsolatedVoice:
         except BaseException:
             await self._end()
             raise
+
+    async def _ready_again(self) -> None:
+        """The same for a sentence, which does not wait for what has just failed."""
+        until, why = self._broken
+        now = asyncio.get_running_loop().time
+        if now() < until:
+            raise VoiceLost(why, hint=_LATER)
+        try:
+            await self._ready()
+        except VoiceLost as error:
+            self._broken = (now() + PAUSE_S, error.message)
+            raise VoiceLost(error.message, hint=_LATER) from error
 
     async def _answer_to(self, number: int) -> Sound | Done:
         """What comes next for this sentence; what is still on its way of others is passed over."""
@@ -133,13 +154,13 @@ class IsolatedVoice:
                 answer = ANSWERS.decode(data)
         except TimeoutError:
             await self._end()
-            raise ModelError(f"The voice has not answered for {ANSWER_S:g} s.", hint=_AGAIN) from None
+            raise VoiceLost(f"The voice has not answered for {ANSWER_S:g} s.") from None
         except (asyncio.IncompleteReadError, OSError) as error:
             if self._child is None:
                 raise ModelError("The voice has been closed.") from error
             why = await asyncio.to_thread(child.epitaph, wait=_EPITAPH_S)
             await self._end()
-            raise ModelError(why or "The voice process closed its connection.", hint=_AGAIN) from error
+            raise VoiceLost(why or "The voice process closed its connection.") from error
         except msgspec.DecodeError as error:
             await self._end()
             raise self._nonsense() from error
@@ -163,5 +184,5 @@ class IsolatedVoice:
             await asyncio.to_thread(child.discard)
 
     @staticmethod
-    def _nonsense() -> ModelError:
-        return ModelError("The voice process gave an answer that makes no sense.", hint=_AGAIN)
+    def _nonsense() -> VoiceLost:
+        return VoiceLost("The voice process gave an answer that makes no sense.")

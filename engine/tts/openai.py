@@ -21,6 +21,12 @@ RATE: Final = 24_000
 """Hz, of ``pcm``."""
 USUAL_SPEAKER: Final = "alloy"
 """A voice that OpenAI has, and that compatible services know by this name."""
+_NO_SOUND: Final = frozenset({"application/json", "text/html", "text/plain"})
+_PACKED: Final = frozenset(
+    {"application/ogg"}
+    | {f"audio/{kind}" for kind in ("aac", "aacp", "flac", "mp3", "mp4", "mpeg", "ogg", "opus", "webm", "x-flac")}
+)
+"""Media types of sound that would have to be unpacked; played as it is, it is noise at full loudness."""
 _HEADER_BYTES: Final = 65_536  # a WAV file whose sound begins later is none
 _PCM: Final = 1  # format tag of a WAV file (RIFF, "WAVEFORMATEX")
 _EXTENSIBLE: Final = 0xFFFE
@@ -72,7 +78,7 @@ class ServiceVoice:
         """See ``Synthesiser``. Raises ``SaysoError``."""
         text, _ = sentence.joined()
         answer = await self._service.ask("/audio/speech", {**self._body, "input": text})
-        if answer.kind in ("application/json", "text/html", "text/plain", "audio/mpeg"):
+        if answer.kind in _NO_SOUND | _PACKED:
             await answer.pieces.aclose()
             raise self._unreadable(f"it is of the kind {answer.kind}, not sound in PCM")
         sound = _Sound()
@@ -105,6 +111,8 @@ class _Sound:
         """The sound in what came. Raises ``ValueError`` for what is none."""
         self._data += data
         if not self._begun and len(self._data) >= 4:
+            if (kind := _packed_as(self._data)) is not None:
+                raise ValueError(f"it is {kind}, not sound in PCM")
             self._begun = not self._data.startswith(b"RIFF") or self._skip_header()
         if not self._begun:
             return Piece(np.zeros(0, np.int16), self._rate)
@@ -131,3 +139,15 @@ class _Sound:
         if len(self._data) > _HEADER_BYTES:
             raise ValueError("it is a WAV file without sound")
         return False
+
+
+def _packed_as(data: bytes) -> str | None:
+    """What sound that would have to be unpacked begins like, whatever its media type; None for PCM and WAV files."""
+    for beginning, kind in ((b"ID3", "MP3"), (b"OggS", "Ogg"), (b"fLaC", "FLAC"), (b"\x1aE\xdf\xa3", "WebM")):
+        if data.startswith(beginning):
+            return kind
+    # A frame of MPEG audio: 12 bits that are set, one for the version, two for the layer (ISO/IEC 11172-3, 2.4.1.3, and
+    # 13818-7, 6.2.1, for AAC). In PCM that is a first sample of one of eight values beyond ±1000; silence, -1, is not.
+    if data[0] == 0xFF and data[1] & 0xF0 == 0xF0:
+        return {0b01: "MP3", 0b00: "AAC"}.get(data[1] >> 1 & 0b11)
+    return None

@@ -14,6 +14,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.errors import ModelError
 from engine.tts.sentences import Sentence, Word
 
 Samples = NDArray[np.int16]
@@ -24,6 +25,10 @@ PACE: Final = 14.0
 QUIET: Final = 0.02
 """Below this share of its loudest sample, the end of a sentence is silence."""
 _DIGIT, _PAUSE = 4, 3  # how many letters the name of a digit, and the breath at a comma, count as
+
+
+class VoiceLost(ModelError):
+    """Whatever made the sound has gone or hangs; a new one may do better."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +57,8 @@ class Synthesiser(Protocol):
         ...
 
     async def load(self) -> None:
-        """Get ready, so that the first sentence comes soon. Raises ``SaysoError``."""
+        """Get ready, so that the first sentence comes soon. Raises ``SaysoError``; ``VoiceLost`` where it may be worth
+        while to try again."""
         ...
 
     def synthesise(self, sentence: Sentence) -> AsyncGenerator[Piece]:

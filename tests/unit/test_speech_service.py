@@ -159,12 +159,46 @@ def test_a_file_in_stereo_is_refused_instead_of_played_at_half_speed() -> None:
     assert "2 channels" in error_of(reply(200, file, **{"Content-Type": "audio/wav"})).message
 
 
-@pytest.mark.parametrize("kind", ["application/json", "text/html", "audio/mpeg; charset=x"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        *("application/json", "text/html", "audio/mpeg; charset=x", "audio/mp3", "audio/ogg", "application/ogg"),
+        *("audio/opus", "audio/flac", "audio/aac", "audio/webm"),
+    ],
+)
 def test_an_answer_that_is_no_sound_is_an_error_and_not_noise(kind: str) -> None:
     found = error_of(reply(200, b"{}", **{"Content-Type": kind}))
     assert isinstance(found, ModelError)
     assert kind.partition(";")[0] in found.message
     assert "platforms.speech" in found.hint
+
+
+@pytest.mark.parametrize("kind", ["audio/pcm", "audio/wav", "application/octet-stream"])
+@pytest.mark.parametrize(
+    ("begins", "what"),
+    [
+        (b"ID3\x04\x00", "MP3"),
+        (b"\xff\xfb\x90\x64", "MP3"),  # MPEG 1
+        (b"\xff\xf3\x64\xc4", "MP3"),  # MPEG 2, as at 24 kHz
+        (b"\xff\xf1\x50\x80", "AAC"),
+        (b"OggS\x00\x02", "Ogg"),
+        (b"fLaC\x00\x00", "FLAC"),
+        (b"\x1a\x45\xdf\xa3", "WebM"),
+    ],
+)
+def test_sound_that_is_packed_is_an_error_and_not_noise_whatever_it_is_called(
+    begins: bytes, what: str, kind: str
+) -> None:
+    found = error_of(reply(200, begins + bytes(1000), **{"Content-Type": kind}))
+    assert isinstance(found, ModelError)
+    assert f"it is {what}, not sound in PCM" in found.message
+    assert "platforms.speech" in found.hint
+
+
+@pytest.mark.parametrize("first", [-1, 0, 255, -256, 767, -513])
+def test_sound_that_begins_quietly_is_not_taken_for_anything_else(first: int) -> None:
+    quiet = np.full(2000, first, np.int16)
+    assert np.array_equal(_Sound().add(quiet.astype("<i2").tobytes()).samples, quiet)
 
 
 def test_a_refusal_says_why_and_what_to_look_at() -> None:

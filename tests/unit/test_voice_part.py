@@ -28,6 +28,8 @@ from engine.parts.part import Part
 from engine.parts.voice import VoicePart
 from engine.speaking import SpokenVoice
 from engine.tts import piper
+from engine.tts.synthesis import VoiceLost
+from tests import virtual_time
 from tests.unit.test_speaking import Tones
 from tui.commands.models import needed
 from tui.doctor.diagnosis import Finding, _voice
@@ -161,6 +163,63 @@ def test_a_voice_that_cannot_be_loaded_is_missing_and_not_left_behind(monkeypatc
             assert not mouth.voice.audible
 
     asyncio.run(scenario())
+
+
+def test_a_voice_that_is_lost_while_it_loads_is_tried_again_for_an_answer_but_not_for_each(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Frail(Tones):
+        loads = 0
+
+        async def load(self) -> None:
+            self.loads += 1
+            if self.loads <= 2:
+                raise VoiceLost("The voice process was killed by SIGKILL.")
+
+    async def scenario() -> None:
+        frail = Frail()
+        async with kept(monkeypatch, frail) as mouth:
+            said: list[str] = []
+
+            async def answered(text: str, *, spoken: bool) -> None:
+                assert mouth.voice.audible == spoken
+                await mouth.voice.say(text, said.append)
+                assert said[-1] == text
+                await asyncio.sleep(0.1)
+
+            assert frail.closed
+            assert "It is tried again when there is something to say." in mouth.statuses[0].detail
+            for loads in (1, 2):
+                await answered("too soon", spoken=False)
+                assert frail.loads == loads
+                await asyncio.sleep(voice_part.PAUSE_S)
+                assert frail.loads == loads, "nobody needs it"
+                await answered("shown", spoken=False)
+                assert frail.loads == loads + 1
+            assert [status.state for status in mouth.statuses] == ["missing", "missing", "ready"]
+            await answered("spoken", spoken=True)
+            assert frail.made == ["spoken"]
+
+    virtual_time.run(scenario())
+
+
+def test_a_voice_that_is_damaged_is_not_tried_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Damaged(Tones):
+        loads = 0
+
+        async def load(self) -> None:
+            self.loads += 1
+            raise ModelError("The voice cannot be loaded: it is damaged.")
+
+    async def scenario() -> None:
+        damaged = Damaged()
+        async with kept(monkeypatch, damaged) as mouth:
+            await asyncio.sleep(2 * voice_part.PAUSE_S)
+            await mouth.voice.say("shown", lambda text: None)
+            await asyncio.sleep(1)
+            assert damaged.loads == 1
+
+    virtual_time.run(scenario())
 
 
 def test_answers_that_are_never_spoken_need_no_voice_but_the_sounds_have_their_loudspeaker(

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Iterator
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Coroutine, Iterator
 from contextlib import aclosing, asynccontextmanager
 from pathlib import Path
 from typing import Any, TypeVar
@@ -25,11 +25,11 @@ from engine.asr.whisper import WhisperRecogniser
 from engine.audio.source import RATE
 from engine.errors import ModelError
 from engine.parts.loading import make_synthesiser, model_store
-from engine.tts import espeak, piper
+from engine.tts import espeak, isolated, piper
 from engine.tts.choice import ByLanguage
 from engine.tts.isolated import IsolatedVoice
 from engine.tts.sentences import Sentence, sentences
-from engine.tts.synthesis import Piece, Synthesiser
+from engine.tts.synthesis import Piece, Synthesiser, VoiceLost
 from tests.bench.wer import errors, normalised
 from tests.children import children
 
@@ -290,6 +290,28 @@ def test_a_process_that_is_killed_is_an_error_and_the_next_sentence_starts_anoth
     asyncio.run(scenario())
 
 
+def test_a_process_that_does_not_get_ready_is_not_waited_for_by_one_sentence_after_the_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def scenario() -> None:
+        async with speaking("espeak") as voice:
+            with monkeypatch.context() as broken:
+                broken.setattr(isolated, "_WORKER", "no_such_worker")
+                with pytest.raises(VoiceLost, match="no_such_worker") as lost:
+                    await voice.load()
+                assert lost.value.hint == "", "whoever loads it knows better"
+                with pytest.raises(VoiceLost, match="no_such_worker") as lost:
+                    await said(voice, a_sentence("Hello."))
+                assert "after 60 s" in lost.value.hint
+            with pytest.raises(VoiceLost, match="no_such_worker"):
+                await said(voice, a_sentence("Hello."))
+            assert voice.pid is None
+            voice._broken = (asyncio.get_running_loop().time(), "")
+            assert seconds(await said(voice, a_sentence("Hello."))) > 0.2
+
+    asyncio.run(scenario())
+
+
 def test_the_process_goes_with_the_engine_however_that_dies() -> None:
     the_voice("espeak")
     code = (
@@ -372,24 +394,60 @@ class _Voice:
     def __init__(self, name: str) -> None:
         self.name = name
         self.asked: list[str] = []
-        self.load: Callable[[], Awaitable[None]]
+        self.trouble: ModelError | None = None
+        """Why it cannot be loaded."""
+        self.closed = False
 
-    async def synthesise(self, sentence: Sentence) -> AsyncIterator[Piece]:
+    async def load(self) -> None:
+        if self.trouble is not None:
+            raise self.trouble
+
+    async def synthesise(self, sentence: Sentence) -> AsyncGenerator[Piece]:
         self.asked.append(sentence.joined()[0])
         yield Piece(np.ones(10, np.int16), RATE)
+
+    async def close(self) -> None:
+        self.closed = True
 
 
 def test_english_goes_to_one_voice_and_chinese_to_the_other_or_is_only_shown() -> None:
     async def scenario() -> None:
         english, others, told = _Voice("a"), _Voice("b"), []
-        both = ByLanguage(english, others)  # type: ignore[arg-type]
-        alone = ByLanguage(english, None, told.append)  # type: ignore[arg-type]
+        both = ByLanguage(english, others)
+        alone = ByLanguage(english, None, told.append)
         for sentence in sentences("Hello. 你好。再见。"):
             await said(both, sentence)
             await said(alone, sentence)
         assert english.asked == ["Hello.", "Hello."]
         assert others.asked == ["你好。", "再见。"]
         assert told == ["Chinese answers are only shown: install espeak-ng to hear them."]
+
+    asyncio.run(scenario())
+
+
+def test_a_voice_for_chinese_that_does_not_load_leaves_the_english_one_and_is_told_once() -> None:
+    async def scenario() -> None:
+        english, others, told = _Voice("a"), _Voice("b"), []
+        others.trouble = ModelError("espeak-ng cannot be used: its data are missing.", hint=espeak.INSTALL)
+        both = ByLanguage(english, others, told.append)
+        await both.load()
+        for sentence in sentences("Hello. 你好。再见。"):
+            await said(both, sentence)
+        assert both.name == "a"
+        assert english.asked == ["Hello."]
+        assert others.closed
+        assert told == [f"Chinese answers are only shown. {others.trouble}"]
+        await both.close()
+
+    asyncio.run(scenario())
+
+
+def test_without_the_english_voice_there_is_none() -> None:
+    async def scenario() -> None:
+        english = _Voice("a")
+        english.trouble = ModelError("The voice is damaged.")
+        with pytest.raises(ModelError, match="damaged"):
+            await ByLanguage(english, _Voice("b")).load()
 
     asyncio.run(scenario())
 
