@@ -8,13 +8,18 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable
+from typing import Final
 
 from config.schema import SerialWake
 from engine.bus import Emit
 from engine.commands import Wake
-from engine.events import Log
+from engine.errors import SaysoError
+from engine.events import ErrorRaised, Log
 from engine.parts.part import Part
 from engine.wake.reader import Listening, Lost, News, Remark, WakeReader
+
+PAUSES_S: Final = (0.0, 1.0, 5.0)
+"""Before listening begins anew after a fault, the first time and each further one, s; then it is given up."""
 
 
 class WakePart:
@@ -25,17 +30,30 @@ class WakePart:
     ) -> None:
         """``wake`` is called in the reader's thread, which ``prompt`` lets go before others."""
         self._part = part
+        self._settings = settings
+        self._wake = wake
         self._emit = emit
-        self._reader = WakeReader(settings, wake, self._soon, prompt=prompt)
+        self._prompt = prompt
+        self._faults: asyncio.Queue[SaysoError] = asyncio.Queue()
 
     async def keep(self) -> None:
-        """Listen until this is cancelled."""
+        """Listen until this is cancelled, or one fault has followed the other."""
+        for pause in PAUSES_S:
+            self._part.fail(await self._listen())
+            await asyncio.sleep(pause)
+        fault = await self._listen()
+        self._part.fail(fault)
+        self._emit(ErrorRaised("internal", fault.message, fault.hint))
+
+    async def _listen(self) -> SaysoError:
+        """Listen until this is cancelled, or to the fault that ends it."""
         self._loop = asyncio.get_running_loop()
-        self._reader.start()
+        reader = WakeReader(self._settings, self._wake, self._soon, prompt=self._prompt)
+        reader.start()
         try:
-            await asyncio.Event().wait()
+            return await self._faults.get()
         finally:
-            await asyncio.to_thread(self._reader.close)
+            await asyncio.to_thread(reader.close)
 
     def _soon(self, news: News) -> None:
         with contextlib.suppress(RuntimeError):  # the loop has ended: nobody is interested any more
@@ -45,6 +63,8 @@ class WakePart:
         match news:
             case Listening(detail):
                 self._part.succeed(detail, detail)
+            case Lost(fault, over=True):
+                self._faults.put_nowait(fault)
             case Lost(error):
                 self._part.fail(error)
             case Remark(text, odd):

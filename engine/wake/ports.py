@@ -47,10 +47,13 @@ class Port:
 
 
 def attached() -> tuple[Port, ...]:
-    """The serial ports there are."""
+    """The serial ports there are; none while one is being unplugged: the next look finds the others."""
     from serial.tools import list_ports
 
-    return tuple(_port(info) for info in list_ports.comports())
+    try:
+        return tuple(_port(info) for info in list_ports.comports())
+    except (OSError, TypeError, ValueError):  # pyserial reads what is gone meanwhile (its issues 550 and 774)
+        return ()
 
 
 def wanted(setting: str, known: Port | None = None) -> tuple[str, ...]:

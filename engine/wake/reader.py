@@ -53,9 +53,10 @@ class Listening:
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """There is no module (any more)."""
+    """There is no module (any more). ``over``: a fault of ours is why, and the reader has ended by it."""
 
     error: SaysoError
+    over: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +110,7 @@ class WakeReader:
         self._trouble: Reason | None = None  # what has been said about why there is no module
         self._suspected: Reason | None = None  # why the last look found none
         self._pauses = 0  # looks for a module that found none
+        self._next_look = 0.0  # monotonic
         self._quiet_until = 0.0  # monotonic
         self._untold = 0  # frames since then
         self._selector = selectors.SelectSelector()  # kqueue takes no terminals
@@ -140,7 +142,7 @@ class WakeReader:
                 pass
         except Exception as error:  # noqa: BLE001 - nobody listens to the module any more: that must be told
             fault = SaysoError(f"Listening to the wake module failed: {error!r}.", hint="Please report it.")
-            self._tell(Lost(fault))
+            self._tell(Lost(fault, over=True))
         finally:
             for line in tuple(self._lines.values()):
                 self._close(line)
@@ -148,10 +150,10 @@ class WakeReader:
 
     def _turn(self) -> bool:
         """Look for the module if need be, and take what comes; False when this is to end."""
-        pause = None
-        if not self._settled:
+        if not self._settled and time.monotonic() >= self._next_look:  # not for every packet: it goes through all ports
             self._look()
-            pause = None if self._settled else PAUSES_S[min(self._pauses, len(PAUSES_S)) - 1]
+            self._next_look = time.monotonic() + PAUSES_S[min(self._pauses, len(PAUSES_S)) - 1]
+        pause = None if self._settled else max(0.0, self._next_look - time.monotonic())
         for key, _ in self._selector.select(pause):
             if key.fd == self._stop_read:
                 return False
@@ -217,7 +219,7 @@ class WakeReader:
             self._tell_lines()
             return
         news = self._settled or self._known is None  # else it has been missed for a while
-        self._settled, self._pauses, self._trouble = False, 0, "absent"
+        self._settled, self._pauses, self._next_look, self._trouble = False, 0, 0.0, "absent"
         if news:
             hint = "Plug it in again: it is found by itself."
             self._tell(Lost(DeviceError(f"The wake module is gone: {line} was unplugged.", hint=hint)))

@@ -353,7 +353,15 @@ class Usb:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.ports: list[SimpleNamespace] = []
-        monkeypatch.setattr(serial.tools.list_ports, "comports", lambda: list(self.ports))
+        self.looks = 0
+        self.faults: list[Exception] = []
+        monkeypatch.setattr(serial.tools.list_ports, "comports", self._comports)
+
+    def _comports(self) -> list[SimpleNamespace]:
+        self.looks += 1
+        if self.faults:
+            raise self.faults.pop()
+        return list(self.ports)
 
     def add(self, module: WakeModule, vid: int | None = 0x1A86, pid: int = 0x7523, number: str = "") -> None:
         facts = {
@@ -424,6 +432,36 @@ def test_auto_leaves_other_ports_alone_and_waits_for_one_to_come(
         assert heard.lost().startswith("There is no USB serial port.")
         usb.add(ours)
         assert heard.listening() == device(ours)
+
+
+def test_nobody_looks_for_ports_because_something_came(
+    usb: Usb, module: WakeModule, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(reader, "PAUSES_S", (2 * LIMIT_S,))
+    usb.add(module)
+    with listening("auto") as heard:
+        heard.listening()
+        looks = usb.looks
+        module.say(frame(1, 0))
+        heard.until(lambda one: isinstance(one, Remark))
+        module.say(AI_VOICE_WAKE)
+        heard.wake()
+        assert usb.looks == looks
+
+
+@pytest.mark.parametrize(
+    "fault", [TypeError("int() can't convert"), ValueError("invalid literal"), OSError(19, "gone")]
+)
+def test_a_look_while_a_device_is_being_unplugged_finds_nothing_and_the_next_one_does(
+    usb: Usb, module: WakeModule, fault: Exception
+) -> None:
+    usb.add(module)
+    usb.faults.append(fault)
+    with listening("auto") as heard:
+        assert heard.lost().startswith("There is no USB serial port.")
+        assert heard.listening() == device(module)
+        module.say(AI_VOICE_WAKE)
+        heard.wake()
 
 
 @pytest.mark.parametrize("setting", ["auto", "path"])
