@@ -84,6 +84,11 @@ class Satellite:
         assert self._writer is not None
         self._writer.transport.abort()
 
+    def stall(self) -> None:
+        """It stays, and takes nothing any more."""
+        assert self._writer is not None
+        self._writer.transport.pause_reading()  # type: ignore[attr-defined]
+
     def heard_by(self, time: float) -> float:
         """How much has sounded by then, s."""
         lengths = ((begins, len(sound) / self.rate) for begins, sound in self.sounded)

@@ -2,7 +2,8 @@
 
 A sayso that hears keeps a local socket in this user's state folder, which nobody else may open and no network leads to
 (``ssh`` does: ``arecord … | ssh robot sayso mic``). Whoever connects says in one JSON line where the sound comes from,
-gets one JSON line back, and is heard like a microphone until they leave. There is one guest at a time.
+gets one JSON line back, and is heard like a microphone until they leave. There is one guest at a time. One
+from whom nothing comes any more is let go, and told so in another such line.
 """
 
 from __future__ import annotations
@@ -28,6 +29,10 @@ GREETING_S = 5.0
 IDLE_S = 5.0
 """A guest who has sent nothing for so long gives way to a new one, s: a connection can hang for minutes."""
 
+SILENT_S = 30.0
+"""A guest who has sent nothing for so long is let go, s: raw sound in which nobody speaks is bytes all the same, and an
+SSH connection that dies does so without a word."""
+
 _LINE_BYTES = 500
 _NAME_SIGNS = 60
 _LONGEST_PATH = 100  # bytes; systems allow 104 or 108
@@ -37,10 +42,11 @@ class Greeting(msgspec.Struct, frozen=True):
     """What a guest says first."""
 
     source: str  # for people: ssh microphone
+    pauses: bool = False  # nothing may come for as long as nobody speaks
 
 
 class Welcome(msgspec.Struct, frozen=True):
-    """The answer; with a ``refusal`` the guest is not heard, and that is why."""
+    """The answer; with a ``refusal`` the guest is not heard, or not any more, and that is why."""
 
     pid: int
     refusal: str = ""
@@ -64,7 +70,7 @@ class Door:
     async def __aenter__(self) -> Door:
         with contextlib.ExitStack() as opened:
             try:
-                self._path.parent.mkdir(parents=True, exist_ok=True)
+                self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
                 opened.enter_context(_locked(self._path.with_suffix(".lock")))
                 self._path.unlink(missing_ok=True)  # of a sayso that was killed: its lock went with it
                 opened.callback(self._path.unlink, missing_ok=True)
@@ -98,12 +104,15 @@ class Door:
             async with asyncio.timeout(GREETING_S):
                 greeting = msgspec.json.decode(await reader.readline(), type=Greeting)
             refusal = self._refusal()
-            writer.write(msgspec.json.encode(Welcome(os.getpid(), refusal)) + b"\n")
+            writer.write(_line(Welcome(os.getpid(), refusal)))
             await writer.drain()
             if not refusal:
                 guest = self._let_in(greeting)
-                while sound := await reader.read(READ_BYTES):
-                    guest.push(sound)
+                try:
+                    while sound := await _next(reader, None if greeting.pauses else SILENT_S):
+                        guest.push(sound)
+                except TimeoutError:
+                    writer.write(_line(Welcome(os.getpid(), f"no sound has come for {SILENT_S:g} s")))
         except (OSError, ValueError, msgspec.MsgspecError):  # gone, or never a guest
             pass
         finally:
@@ -126,16 +135,16 @@ class Door:
         return f"it hears somebody else already ({self._guest.name})"
 
 
-def feed(path: Path, sound: int, source: str, on_welcome: Callable[[int], None]) -> None:
+def feed(path: Path, sound: int, source: str, on_welcome: Callable[[int], None], *, pauses: bool = False) -> None:
     """Hand raw sound from a file descriptor over until it ends; blocks. ``source`` is its name for people;
-    ``on_welcome`` gets the process id of the sayso that hears it.
+    ``on_welcome`` gets the process id of the sayso that hears it. ``pauses``: nothing may come while nobody speaks, and
+    whoever calls this sees to it that it ends when its other side has gone.
 
     Raises ``DeviceError`` when no sayso runs here, it does not take the sound, or it ends meanwhile, and
     ``AudioFormatError`` when the sound is not raw.
     """
     with _connected(path) as link:
-        link.sendall(msgspec.json.encode(Greeting(source)) + b"\n")
-        welcome = _welcome(link)
+        welcome = _welcome(link, Greeting(source, pauses))
         if welcome.refusal:
             hint = "Wait until they have finished, or end their `sayso mic`."
             raise DeviceError(f"The sayso here (process {welcome.pid}) refuses: {welcome.refusal}.", hint=hint)
@@ -144,7 +153,7 @@ def feed(path: Path, sound: int, source: str, on_welcome: Callable[[int], None])
         while True:
             ready, _, _ = select.select([link.fileno(), sound], [], [])
             if link.fileno() in ready:  # it has nothing more to say but goodbye
-                raise _ended()
+                raise _goodbye(link)
             began, data = bool(data), os.read(sound, READ_BYTES)
             if not data:
                 return
@@ -155,6 +164,16 @@ def feed(path: Path, sound: int, source: str, on_welcome: Callable[[int], None])
                 link.sendall(data)
             except OSError as error:
                 raise _ended() from error
+
+
+def _line(words: Greeting | Welcome) -> bytes:
+    return msgspec.json.encode(words) + b"\n"
+
+
+async def _next(reader: asyncio.StreamReader, silent_s: float | None) -> bytes:
+    """What a guest sends next, nothing at the end. Raises ``TimeoutError`` where nothing has come for so long."""
+    async with asyncio.timeout(silent_s):
+        return await reader.read(READ_BYTES)
 
 
 def _connected(path: Path) -> socket.socket:
@@ -171,19 +190,32 @@ def _connected(path: Path) -> socket.socket:
     return link
 
 
-def _welcome(link: socket.socket) -> Welcome:
+def _welcome(link: socket.socket, greeting: Greeting) -> Welcome:
     line = b""
     link.settimeout(GREETING_S)
     try:
+        link.sendall(_line(greeting))
         while not line.endswith(b"\n"):
             if not (data := link.recv(_LINE_BYTES)):
                 raise _ended()
             line += data
         return msgspec.json.decode(line, type=Welcome)
+    except ConnectionError as error:
+        raise _ended() from error
     except (OSError, msgspec.MsgspecError) as error:
         raise DeviceError(f"The sayso here does not answer: {error}.", hint="Is it paused?") from error
     finally:
         link.settimeout(None)
+
+
+def _goodbye(link: socket.socket) -> SaysoError:
+    """What it said last, where it said anything."""
+    try:
+        told = msgspec.json.decode(link.recv(_LINE_BYTES), type=Welcome)
+    except (OSError, msgspec.MsgspecError):
+        return _ended()
+    hint = "Look after the microphone and the connection to it, and start `sayso mic` again."
+    return DeviceError(f"The sayso here (process {told.pid}) does not hear this any more: {told.refusal}.", hint=hint)
 
 
 def _ended() -> SaysoError:
@@ -194,14 +226,28 @@ def _listening(path: Path) -> socket.socket:
     """A socket that only its owner can open."""
     made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
-        os.fchmod(made.fileno(), 0o600)  # on Linux the file is born with it
-        with _address(path) as address:
+        with _address(path) as address, _born_private(made):
             made.bind(address)
         path.chmod(0o600)
     except OSError:
         made.close()
         raise
     return made
+
+
+@contextlib.contextmanager
+def _born_private(made: socket.socket) -> Iterator[None]:
+    """Within this the file of a socket is its owner's alone from its first moment."""
+    before = None
+    try:
+        os.fchmod(made.fileno(), 0o600)  # on Linux the file is born with it
+    except OSError:  # elsewhere a socket has no mode; the umask is that of all threads, hence not everywhere
+        before = os.umask(0o077)
+    try:
+        yield
+    finally:
+        if before is not None:
+            os.umask(before)
 
 
 @contextlib.contextmanager

@@ -105,9 +105,15 @@ def leave_with(link: socket.socket) -> None:
 
 
 def _follow(link: int) -> None:
-    end = select.poll()
-    end.register(link, 0)  # 0: nothing but the end
-    end.poll()
+    if sys.platform == "darwin":  # its poll sees no end unless it is to see all that comes as well
+        end = select.kqueue()
+        end.control([select.kevent(link, select.KQ_FILTER_READ, select.KQ_EV_ADD | select.KQ_EV_CLEAR)], 0)
+        while not any(event.flags & select.KQ_EV_EOF for event in end.control(None, 1)):
+            pass
+    else:
+        hang_up = select.poll()
+        hang_up.register(link, 0)  # 0: nothing but the end
+        hang_up.poll()
     os._exit(0)  # closing a stream whose driver has gone can hang; the kernel closes it as well
 
 

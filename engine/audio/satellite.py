@@ -74,11 +74,13 @@ class Satellite:
                 if not self._ends:
                     await self._hang_up()
 
-    async def say(self, *events: Eventable) -> None:
-        """Tell it something; one that is lost is told nothing, and its ends know."""
+    async def say(self, *events: Eventable, within_s: float | None = None) -> None:
+        """Tell it something, which it has to take ``within_s`` at the latest, or else as soon as anybody has to; one
+        that is lost is told nothing, and its ends know."""
         if (talk := self._talk) is not None:
             try:
-                await talk.say(*events)
+                async with asyncio.timeout(within_s):
+                    await talk.say(*events)
             except (OSError, TimeoutError):  # it has gone, or takes nothing any more
                 talk.abort()
 

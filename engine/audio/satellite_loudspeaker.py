@@ -30,6 +30,9 @@ DELAY_S: Final = 0.4
 begins when it has half a second, and others at once."""
 LONGEST_S: Final = 3.0
 """A satellite that says to be later than that means something else, s."""
+GOODBYE_S: Final = 0.2
+"""A satellite that does not take the end of a sound that is broken off within so long is lost, s: it has taken nothing
+for seconds, and whoever breaks off is in a hurry."""
 _STALL_S: Final = 0.5  # after a longer one (a paused process) it goes on from here
 
 
@@ -121,7 +124,7 @@ class SatelliteLoudspeaker:
                     await self._satellite.say(AudioStop())
         finally:
             if sounds:
-                await self._satellite.say(AudioStop())
+                await self._satellite.say(AudioStop(), within_s=GOODBYE_S)
 
     def _no_loudspeaker(self) -> DeviceError:
         return self._satellite.fault("has no loudspeaker", hint=SHOWN)

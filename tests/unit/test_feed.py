@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import os
 import socket
 import stat
@@ -18,6 +19,7 @@ from engine.audio.feed import Door, feed
 from engine.audio.pipe import GuestSource
 from engine.audio.source import FRAME_SAMPLES
 from engine.errors import AudioFormatError, DeviceError, SaysoError, StorageError
+from tests import virtual_time
 
 LIMIT_S = 20
 SOUND = np.arange(20 * FRAME_SAMPLES, dtype=np.int16)
@@ -113,6 +115,31 @@ def test_nobody_else_may_open_the_door_and_it_goes_with_the_house(path: Path) ->
 
     at(path, scenario)
     assert not path.exists()
+    assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
+
+
+def test_the_door_is_private_from_its_first_moment_where_a_socket_has_no_mode(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    born: list[int] = []
+    chmod = Path.chmod
+
+    def refuse(fd: int, mode: int) -> None:
+        raise OSError(errno.EINVAL, os.strerror(errno.EINVAL))  # as on macOS
+
+    def change(file: Path, mode: int) -> None:
+        born.append(stat.S_IMODE(file.stat().st_mode))
+        chmod(file, mode)
+
+    monkeypatch.setattr(os, "fchmod", refuse)
+    monkeypatch.setattr(Path, "chmod", change)
+    before = os.umask(0o022)
+    try:
+        at(path, lambda guests: scenario_of_one_guest(path, guests))
+        assert os.umask(before) == 0o022
+    finally:
+        os.umask(before)
+    assert born == [0o700]
 
 
 def test_there_is_one_guest_at_a_time_and_the_next_one_is_told_who_it_is(path: Path) -> None:
@@ -147,6 +174,80 @@ def test_a_guest_whose_connection_hangs_gives_way(path: Path, monkeypatch: pytes
             assert "hears somebody else now" in (await feeders[hanging.name].error()).message
 
     at(path, scenario)
+
+
+@asynccontextmanager
+async def knocking(path: Path, greeting: bytes) -> AsyncIterator[tuple[asyncio.StreamReader, asyncio.StreamWriter]]:
+    """A guest who has been welcomed, without a thread: those know no virtual time."""
+    reader, writer = await asyncio.open_unix_connection(path)
+    writer.write(greeting + b"\n")
+    assert b'"refusal":""' in await reader.readline()
+    try:
+        yield reader, writer
+    finally:
+        writer.close()
+
+
+@pytest.mark.parametrize("greeting", [b'{"source":"microphone"}', b'{"source":"microphone","pauses":false}'])
+def test_a_guest_from_whom_nothing_comes_any_more_is_let_go(path: Path, greeting: bytes) -> None:
+    async def scenario() -> None:
+        guests = Guests()
+        async with Door(path, guests.put_nowait), knocking(path, greeting) as (reader, writer):
+            guest = await guests.get()
+            for piece in np.split(SOUND, 2):
+                await asyncio.sleep(0.9 * f.SILENT_S)
+                writer.write(piece.tobytes())
+            assert np.array_equal(await heard(guest), SOUND)
+            assert b"no sound has come for 30 s" in await reader.read()
+            assert asyncio.get_running_loop().time() == pytest.approx(2.8 * f.SILENT_S)
+            async with knocking(path, greeting):  # the door is open for the next one
+                await guests.get()
+
+    virtual_time.run(scenario())
+
+
+def test_a_satellite_may_be_silent_for_hours(path: Path) -> None:
+    async def scenario() -> None:
+        guests = Guests()
+        async with (
+            Door(path, guests.put_nowait),
+            knocking(path, b'{"source":"satellite","pauses":true}') as (_, writer),
+        ):
+            guest = await guests.get()
+            await asyncio.sleep(3600)
+            writer.write(SOUND.tobytes())
+            writer.write_eof()
+            assert np.array_equal(await heard(guest), SOUND)
+
+    virtual_time.run(scenario())
+
+
+def test_a_guest_who_is_let_go_is_told_why(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def scenario(guests: Guests) -> None:
+        async with feeder(path) as somebody:
+            guest = await guests.get()
+            async with guest:
+                somebody.say(SOUND.tobytes())
+                await anext(guest)
+                monkeypatch.setattr(f, "SILENT_S", 0.05)
+                somebody.say(SOUND.tobytes())
+                error = await somebody.error()
+            assert isinstance(error, DeviceError)
+            assert error.message.endswith("does not hear this any more: no sound has come for 0.05 s.")
+
+    at(path, scenario)
+
+
+def test_a_sayso_that_ends_before_it_was_greeted_has_ended(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ours, theirs = socket.socketpair()
+    theirs.close()
+    monkeypatch.setattr(f, "_connected", lambda path: ours)  # it goes between the connection and the first word
+
+    async def scenario() -> None:
+        async with feeder(path) as somebody:
+            assert "has ended" in (await somebody.error()).message
+
+    asyncio.run(scenario())
 
 
 def test_without_a_sayso_the_guest_is_told_to_start_one(path: Path) -> None:

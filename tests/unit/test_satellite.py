@@ -119,7 +119,7 @@ def test_one_that_waits_for_a_voice_is_asked_whether_it_is_still_there() -> None
 @pytest.mark.parametrize(
     ("chunk", "message"),
     [
-        (AudioChunk(RATE, 3, 1, b"abc"), "does not speak Wyoming"),
+        (AudioChunk(RATE, 3, 1, b"abc"), r"this kind of sound \(16000 Hz, 3 bytes, 1 channels\) is not understood"),
         (AudioChunk(RATE, 2, 1, b"abc"), "does not speak Wyoming"),
     ],
 )

@@ -128,9 +128,9 @@ def test_one_that_takes_nothing_any_more_holds_up_nobody_who_stops_and_is_lost(a
             await asyncio.sleep(8.0)  # longer than what fits on the way
             stopped = now()
             await output.stop()
-            assert now() - stopped <= GOODBYE_S
+            assert now() - stopped < 2 * GOODBYE_S
             assert "closed the connection" in str(await lost.get())
-            assert now() - stopped <= GOODBYE_S
+            assert now() - stopped < 2 * GOODBYE_S
             await output.close()
 
     run(scenario())

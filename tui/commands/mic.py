@@ -29,7 +29,7 @@ def run(arguments: Namespace) -> int:
     """Hand sound over until it ends. Exit code 3 when there is nobody to hear it, or nothing to be heard, any more."""
     if arguments.wyoming is not None:
         with _satellite(arguments.wyoming) as sound:
-            _feed(sound, f"satellite at {arguments.wyoming.partition('://')[2]}")
+            _feed(sound, f"satellite at {arguments.wyoming.partition('://')[2]}", pauses=True)
         return int(ExitCode.DONE)
     sound = sys.stdin.fileno()
     if os.isatty(sound):
@@ -38,8 +38,8 @@ def run(arguments: Namespace) -> int:
     return int(ExitCode.DONE)
 
 
-def _feed(sound: int, source: str) -> None:
-    feed(paths().door, sound, source, lambda pid: say(f"sayso (process {pid}) hears this now."))
+def _feed(sound: int, source: str, *, pauses: bool = False) -> None:
+    feed(paths().door, sound, source, lambda pid: say(f"sayso (process {pid}) hears this now."), pauses=pauses)
 
 
 @contextmanager
