@@ -86,20 +86,22 @@ class Server:
         from wyoming.error import Error
 
         try:
-            if len(self._visits) > VISITORS:
-                raise Unacceptable("busy", f"{VISITORS} others are served already.")
-            await Visit(self, reader, writer).stay()
-        except (Unacceptable, wyoming.NotWyoming) as error:
-            code = error.code if isinstance(error, Unacceptable) else "not-wyoming"
-            self.tell(f"A visitor was shown out: {error}")
-            with suppress(OSError, TimeoutError):
+            try:
+                if len(self._visits) > VISITORS:
+                    raise Unacceptable("busy", f"{VISITORS} others are served already.")
+                await Visit(self, reader, writer).stay()
+            except (Unacceptable, wyoming.NotWyoming) as error:
+                code = error.code if isinstance(error, Unacceptable) else "not-wyoming"
+                self.tell(f"A visitor was shown out: {error}")
                 async with asyncio.timeout(GOODBYE_S):
                     await wyoming.write(writer, Error(str(error), code))
                     writer.write_eof()
                     while await reader.read(wyoming.LINE_BYTES):
                         pass  # with something unread the connection would be reset, and the error lost on its way
-        except (OSError, EOFError, TimeoutError):
-            pass  # gone, or no longer there in spirit
+        except TimeoutError:  # no longer there in spirit
+            writer.transport.abort()  # closing would wait until they have taken what is still to be sent
+        except (OSError, EOFError):
+            pass  # gone
         finally:
             writer.close()
 

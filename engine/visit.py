@@ -39,8 +39,8 @@ REQUESTS: Final = 4
 IDLE_S: Final = 300.0
 """A connection on which nothing is asked for so long is closed, s."""
 PATIENCE_S: Final = 30.0
-"""A visitor who stops in the midst of a sound, or does not take an answer, is given up after this, s; and what they
-asked for before they left, or closed their side."""
+"""A visitor who stops in the midst of a sound, or goes on with pieces in which there is none, or does not take an
+answer, is given up after this, s; and what they asked for before they left, or closed their side."""
 _CHUNK_S: Final = 0.1
 _NAMES, _NAME_SIGNS = 100, 60  # words that the recogniser is to expect
 _SILENT_RATE: Final = 22_050  # of an answer in which nothing is to be said
@@ -111,19 +111,24 @@ class Visit:
             task.result()
 
     async def _listen(self) -> None:
+        now = asyncio.get_running_loop().time
+        since = now()
         while True:
-            async with asyncio.timeout(PATIENCE_S if self._sound is not None else IDLE_S):
+            async with asyncio.timeout_at(since + (PATIENCE_S if self._sound is not None else IDLE_S)):
                 event = await wyoming.read(self._reader)
             if event is None:  # they may have closed only their side, and wait for what they asked for
                 async with asyncio.timeout(PATIENCE_S):
                     await self._requests.join()
                 return
+            before = self._sound
             try:
                 request = self._request(event)
             except (KeyError, TypeError, ValueError, AttributeError) as error:
                 raise Unacceptable("not-wyoming", f"This {event.type[:40]!r} lacks what belongs to it.") from error
             if request is not None:
                 await self._requests.put(request)
+            if self._sound is not before or not _is_empty(event):
+                since = now()
 
     async def _work(self) -> None:
         while True:
@@ -156,6 +161,8 @@ class Visit:
             return functools.partial(self._transcribe, _names(self._possible(wish or Transcribe())), sound.samples())
         elif Synthesize.is_type(kind):
             text = Synthesize.from_event(event).text
+            if not isinstance(text, str):
+                raise TypeError("it is no text")
             if len(text) > LONGEST_TEXT:
                 most = f"{LONGEST_TEXT} are said in one go"
                 raise Unacceptable("too-long", f"{len(text)} characters are too many; {most}.")
@@ -233,7 +240,8 @@ class Recording:
         self._seconds += chunk.seconds
         if self._seconds > LONGEST_S:
             raise Unacceptable("too-long", f"At most {LONGEST_S:g} s of sound are recognised in one go.")
-        self._pieces.append(piece)
+        if len(piece):
+            self._pieces.append(piece)
 
     def samples(self) -> NDArray[np.int16]:
         """All of it, at 16 kHz; nothing is added from now on."""
@@ -257,6 +265,13 @@ def describe(offer: Offer) -> Info:
         voice = TtsVoice(**about(offer.voice.name, "the voice of sayso"), languages=list(offer.says))
         tts = [TtsProgram(**about("sayso", "the voice of sayso"), voices=[voice])]
     return Info(asr=asr, tts=tts)
+
+
+def _is_empty(event: Event) -> bool:
+    """It is a piece of sound in which there is none: who sends such pieces has stopped all the same."""
+    from wyoming.audio import AudioChunk
+
+    return AudioChunk.is_type(event.type) and not event.payload
 
 
 def _names(wish: Transcribe) -> list[str]:

@@ -182,6 +182,8 @@ async def talking(server: str, fault: Fault, limit_s: float) -> AsyncIterator[Ta
         raise fault(str(trouble)) from trouble
     except (ConnectionResetError, BrokenPipeError) as error:
         raise fault("closed the connection") from error
+    except UnknownKind as kind:
+        raise fault(f"cannot be used: {kind}") from kind
     except (OSError, EOFError) as error:  # IncompleteReadError is an EOFError
         raise fault(f"cannot be used: {_why(error)}") from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:

@@ -8,7 +8,7 @@ import asyncio
 import json
 import threading
 from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Sequence
-from contextlib import aclosing, asynccontextmanager
+from contextlib import aclosing, asynccontextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -334,6 +334,8 @@ BROKEN = [
     (b'{"type": "transcribe", "data": {"language": 7}}\n', "not-wyoming"),
     (b'{"type": "transcribe", "data": {"language": "xx-klingon"}}\n', "language"),
     (b'{"type": "synthesize", "data": {"text": 7}}\n', "not-wyoming"),
+    (b'{"type": "synthesize", "data": {"text": ["a"]}}\n', "not-wyoming"),
+    (b'{"type": "synthesize", "data": {"text": {"a": "b"}}}\n', "not-wyoming"),
     (b'{"type": "synthesize", "data": {"text": "' + b"a" * (LONGEST_TEXT + 1) + b'"}}\n', "too-long"),
     (b"x" * (wyoming.LINE_BYTES + 10), "not-wyoming"),
     (bytes(range(256)), "not-wyoming"),
@@ -443,6 +445,15 @@ def test_more_sound_than_is_recognised_in_one_go_is_refused_and_not_kept() -> No
     assert len(ears.asked) == 1
 
 
+def test_pieces_without_sound_are_not_kept() -> None:
+    recording = Recording()
+    for _ in range(100):
+        recording.add(AudioChunk(RATE, 2, 1, b""))
+    recording.add(AudioChunk(RATE, 2, 1, COMMAND.tobytes()))
+    assert len(recording._pieces) == 1
+    assert np.array_equal(recording.samples(), COMMAND)
+
+
 # Several
 
 
@@ -504,6 +515,37 @@ def test_who_stops_in_the_midst_of_a_sound_is_given_up(monkeypatch: pytest.Monke
             assert await visitor.hear() is None
 
     served(scenario, Counting())
+
+
+def test_who_goes_on_with_pieces_without_sound_is_given_up_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(visit, "PATIENCE_S", 0.1)
+
+    async def scenario(place: Place) -> None:
+        async with place.socket() as (_, writer):
+            writer.writelines(wire(event) for event in sound()[:3])
+            await until_closed(writer, AudioChunk(RATE, 2, 1, b""))
+
+    served(scenario, Counting())
+
+
+def test_the_connection_of_one_who_takes_no_answer_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(visit, "PATIENCE_S", 0.1)
+
+    async def scenario(place: Place) -> None:
+        async with place.socket() as (_, writer):
+            await until_closed(writer, Ping("of which the answer is as long" * 10_000))
+
+    served(scenario, Counting())
+
+
+async def until_closed(writer: asyncio.StreamWriter, event: Eventable) -> None:
+    """Say this again and again until the other side has closed the connection."""
+    async with asyncio.timeout(LIMIT_S):
+        with suppress(ConnectionError):
+            while True:
+                writer.write(wire(event))
+                await writer.drain()
+                await asyncio.sleep(0)  # there may always be room
 
 
 def test_a_recogniser_that_fails_is_an_error_that_says_so() -> None:
