@@ -8,7 +8,8 @@ the words so far. Where a voice fades, in noise long before the pause, a pass be
 and is given up if the voice goes on.
 
 In noise a detector of voices hears somebody go on who has ended. Words tell: a complete command to which 0.4 s of sound
-added none has been said, and the turn ends.
+added none has been said, and the turn ends; so it does after anything else to which as much sound added none as a pause
+of its own would take, and a little more.
 
 One thing is recognised at a time. What is overtaken before it began is cancelled, and has no effect.
 """
@@ -24,7 +25,7 @@ from engine.asr.agreement import Agreement, normalised_words
 from engine.asr.recogniser import Rejected, Transcript
 from engine.asr.transcription import Found, Transcription, deserves_another_look
 from engine.audio.endpoint import Endpointer
-from engine.audio.source import Samples
+from engine.audio.source import FRAME_S, Samples
 from engine.bus import Emit
 from engine.hearing.readings import Completeness, Judge, makes_no_sense, sensible
 
@@ -51,8 +52,11 @@ TALKING_FRAMES = 16
 REST = 3
 """…and how much longer than a pass it takes until the next: the pass of a pause waits for the one that is running."""
 
-CONFIRM_FRAMES = 13
-"""Sound (0.4 s) to which a recogniser finds no more words: even a short one takes less, and is written down."""
+CONFIRM_S = 0.4
+"""Sound to which a recogniser finds no more words, s: even a short one takes less, and is written down."""
+
+CONFIRM_MORE_S = 0.3
+"""So much more of it than of silence, s, ends what is no complete command: some of what is heard may be a voice."""
 
 UNSURE = 0.55
 """Confidence below which a text that is no command says little about what was said: words are missing, or wrong."""
@@ -155,6 +159,10 @@ class DecodingAhead:
             "incomplete": max(settings.incomplete_s, settings.silence_s),
             "unknown": settings.silence_s,
         }
+        self._stable_s = {
+            verdict: CONFIRM_S if verdict == "complete" else silence_s + CONFIRM_MORE_S
+            for verdict, silence_s in self._silence_s.items()
+        }
         usual = self._silence_s["unknown"]
         self._uncertain_s = usual - CAUTION * (usual - self._silence_s["complete"])
         self._agreement = Agreement()
@@ -164,7 +172,7 @@ class DecodingAhead:
         self._newest: Decoding | None = None
         self._early: Decoding | None = None  # one that began when a pause seemed to come
         self._whole: Decoding | None = None  # the one of the present pause
-        self._command: Decoding | None = None  # the first in which the complete command was found that is the newest
+        self._stable: Decoding | None = None  # the first in which the words were found that are the newest
         self._confirmed: Decoding | None = None  # a later one that found no more
 
     def advise(self, endpointer: Endpointer) -> None:
@@ -252,7 +260,11 @@ class DecodingAhead:
 
     @property
     def _may_be_confirmed(self) -> bool:
-        return self._command is not None and self._heard - self._command.at >= CONFIRM_FRAMES
+        return self._stable is not None and self._has_lasted(self._stable, self._heard)
+
+    def _has_lasted(self, stable: Decoding, until: int) -> bool:
+        """No words came after those since so long, in frames of the utterance, that none will."""
+        return (until - stable.at) * FRAME_S >= self._stable_s[stable.verdict]
 
     def _begin(self, sound: Samples, at: int, *, quick: bool = True) -> Decoding:
         if self._newest is not None:
@@ -271,17 +283,19 @@ class DecodingAhead:
             decoding.transcription.cancel()
 
     def _weigh(self, decoding: Decoding, future: asyncio.Future[Found]) -> None:
-        """What it found makes a complete command certain, or is another one, or none."""
+        """What it found makes certain that this is all, or it is something else, or nothing."""
         if future.cancelled() or decoding.transcription.is_cancelled:
             return
-        same = self._command is not None and self._command.words == decoding.words
-        if same and decoding.verdict == "unknown" and not deserves_another_look(future.result()):
-            decoding.verdict = "complete"  # only a comma more
-        if decoding.verdict != "complete":
-            self._command = None
-        elif self._command is None or not same:
-            self._command = decoding
-        elif decoding.at - self._command.at >= CONFIRM_FRAMES:
+        stable = self._stable
+        if not decoding.words or stable is None or stable.words != decoding.words:
+            self._stable = decoding if decoding.words else None
+            return
+        only_a_comma_more = stable.verdict == "complete" and decoding.verdict == "unknown"
+        if only_a_comma_more and not deserves_another_look(future.result()):
+            decoding.verdict = "complete"
+        if decoding.verdict != stable.verdict:
+            self._stable = decoding
+        elif self._has_lasted(stable, decoding.at):
             self._confirmed = decoding
 
     def _show(self, decoding: Decoding, future: asyncio.Future[Found]) -> None:

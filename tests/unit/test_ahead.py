@@ -389,6 +389,33 @@ def test_a_complete_command_to_which_nothing_is_added_ends_its_turn_though_a_voi
     run(scenario())
 
 
+@pytest.mark.parametrize("found", ["unknown", "incomplete"])
+def test_what_is_no_complete_command_ends_a_little_later_than_in_silence_though_a_voice_is_heard(
+    found: Completeness,
+) -> None:
+    async def scenario() -> None:
+        async with listening(Scripted("Turn left."), *[KITCHEN] * 8, judge=verdict(found)) as it:
+            heard = await it.hearing.listen(it.emit)
+            assert isinstance(heard, Utterance)
+            silence_s = ENDPOINT.silence_s if found == "unknown" else ENDPOINT.incomplete_s
+            assert silence_s < heard.duration < silence_s + 3.0 < 8 * len(KITCHEN) / RATE
+            first, *_, last = it.hearing._recogniser.passes  # type: ignore[attr-defined]
+            assert last.seconds - first.seconds > silence_s + 0.25
+
+    run(scenario())
+
+
+def test_sound_without_words_ends_no_turn_though_it_lasts() -> None:
+    async def scenario() -> None:
+        scripted = Scripted(Rejected("low_confidence", "Too uncertain.", "Mm.", SURE))
+        async with listening(scripted, *[KITCHEN] * 5) as it:
+            heard = await it.hearing.listen(it.emit)
+            assert isinstance(heard, Utterance)
+            assert heard.duration > 5 * len(KITCHEN) / RATE - 0.3
+
+    run(scenario())
+
+
 @pytest.mark.parametrize("then", ["Go to the kitchen and", "Go to the kitchen counter."])
 def test_a_complete_command_that_goes_on_is_heard_to_its_end(then: str) -> None:
     async def scenario() -> None:
