@@ -35,8 +35,7 @@ class Chimes:
                 self._play("listen", after=self._waking)
             case events.SpeechStarted(audible=True):
                 self._answered |= event.turn == self._heard
-            case events.StateChanged(state=state, result=result):
-                self._player.duck(state == "LISTENING")
+            case events.StateChanged(result=result):
                 if result is not None and event.turn is not None and event.turn == self._heard:
                     self._end(result)
 

@@ -426,6 +426,7 @@ class Engine:
         if not (speaks and is_to_be_heard(wanted, self._sound)):
             voice.settle(None)
             return
+        self._bus.subscribe(voice.see)
         if wanted.sounds and self._stays:
             chimes = Chimes(self._player, module_answers=self._settings.wake.serial.phrase is not None)
             self._bus.subscribe(chimes.see)

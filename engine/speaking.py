@@ -17,6 +17,7 @@ from typing import Any, Final
 
 from engine.audio.player import Playback, Player
 from engine.errors import SaysoError
+from engine.events import Event, StateChanged
 from engine.tts.sentences import Sentence, sentences
 from engine.tts.synthesis import Synthesiser, Timing
 
@@ -65,6 +66,11 @@ class SpokenVoice:
         self._saying = ("", 0.0)  # what sounds, or was the last to; until when it may be overheard
         self.missed: Callable[[], None] = lambda: None
         """Is told, in the loop's thread, that an answer was only shown, for want of a voice."""
+
+    def see(self, event: Event) -> None:
+        """Be quieter while somebody is listened to; for the bus, in the loop's thread."""
+        if isinstance(event.body, StateChanged):
+            self._player.duck(event.body.state == "LISTENING")
 
     def settle(self, synthesiser: Synthesiser | None) -> None:
         """From now on it speaks with ``synthesiser``, which is loaded; without one it will not speak."""

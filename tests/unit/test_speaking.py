@@ -534,8 +534,9 @@ def test_an_answer_that_is_spoken_needs_no_sound_and_what_is_typed_makes_none() 
     sounds_of(test, audible=True)
 
 
-def test_while_somebody_is_listened_to_speech_is_ducked() -> None:
-    async def test(talk: Conversation, room: Room, played: list[str]) -> None:
+def test_while_somebody_is_listened_to_speech_is_ducked_with_chimes_and_without() -> None:
+    async def test(talk: Conversation, room: Room) -> None:
+        talk.session._bus.subscribe(room.voice.see)
         assert not room.player._ducking
         talk.send(Wake("key"))
         await talk.until_state("LISTENING")
@@ -544,4 +545,4 @@ def test_while_somebody_is_listened_to_speech_is_ducked() -> None:
         await talk.until_state("IDLE")
         assert not room.player._ducking
 
-    sounds_of(test)
+    talk_with(test)
