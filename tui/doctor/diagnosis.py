@@ -147,8 +147,10 @@ def _voice(settings: Settings) -> Finding:
     if settings.voice.when == "never":
         return Finding("voice", "ok", "none: answers are only shown (voice.when)")
 
+    trouble: list[str] = []  # with one of several
+
     async def loaded() -> str:
-        voice = make_synthesiser(settings)
+        voice = make_synthesiser(settings, trouble.append)
         try:
             await voice.load()
         finally:
@@ -159,6 +161,8 @@ def _voice(settings: Settings) -> Finding:
         name = asyncio.run(loaded())
     except SaysoError as error:
         return Finding("voice", "missing", f"{error.message} Answers are shown.", error.hint)
+    if trouble:
+        return Finding("voice", "limited", f"{name}. {trouble[0]}")
     if settings.voice.backend == "auto" and "piper" not in name:
         fix = f"sayso models pull {settings.voice.model}" if piper.is_installed() else "pip install 'sayso[voice]'"
         return Finding("voice", "limited", f"{name}; piper sounds better in English", fix)
