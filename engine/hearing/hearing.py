@@ -184,10 +184,8 @@ class Hearing:
         """From now on hear ``source``, which is opened here, in the place of the one before, which is closed. Somebody
         who listens goes on listening. ``gain``: that of this source; else it is the usual one, as it was left. Raises
         what opening it raises; then all stays as it was."""
-        if (
-            self._pump is not None and self._pump.done()
-        ):  # what has ended may still have the device that is to be opened
-            await self._close_source()
+        if self._pump is not None and self._pump.done():
+            await self._close_source()  # what has ended may have the device to itself that is to be opened
         opened = AsyncExitStack()
         await opened.enter_async_context(source)
         try:
