@@ -14,6 +14,7 @@ from config import load
 from engine.asr.recogniser import RecogniserLost
 from engine.audio.feed import Door
 from engine.audio.source import FRAME_SAMPLES, Frame
+from engine.audio.wav import read_wav
 from engine.errors import DeviceError, SaysoError
 from engine.handle import PartStatus
 from engine.hearing.hearing import Hearing, HearingFault
@@ -23,6 +24,7 @@ from engine.parts.loading import Sound
 from engine.parts.part import Part
 from tests.recogniser import Scripted
 
+SPEECH = Path(__file__).parents[2] / "assets" / "speech"
 LIMIT_S = 20
 FRAME = np.full(FRAME_SAMPLES, 3000, np.int16).tobytes()
 
@@ -115,6 +117,40 @@ async def kept(monkeypatch: pytest.MonkeyPatch, door: Path | None = None) -> Asy
     finally:
         keeping.cancel()
         await asyncio.gather(keeping, return_exceptions=True)
+
+
+@pytest.mark.parametrize(("backend", "asked"), [("openai", False), ("whisper", True)])
+def test_a_service_is_sent_nothing_of_what_is_said_while_the_robot_moves_but_a_stop_that_is_suspected(
+    backend: str, asked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scripted = Scripted("Stop!")
+    monkeypatch.setattr(module, "make_isolated_recogniser", lambda settings: scripted)
+    told: list[str] = []
+    settled = asyncio.Event()
+    settings = load(overrides=(f"asr.backend={backend}", "asr.platform=openai"), environ={"OPENAI_API_KEY": "none"})
+    stop = read_wav(SPEECH / "stop.wav")
+
+    async def scenario() -> None:
+        hearing: Part[Hearing] = Part("recogniser", lambda news: None)
+        ears = Ears(settings, Sound("none"), Part("microphone", lambda news: None), hearing, on_words=told.append)
+        keeping = asyncio.create_task(ears.keep())
+        async with asyncio.timeout(LIMIT_S):
+            listening = await hearing.get()
+            listening.overhear(True)
+            assert listening.overhears
+            ears.push(np.concatenate((np.zeros(16_000, np.int16), stop, np.zeros(16_000, np.int16))).tobytes())
+            for _ in range(300):  # frames
+                await asyncio.sleep(0)
+            await listening.load()  # queues up behind what is being recognised
+            assert bool(scripted.passes) == asked
+            if not asked:
+                listening.suspect("stop", settled.set, lambda: None, sure=True)
+                await settled.wait()
+        assert told == ["Stop!"]
+        keeping.cancel()
+        await asyncio.gather(keeping, return_exceptions=True)
+
+    asyncio.run(scenario())
 
 
 def test_a_door_that_another_engine_has_is_ours_when_that_one_ends(
