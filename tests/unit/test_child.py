@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import resource
 import tempfile
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import count
@@ -49,7 +50,7 @@ def test_a_process_for_which_there_are_too_few_descriptors_is_an_error_and_leave
     child.discard()
     assert all("The little process cannot be started: [Errno 24]" in message for message in failures)
     assert len(failures) > 4, "it failed at the link, at the file for its last words, and later"
-    assert open_files() == before
+    assert not Counter(open_files()) - Counter(before), "what others left may be collected meanwhile"
 
 
 def test_a_process_whose_last_words_have_no_folder_is_an_error_and_leaves_nothing_behind(
@@ -60,4 +61,4 @@ def test_a_process_whose_last_words_have_no_folder_is_an_error_and_leaves_nothin
         broken.setattr(tempfile, "tempdir", str(tmp_path / "gone"))
         with pytest.raises(ProcessError, match=r"little process cannot be started.*No such file"):
             started()
-    assert open_files() == before
+    assert not Counter(open_files()) - Counter(before), "what others left may be collected meanwhile"

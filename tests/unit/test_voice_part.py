@@ -389,11 +389,13 @@ def test_whoever_stops_everything_stops_the_robot_first_and_then_the_voice_in_th
 # The doctor, and the models
 
 
-def findings(monkeypatch: pytest.MonkeyPatch, made: Tones | SaysoError, *overrides: str) -> Finding:
-    def make(settings: Settings) -> Tones:
+def findings(monkeypatch: pytest.MonkeyPatch, made: Tones | SaysoError, *overrides: str, trouble: str = "") -> Finding:
+    def make(settings: Settings, tell: Callable[[str], None]) -> Tones:
         del settings
         if isinstance(made, SaysoError):
             raise made
+        if trouble:
+            tell(trouble)
         return made
 
     monkeypatch.setattr(loading, "make_synthesiser", make)
@@ -404,6 +406,8 @@ def test_the_doctor_names_the_voice_and_what_a_better_one_needs(monkeypatch: pyt
     both = findings(monkeypatch, Tones(name="piper (joe), espeak-ng"))
     assert (both.state, both.detail, both.fix) == ("ok", "piper (joe), espeak-ng", "")
     assert "apt install espeak-ng" in findings(monkeypatch, Tones(name="piper (joe)")).detail
+    half = findings(monkeypatch, Tones(name="piper (joe)"), trouble="Its data are missing.")
+    assert (half.state, half.detail) == ("limited", "piper (joe). Its data are missing.")
     monkeypatch.setattr(piper, "is_installed", lambda: False)
     poor = findings(monkeypatch, Tones(name="espeak-ng"))
     assert (poor.state, poor.fix) == ("limited", "pip install 'sayso[voice]'")

@@ -32,8 +32,8 @@ from engine.bus import Bus
 from engine.chimes import Chimes
 from engine.clock import SystemClock
 from engine.hearing.hearing import Hearing
+from tests.recogniser import Given, Scripted
 from tests.room import NOISE, VOICE, Room, convolved, loudness, samples
-from tests.unit.test_hearing import Scripted
 from tests.unit.test_whisper import recogniser
 from tests.virtual_time import run
 
@@ -98,6 +98,11 @@ class Heard:
         return Frame(samples(heard + self.speech[first : first + FRAME_SAMPLES]), end, loop.time())
 
 
+def more_and_more(given: Given) -> str:
+    """Who talks on says another word all the time."""
+    return f"{round(given.seconds / FRAME_S)} words"
+
+
 @dataclass(frozen=True)
 class Listened:
     utterance: Utterance
@@ -119,7 +124,7 @@ async def listened(
     bus.subscribe(Chimes(player).see)
     microphone = Heard(room, spoken(name), woken + gap_s, echo_db)
     vad = make_vad(Vad(backend="auto", gate_mode=3, threshold=0.5))
-    hearing = Hearing(lambda: microphone, vad, ENDPOINT, Scripted(), echo=EchoCanceller(player.sounded))
+    hearing = Hearing(lambda: microphone, vad, ENDPOINT, Scripted(more_and_more), echo=EchoCanceller(player.sounded))
     if sounds:
         await player.open()
     async with hearing:
