@@ -15,7 +15,7 @@ from engine.parts.ears import Ears
 from engine.parts.loading import Sound
 from engine.parts.part import Part
 from tests.audio.server import SoundServer
-from tests.unit.test_hearing import Scripted
+from tests.unit.hears import Scripted
 
 LIMIT_S = 30
 PCM = bytes(64)

@@ -23,8 +23,8 @@ from engine.parts.ears import FRESH_STARTS, Ears
 from engine.parts.loading import Sound
 from engine.parts.part import Part
 from tests.recogniser import Scripted
+from tests.unit.hears import SPEECH, all_read
 
-SPEECH = Path(__file__).parents[2] / "assets" / "speech"
 LIMIT_S = 20
 FRAME = np.full(FRAME_SAMPLES, 3000, np.int16).tobytes()
 
@@ -139,8 +139,7 @@ def test_a_service_is_sent_nothing_of_what_is_said_while_the_robot_moves_but_a_s
             listening.overhear(True)
             assert listening.overhears
             ears.push(np.concatenate((np.zeros(16_000, np.int16), stop, np.zeros(16_000, np.int16))).tobytes())
-            for _ in range(300):  # frames
-                await asyncio.sleep(0)
+            await all_read()
             await listening.load()  # queues up behind what is being recognised
             assert bool(scripted.passes) == asked
             if not asked:

@@ -31,6 +31,7 @@ from engine.parts.part import Part
 from engine.planner.phrases.stopping import is_stop
 from tests.bench.speech import noise
 from tests.recogniser import Scripted
+from tests.unit.hears import all_read
 from tests.unit.overheard import COMMAND, DECODING, LONG, SPEECH, STOP, VAD, Listening, quiet, suspecting
 from tests.unit.test_whisper import model_folder, recogniser
 from tests.virtual_time import run
@@ -137,12 +138,6 @@ def saying(*sounds: Samples) -> PushSource:
     source = PushSource()
     source.push(np.concatenate((quiet(1), *sounds, quiet(1))).tobytes())
     return source
-
-
-async def all_read() -> None:
-    """Let the source be read to its end, a frame at every turn of the loop."""
-    for _ in range(20 * RATE // FRAME_SAMPLES):
-        await asyncio.sleep(0)
 
 
 async def heard_out(hearing: Hearing) -> None:

@@ -27,7 +27,7 @@ from engine.parts.loading import Sound, make_satellite
 from engine.parts.part import Part
 from engine.speaking import SpokenVoice
 from tests import satellite as peer
-from tests.unit.test_hearing import Scripted
+from tests.unit.hears import Scripted
 from tests.unit.test_speaking import WORD_S, Tones
 from tests.virtual_time import run
 
