@@ -116,6 +116,26 @@ def test_everybody_who_waits_for_a_picture_hears_of_the_loss() -> None:
     in_real_time(test)
 
 
+def test_a_loss_between_two_pictures_is_told_to_who_asks_next_unless_there_is_another_camera_by_then() -> None:
+    async def test(robot: SimRobot, news: list[CameraNews]) -> None:
+        async def until(kind: type[CameraNews], count: int) -> None:
+            while sum(isinstance(told, kind) for told in news) < count:
+                await robot.tick()
+
+        for number, looks_at_once in enumerate((True, False), 1):
+            assert robot.camera_pid is not None
+            os.kill(robot.camera_pid, signal.SIGKILL)
+            await until(Lost, number)
+            if looks_at_once:
+                with pytest.raises(CameraError, match="SIGKILL"):
+                    await robot.look()
+            else:
+                await until(Opened, number + 1)
+            await robot.look()
+
+    in_real_time(test)
+
+
 async def lose(robot: SimRobot) -> None:
     assert robot.camera_pid is not None
     os.kill(robot.camera_pid, signal.SIGKILL)

@@ -1,9 +1,10 @@
 """The simulated camera, as the engine holds it: it has a process that takes pictures, and replaces one that is lost.
 
 Pictures are asked for over a link and come through shared memory (:class:`engine.robot.sim.film.Film`), one at a time
-and in the order of asking. A process that ends or stays silent is lost: whoever waits for a picture gets a
-:class:`engine.errors.CameraError`, and who asks next the first picture of its replacement. A camera that is lost too
-often is given up. Graphics libraries are tried first where the settings allow it, each in a process of its own, so
+and in the order of asking. A process that ends or stays silent is lost: whoever waits for a picture, or asks for one
+before anybody has been told, gets a :class:`engine.errors.CameraError`, and who asks next the first picture of its
+replacement. So whoever drives by pictures learns of it, also if it happens between two of them. A camera that is lost
+too often is given up. Graphics libraries are tried first where the settings allow it, each in a process of its own, so
 that one which crashes takes nothing with it; rays can always be cast.
 """
 
@@ -50,6 +51,8 @@ class SimCamera:
         self._shutter = asyncio.Lock()  # fair: first come, first served
         self._replaced: list[float] = []  # when lost processes were, loop time
         self._process: CameraProcess | None = None
+        self._lost: CameraError | None = None  # why the last process takes no pictures, until there is another one
+        self._told: CameraError | None = None  # the newest loss of which somebody who wanted a picture was told
         self._failure: CameraError | None = None
         self._opened = asyncio.Event()  # there is a process, or will never be one again
         self._keeping = asyncio.create_task(self._keep())
@@ -64,9 +67,18 @@ class SimCamera:
         asked = self._process if self._process is not None and self._process.lost is None else None
         async with self._shutter:
             if asked is not None and asked.lost is not None:
+                self._told = asked.lost
                 raise asked.lost  # while this one was waiting
+            lost = self._lost if self._process is None else self._process.lost
+            if lost is not None and lost is not self._told:
+                self._told = lost
+                raise lost  # when nobody was
             process = await self._ready()
-            await process.take(labels=labels)
+            try:
+                await process.take(labels=labels)
+            except CameraError:
+                self._told = process.lost
+                raise
             return self._developed(labels=labels)
 
     async def close(self) -> None:
@@ -114,10 +126,11 @@ class SimCamera:
                 self._give_up(error)
                 self._tell(GivenUp(error))
                 return
+            self._lost = None
             self._opened.set()
             self._tell(Opened(f"{_NAMES[self._process.backend]} {self._lens.width}×{self._lens.height}", note))
             try:
-                lost = await self._process.loss()
+                self._lost = lost = await self._process.loss()
             finally:
                 self._opened.clear()
                 process, self._process = self._process, None
