@@ -2,8 +2,8 @@
 
 A sayso that hears keeps a local socket in this user's state folder, which nobody else may open and no network leads to
 (``ssh`` does: ``arecord … | ssh robot sayso mic``). Whoever connects says in one JSON line where the sound comes from,
-gets one JSON line back, and is heard like a microphone until they leave. There is one guest at a time. One
-from whom nothing comes any more is let go, and told so in another such line.
+gets one JSON line back, and is heard like a microphone until they leave. There is one guest at a time. One from
+whom nothing comes any more is let go, and told so in another such line.
 """
 
 from __future__ import annotations

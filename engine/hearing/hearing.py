@@ -94,8 +94,7 @@ class Hearing:
     ``listener`` gets all that a live source hears. ``echo`` takes the robot's own voice out of what a source hears that
     hears its loudspeaker. ``on_going_on`` is told, in the loop's thread, that somebody goes on whose turn was ended in
     the middle of a sentence, and how long ago (s, up to 1): whoever marks that moment and listens hears both pieces as
-    one.
-    ``beside`` hears voices while the robot acts on what was said, for what is added to that; None: nothing is.
+    one. ``beside`` hears voices while the robot acts on what was said, for what is added to that; None: nothing is.
     ``prompt``: see ``Transcriber``. Leaving closes the source and the recogniser, whatever it is doing.
     """
 

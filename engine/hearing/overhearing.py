@@ -89,10 +89,6 @@ class Overhearing:
         """Something is being recognised, or waits for that."""
         return bool(self._works)
 
-    @property
-    def _listens_unasked(self) -> bool:
-        return self._alert is not None and self._alert.unasked
-
     def switch(self, on: bool) -> None:
         """Listen from now on, or not any more; either way, what was heard before does not count."""
         if on != self._on:
@@ -110,7 +106,8 @@ class Overhearing:
         """Somebody has just said ``phrase``, it seems, or it is even ``sure``: find out at once. ``settled`` is called
         when that is known, after whoever is to be alerted was; never, where the recogniser fails or no sound comes any
         more. ``likelier`` is called before that where it becomes more likely, and another look will tell."""
-        if not self.usable or not (sure or self._listens_unasked):
+        alert = self._alert
+        if not self._on or alert is None or not (sure or alert.unasked):
             settled()
             return
         suspicion = self._suspicion

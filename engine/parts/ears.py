@@ -40,7 +40,6 @@ AGAIN_S = 5.0
 """Pause before looking for the microphone again when looking itself has failed, s; before opening a source again that a
 fault of ours has ended; and before trying again to get the door that another sayso has."""
 
-
 FRESH_STARTS = 2
 """How often a recogniser that is lost while it loads is started again."""
 

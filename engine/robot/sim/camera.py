@@ -115,12 +115,11 @@ class SimCamera:
 
     async def _keep(self) -> None:
         """Start a process, and another one whenever it is lost, until that has become hopeless."""
-        lost: CameraError | None = None
         while True:
             self._tell(Opening())
             try:
-                if lost is not None:
-                    await asyncio.sleep(self._pause(lost))
+                if self._lost is not None:
+                    await asyncio.sleep(self._pause(self._lost))
                 self._process, note = await self._start()
             except CameraError as error:
                 self._give_up(error)
@@ -130,12 +129,12 @@ class SimCamera:
             self._opened.set()
             self._tell(Opened(f"{_NAMES[self._process.backend]} {self._lens.width}×{self._lens.height}", note))
             try:
-                self._lost = lost = await self._process.loss()
+                self._lost = await self._process.loss()
             finally:
                 self._opened.clear()
                 process, self._process = self._process, None
                 await process.bury()
-            self._tell(Lost(lost))
+            self._tell(Lost(self._lost))
 
     async def _start(self) -> tuple[CameraProcess, str]:
         """A process that takes pictures, with the best backend that works, and a note when that is not the best."""
