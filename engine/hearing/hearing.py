@@ -1,8 +1,7 @@
 """Hearing: from sound to a transcript. Joins a source, voice activity, endpointing and a recogniser.
 
-A live source is read all the time, so that the moment before the wake is not lost and the level meter lives; other
-sources are read only while somebody listens, and go on where they stopped. What a live source hears is decoded ahead
-(``engine.hearing.ahead``), so that the transcript is ready as soon as the speaker is.
+What a live source hears (``engine.hearing.intake``) is decoded ahead (``engine.hearing.ahead``), so that the transcript
+is ready as soon as the speaker is.
 
     async with Hearing(...) as hearing:
         heard = await hearing.listen(emit)
@@ -13,9 +12,7 @@ sources are read only while somebody listens, and go on where they stopped. What
 from __future__ import annotations
 
 import asyncio
-import math
 from collections.abc import Callable, Sequence
-from contextlib import AsyncExitStack
 from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Literal, Protocol
@@ -26,26 +23,22 @@ from config.schema import Endpoint, Suppression
 from engine import events
 from engine.asr.recogniser import Recogniser, Rejected, Transcript
 from engine.asr.transcription import Found, Transcription
-from engine.audio.denoise import NoiseSuppressor
 from engine.audio.echo import EchoCanceller
 from engine.audio.endpoint import Ended, Endpointer, Utterance
 from engine.audio.gain import Gain
-from engine.audio.level import SILENT, Meter, loudness
-from engine.audio.ring import Ring
+from engine.audio.level import Level, Meter
 from engine.audio.source import FRAME_S, Frame, Samples, Source
 from engine.audio.vad import VoiceActivity
 from engine.bus import Emit
-from engine.errors import DeviceError, SaysoError
+from engine.errors import SaysoError
 from engine.hearing.afterwards import Afterwards, More
 from engine.hearing.ahead import Decoding, DecodingAhead
 from engine.hearing.going_on import GOES_ON_S, joined
+from engine.hearing.intake import Intake
 from engine.hearing.overhearing import Alert, Overhearing
 from engine.hearing.readings import Judge, Notice
 from engine.hearing.transcriber import Transcriber, as_event
 from engine.lead import Lead
-
-WARN_S = 5.0
-"""How often what a live source tolerates is told while nobody listens, at most, s."""
 
 SETTLING_FRAMES = 16
 """How much of a wake word (0.5 s) a detector of voices hears before the request that follows: one that begins in the
@@ -61,12 +54,6 @@ class NothingHeard:
 
     reason: Literal["no_speech", "source_ended"]
     message: str  # a sentence for people
-
-
-class HearingFault(SaysoError):
-    """A fault of ours while a live source was read; opened again, it may be heard again."""
-
-    code = "internal"
 
 
 class Listener(Protocol):
@@ -120,27 +107,25 @@ class Hearing:
         beside: VoiceActivity | None = None,
         prompt: bool = False,
     ) -> None:
-        self.level = SILENT
-        """Newest loudness, for idle display; a frozen value that is replaced, so any thread may read it."""
         self.vad_name = vad.name
         self._open_source = open_source
         self._vad = vad
         self._endpoint = endpoint
         self._recogniser = recogniser
-        self._of_others, self._of_all = NoiseSuppressor(suppression), NoiseSuppressor(suppression)
-        self._gain = self._usual_gain = Gain(gain_db)
         self._transcriber = Transcriber(recogniser, vocabulary, judge, prompt=prompt)
-        self._open = AsyncExitStack()
-        self._source: Source | None = None
-        self._missing: SaysoError | None = None  # why there is no source
-        self._told: set[str] = set()
-        self._pump: asyncio.Task[None] | None = None
-        self._ring = Ring(math.ceil(endpoint.pre_roll_s / FRAME_S))
-        self._on_end = on_end
-        self._warn = warn
+        self._intake = Intake(
+            endpoint.pre_roll_s,
+            self._follow,
+            suppression=suppression,
+            gain_db=gain_db,
+            echo=echo,
+            on_end=on_end,
+            warn=warn,
+        )
+        self._ring = self._intake.ring
+        self._echo = echo
         self._overhearing = Overhearing(alert, recogniser, self._transcriber.thread)
         self._listener = listener
-        self._echo = echo
         self._judge = judge
         self._partials = partials
         self._afterwards = Afterwards(vad, beside, endpoint, self._transcriber, judge, notice, on_going_on)
@@ -152,7 +137,7 @@ class Hearing:
         try:
             await self.hear(self._open_source())
         except SaysoError as error:
-            self._missing = error
+            self.lose(error)
             raise
         return self
 
@@ -161,8 +146,12 @@ class Hearing:
     ) -> None:
         self._overhearing.drop()
         self._transcriber.close()
-        await self._close_source()
-        self._ring.end(None)
+        await self._intake.close()
+
+    @property
+    def level(self) -> Level:
+        """Newest loudness, for idle display. Any thread."""
+        return self._intake.level
 
     @property
     def recogniser_name(self) -> str:
@@ -172,39 +161,21 @@ class Hearing:
     @property
     def source_name(self) -> str:
         """The source, for people."""
-        return self._source.name if self._source is not None else "no sound source"
+        return self._intake.source_name
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """What the source tolerated so far."""
-        return self._source.warnings if self._source is not None else ()
+        return self._intake.warnings
 
     async def hear(self, source: Source, gain: Gain | None = None) -> None:
         """From now on hear ``source``, which is opened here, in the place of the one before, which is closed. Somebody
         who listens goes on listening. ``gain``: that of this source; else it is the usual one, as it was left. Raises
         what opening it raises; then all stays as it was."""
-        if self._pump is not None and self._pump.done():
-            await self._close_source()  # what has ended may have the device to itself that is to be opened
-        opened = AsyncExitStack()
-        await opened.enter_async_context(source)
-        try:
-            await self._close_source()
-        except BaseException:
-            await opened.aclose()
-            raise
-        self._open, self._source, self._missing = opened, source, None
-        self._gain = gain or self._usual_gain
+        await self._intake.replace(source, gain)
         self._afterwards.forget()
-        self._told.clear()
-        self._of_others.reset()
-        self._of_all.reset()
-        if source.live:
-            self._ring.restart()
-            if self._listener is not None:
-                self._listener.reset()
-            if self._echo is not None:
-                self._echo.reset()
-            self._pump = asyncio.create_task(self._keep_reading(source), name="hearing")
+        if source.live and self._listener is not None:
+            self._listener.reset()
 
     async def load(self) -> None:
         """Load the recogniser in its thread. Raises ``ModelError``; :meth:`transcribe` would raise the same."""
@@ -264,9 +235,7 @@ class Hearing:
         self._afterwards.forget()
         begun, self._afterwards.begun = self._afterwards.begun, None
         phrase, self._phrase = self._phrase if self._recogniser.takes_lead else "", ""
-        source = self._source
-        if source is None or self._missing is not None or self._ring.error is not None:
-            raise self._missing or self._ring.error or DeviceError("There is nothing to hear with.")
+        source = self._intake.source
         before = self._ring.listen()
         lead = Lead(phrase, np.concatenate([frame.samples for frame in before])) if phrase and before else None
         emit(events.ListenStarted(source.name, restarted))
@@ -284,7 +253,7 @@ class Hearing:
         finally:
             self._ring.release()
             emit(ended)
-            for warning in self._untold():
+            for warning in self._intake.untold():
                 emit(events.Log("warning", "microphone", warning))
         if heard is not None:
             return heard
@@ -308,19 +277,20 @@ class Hearing:
         result = as_event(await self._transcriber.transcribe(utterance, emit, begun))
         emit(result)
         self._afterwards.understood(utterance, result, on_more)
-        if isinstance(result, events.TranscriptFinal) and self._gain.learn(utterance.samples):
-            emit(events.Log("debug", "microphone", f"The gain is {self._gain.db:g} dB from now on."))
+        if isinstance(result, events.TranscriptFinal) and self._intake.gain.learn(utterance.samples):
+            emit(events.Log("debug", "microphone", f"The gain is {self._intake.gain.db:g} dB from now on."))
         return result
 
     def lose(self, error: SaysoError) -> None:
         """There is no source any more: that is what whoever listens from now on is told."""
-        self._missing = error
+        self._intake.lose(error)
 
-    def _untold(self) -> list[str]:
-        """What the source tolerated and nobody has been told yet: its counters grow, but nothing is repeated."""
-        untold = [warning for warning in self.warnings if warning not in self._told]
-        self._told.update(untold)
-        return untold
+    def _follow(self, plain: Frame, taken: Frame) -> None:
+        """A frame of a live source, for all who need not be listening: see ``Intake``."""
+        self._afterwards.push(taken, taken if self.without_own_voice else plain, own=self.hears_itself)
+        if self._listener is not None:
+            self._listener.push(plain.samples)
+        self._overhearing.push(plain, taken)
 
     async def _settle(self, before: Sequence[Frame]) -> None:
         """Have the detector of voices begin anew, with what was heard ``before``."""
@@ -355,7 +325,7 @@ class Hearing:
 
         ahead = decoding_ahead()
         try:
-            while (frame := await self._next_frame(source, enough)) is not None:
+            while (frame := await self._intake.next_frame(source, enough, self._endpoint.no_speech_s)) is not None:
                 vad = self._vad.process(frame)
                 if endpointer.lead is not None and ahead.found_nothing:
                     ahead.drop()
@@ -388,75 +358,3 @@ class Hearing:
         ahead, self._ahead = self._ahead, None
         if ahead is not None:
             ahead[1].transcription.cancel()
-
-    async def _next_frame(self, source: Source, enough: Callable[[], bool]) -> Frame | None:
-        """The next frame, or None at the end: of the source, or, with a live one, of the utterance, or of patience when
-        it delivers nothing."""
-        if source.live:
-            try:
-                async with asyncio.timeout(self._endpoint.no_speech_s):
-                    return await self._ring.get(enough)
-            except TimeoutError:
-                return None
-        frame = await anext(source, None)
-        return self._taken(frame) if frame is not None else None
-
-    def _taken(self, frame: Frame) -> Frame:
-        """Every frame passes here once: noise, gain and level."""
-        frame = self._gain.apply(self._of_others.apply(frame))
-        self.level = loudness([frame])
-        return frame
-
-    def _without_echo(self, frame: Frame) -> tuple[Frame, Frame]:
-        """The frame less what the robot itself says, for whoever knows what to listen for; and for whoever takes all
-        that sounds like speech for somebody's, with what is left of that faded out."""
-        if self._echo is None or frame.at is None:
-            return frame, frame
-        cleaned = self._echo.clean(frame.samples, frame.at)
-        if cleaned is None:
-            return frame, frame
-        return replace(frame, samples=cleaned.left), replace(frame, samples=cleaned.others)
-
-    async def _close_source(self) -> None:
-        pump, self._pump, self._source = self._pump, None, None
-        outcome: object = None
-        if pump is not None:
-            pump.cancel()
-            (outcome,) = await asyncio.gather(pump, return_exceptions=True)
-        await self._open.aclose()
-        if isinstance(outcome, Exception):  # a fault of ours, not of the device: those went to the listener
-            raise outcome
-
-    async def _keep_reading(self, source: Source) -> None:
-        """The task that reads a live source until it ends, is lost, or another one takes its place."""
-        error: SaysoError | None = None
-        warned = 0.0  # stream time, s
-        try:
-            async for frame in source:
-                left, others = self._without_echo(frame)
-                taken = self._taken(others)
-                quieter = self._of_all.apply(left)
-                plain = taken if quieter is others else self._gain.apply(quieter)
-                self._ring.put(taken)
-                self._afterwards.push(taken, taken if self.without_own_voice else plain, own=self.hears_itself)
-                if self._listener is not None:
-                    self._listener.push(plain.samples)
-                self._overhearing.push(plain, taken)
-                if frame.end - warned >= WARN_S and not self._ring.is_listened_to:
-                    warned = frame.end
-                    for warning in self._untold():
-                        self._warn(warning)
-                await asyncio.sleep(0)  # much may have come at once, and the robot waits for its heartbeat
-        except SaysoError as lost:
-            error = lost
-        except Exception as fault:  # noqa: BLE001 - nobody waits for this task: whoever opens sources is told
-            error = HearingFault(f"Hearing failed: {fault!r}.", hint="Please report it.")
-        except asyncio.CancelledError:  # whoever listens goes on with the next source
-            self.level = SILENT
-            raise
-        except BaseException:
-            self._ring.end(None)
-            raise
-        self.level = SILENT
-        self._ring.end(error)
-        self._on_end(error)

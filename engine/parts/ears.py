@@ -29,7 +29,8 @@ from engine.audio.source import Source
 from engine.audio.vad import make_vad
 from engine.commands import Wake
 from engine.errors import DeviceError, ModelError, SaysoError, StorageError
-from engine.hearing.hearing import Hearing, HearingFault, Listener
+from engine.hearing.hearing import Hearing, Listener
+from engine.hearing.intake import HearingFault
 from engine.hearing.overhearing import Alert
 from engine.hearing.readings import Judge, Notice
 from engine.parts.loading import Sound, make_demo, make_isolated_recogniser, vocabulary

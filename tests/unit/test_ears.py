@@ -17,7 +17,8 @@ from engine.audio.source import FRAME_SAMPLES, Frame
 from engine.audio.wav import read_wav
 from engine.errors import DeviceError, SaysoError
 from engine.handle import PartStatus
-from engine.hearing.hearing import Hearing, HearingFault
+from engine.hearing.hearing import Hearing
+from engine.hearing.intake import HearingFault, Intake
 from engine.parts import ears as module
 from engine.parts.ears import FRESH_STARTS, Ears
 from engine.parts.loading import Sound
@@ -183,15 +184,15 @@ def test_a_door_that_another_engine_has_is_ours_when_that_one_ends(
 
 def test_a_fault_while_sound_is_read_is_told_and_the_source_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
     faults, heard = [FloatingPointError("once")], asyncio.Event()
-    plain = Hearing._without_echo
+    plain = Intake._without_echo
 
-    def at_first_broken(self: Hearing, frame: Frame) -> tuple[Frame, Frame]:
+    def at_first_broken(self: Intake, frame: Frame) -> tuple[Frame, Frame]:
         if faults:
             raise faults.pop()
         heard.set()
         return plain(self, frame)
 
-    monkeypatch.setattr(Hearing, "_without_echo", at_first_broken)
+    monkeypatch.setattr(Intake, "_without_echo", at_first_broken)
 
     async def scenario() -> None:
         async with kept(monkeypatch) as it:

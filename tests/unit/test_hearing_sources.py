@@ -18,7 +18,8 @@ from engine.audio.vad import make_vad
 from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.errors import DeviceError, SaysoError
-from engine.hearing.hearing import WARN_S, Hearing, NothingHeard
+from engine.hearing.hearing import Hearing, NothingHeard
+from engine.hearing.intake import WARN_S
 from tests.unit.hears import COMMAND, ENDPOINT, Scripted, all_read, ears, pushed, quiet
 
 # A microphone that goes away
@@ -206,7 +207,7 @@ def test_a_guest_is_as_loud_as_it_is_and_the_own_microphone_as_before() -> None:
         async with ears(PushSource, gain_db=20.0) as it:
 
             async def level() -> float:
-                source = it.hearing._source
+                source = it.hearing._intake.source
                 assert isinstance(source, PushSource)
                 source.push((COMMAND / 30).astype(np.int16)[: RATE // 2].tobytes())
                 await all_read()
