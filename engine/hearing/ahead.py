@@ -184,7 +184,8 @@ class DecodingAhead:
             known = self._whole.is_over and not self._whole.is_doubtful
             verdict = self._whole.verdict if known else "incomplete"
             uncertain = verdict == "complete" and not self._whole.is_certain
-            endpointer.wait(self._uncertain_s if uncertain else self._silence_s[verdict])
+            silence_s = self._uncertain_s if uncertain else self._silence_s[verdict]
+            endpointer.wait(silence_s, with_fade=verdict == "complete")
 
     @property
     def found_nothing(self) -> bool:

@@ -176,6 +176,23 @@ def test_a_voice_fades_before_the_pause_and_not_in_it() -> None:
     assert fading == [False] * 10 + [True, False, True, True, False, False]
 
 
+@pytest.mark.parametrize(("fade", "counted"), [(0, 0), (2, 2), (4, 4), (12, 4)])
+def test_the_fade_of_a_voice_is_silence_to_who_says_so(fade: int, counted: int) -> None:
+    def silence_that_ends(*heard: float, with_fade: bool) -> int:
+        machine = Endpointer(SETTINGS)
+        for index, probability in enumerate([*heard, *[0.0] * 20]):
+            machine.wait(8 * FRAME_S, with_fade=with_fade)
+            frame = Frame(np.zeros(FRAME_SAMPLES, np.int16), (index + 1) * FRAME_S)
+            if machine.push(frame, VadResult(probability, probability >= 0.35)) and machine.in_speech is False:
+                return index + 1 - len(heard)
+        raise AssertionError("it never ends")
+
+    voice, fading, short = [1.0] * 10, [0.6] * fade, [0.0] * 3
+    assert silence_that_ends(*voice, *fading, with_fade=True) == 8 - counted
+    assert silence_that_ends(*voice, *fading, with_fade=False) == 8
+    assert silence_that_ends(*voice, *fading, *short, *voice, with_fade=True) == 8, "each pause has its own"
+
+
 def test_noise_that_sounds_like_speech_ends_at_the_greatest_length() -> None:
     _, ended, count = hear([True] * 1000)
     assert ended is not None
