@@ -3,7 +3,8 @@
 Noise makes "I troll the hallway" of "patrol the hallway". Where neither the likeliest reading nor another one is a
 command, one word (or two that were one) may be replaced by a word of commands that sounds nearly the same. That is done
 only where the whole becomes a complete command and no other word comes near; never to what was heard clearly; and
-never where a mistake would matter: to numbers, sides, directions, stops and negations, and to words that are known.
+never where a mistake would matter: to numbers, sides, directions, stops and negations, and to words that are known; nor
+in what people say to each other.
 
 How English is written says roughly how it sounds, and both words are judged by the same rules, so that no dictionary of
 pronunciations is needed.
@@ -18,7 +19,7 @@ from functools import lru_cache
 from typing import Final
 
 from engine.asr.recogniser import Rejected, Transcript
-from engine.hearing.readings import Judge, makes_no_sense
+from engine.hearing.readings import Judge, is_to_each_other, makes_no_sense
 
 CLEAR: Final = 0.8
 """Confidence from which a text is what was said, whatever it means."""
@@ -126,7 +127,7 @@ def sound_of(word: str) -> str:
 def _meant(text: str, judge: Judge, known: frozenset[str]) -> str | None:
     """The one command that ``text`` may be with another word in it; None where there is none, or several."""
     words = list(_WORD.finditer(text))
-    if not 2 <= len(words) <= LONGEST:
+    if not 2 <= len(words) <= LONGEST or is_to_each_other(text):
         return None
     nearest: dict[str, float] = {}
     for start, end, meant, far in _replacements([word[0].casefold() for word in words], known):

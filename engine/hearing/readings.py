@@ -1,9 +1,10 @@
 """Which of several readings of a sound is meant: where the likeliest is nothing that can be done, the one that can.
 
 Noise makes "pick us red box" of "pick up the red box", and a recogniser that is asked what else it may have been knows
-the right one. Only what is nearly as likely is among its readings. Two limits keep commands from being made of what was
-none: what is the beginning of a sentence stays one, since any reading that completes it has invented its end; and no
-number is taken that the likeliest reading has not got, or that sounds like another one in noise.
+the right one. Only what is nearly as likely is among its readings. Three limits keep commands from being made of what
+was none: what is the beginning of a sentence stays one, since any reading that completes it has invented its end; no
+number is taken that the likeliest reading has not got, or that sounds like another one in noise; and what people say to
+each other as much as to a robot ("let's clean up here") has to be what was heard.
 """
 
 from __future__ import annotations
@@ -43,6 +44,13 @@ _NUMBER = re.compile(r"\d+(?:\.\d+)?|\w+teen\b")
 _TEEN = re.compile(r"1[3-9]|\w+teen")
 """Mostly 30 … 90, misheard."""
 
+_TO_EACH_OTHER = re.compile(r"\W*(?:(?:let[’']?s|let us|shall we|we)\b|让?(?:我们|咱|大家))", re.IGNORECASE)
+
+
+def is_to_each_other(text: str) -> bool:
+    """Whoever says it means more than one: a command only where nothing else was heard."""
+    return _TO_EACH_OTHER.match(text) is not None
+
 
 def makes_no_sense(text: str, judge: Judge) -> bool:
     """It is no command, and not the beginning of one."""
@@ -59,6 +67,6 @@ def sensible(found: Transcript | Rejected, judge: Judge) -> Transcript | Rejecte
             continue  # the same, and an end that nobody has said
         numbers = _NUMBER.findall(other)
         certain = numbers == _NUMBER.findall(found.text) and not any(map(_TEEN.fullmatch, numbers))
-        if certain and judge(other) == "complete":
+        if certain and judge(other) == "complete" and not is_to_each_other(other):
             return replace(found, text=other, others=(found.text, *(o for o in found.others if o != other)))
     return found

@@ -79,10 +79,12 @@ async def _run(
     known = [(text, sound) for text, sound in known if ears.planner.completeness(text) == "complete"]
     for snr in loudness:
         name = "clean" if snr is None else f"{snr:.0f} dB"
+        _tell(f"{len(known)} known commands, {name}…")
         for what, count in (await _known(ears, known, snr)).items():
             ratios[f"{what}, {name}"] = count / len(known)
     lengths = []
     for name in nothing if minutes else ():
+        _tell(f"{minutes:g} min of {name}…")
         sound = _no_command(name, minutes, _said_to_others(remembered, [*speakers, *_others()]))
         tally, seconds = await _nothing(ears, sound)
         lengths.append(seconds / 60)

@@ -48,6 +48,13 @@ def test_no_number_is_taken_that_may_have_been_another_one() -> None:
     assert read("turn luck 19 degrees", "turn left 19 degrees") == "turn luck 19 degrees"
 
 
+@pytest.mark.parametrize("invented", ["Let's try and clean up here.", "Let us go to the kitchen."])
+def test_what_people_say_to_each_other_has_to_be_what_was_heard(invented: str) -> None:
+    assert read("let's clean clean off here", invented) == "let's clean clean off here"
+    assert read("let's clean clean off here", invented, "come back") == "come back"
+    assert read(invented, "come back") == invented
+
+
 def test_what_was_not_let_through_has_no_readings() -> None:
     rejected = Rejected("low_confidence", "Too uncertain.", "go to the", DECODING)
     assert sensible(rejected, lambda said: "complete") is rejected

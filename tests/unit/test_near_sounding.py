@@ -56,6 +56,7 @@ def test_another_reading_may_be_the_one_with_the_misheard_word() -> None:
         "stock",
         "dont follow tree",
         "not follow the line",
+        "let's go to the kitchin",
         "go to the",
         "way",
     ],
