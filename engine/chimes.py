@@ -23,7 +23,7 @@ class Chimes:
         self._module_answers = module_answers
         self._waking: Playback | None = None
         self._heard: str | None = None  # turn that began with speech
-        self._answered = False  # it has said something aloud
+        self._spoken_s = 0.0  # what had been said aloud when it began
 
     def see(self, event: Event) -> None:
         match event.body:
@@ -31,17 +31,16 @@ class Chimes:
                 if source != "speech" and not (source == "serial" and self._module_answers):
                     self._waking = self._play("wake")
             case events.ListenStarted():
-                self._heard, self._answered = event.turn, False
+                self._heard, self._spoken_s = event.turn, self._player.spoken_s
                 self._play("listen", after=self._waking)
-            case events.SpeechStarted(audible=True):
-                self._answered |= event.turn == self._heard
             case events.StateChanged(result=result):
                 if result is not None and event.turn is not None and event.turn == self._heard:
                     self._end(result)
 
     def _end(self, result: TurnResult) -> None:
         self._heard = None
-        if not self._answered and result.outcome != "interrupted":
+        answered = self._player.spoken_s > self._spoken_s
+        if not answered and result.outcome != "interrupted":
             self._play("done" if result.outcome == "done" else "error")
 
     def _play(self, name: SoundName, *, after: Playback | None = None) -> Playback | None:

@@ -401,7 +401,7 @@ class Engine:
         recogniser's thread."""
         assert self._session is not None, "made before its ears are open"
         tells_apart = hearing is not None and hearing.without_own_voice
-        if self._session.state == "ACTING" or tells_apart or not voice.echoes(words):
+        if self._session.state == "ACTING" or tells_apart or is_stop(voice.not_own(words)):
             self.send(Heard(words))
 
     def _go_on(self, ago_s: float) -> None:

@@ -7,6 +7,7 @@ whoever interrupts gets silence within a block of sound, and the last word of wh
 from __future__ import annotations
 
 import asyncio
+import re
 import time
 from collections import deque
 from collections.abc import Callable, Coroutine
@@ -27,6 +28,7 @@ STAND_DOWN_S: Final = 1.0
 """How long somebody who was silenced waits to be cancelled, s; that only has to cross a queue."""
 ECHO_S: Final = 2.0
 """For how long what has been said may still be recognised by ears that heard it, s."""
+_PART: Final = re.compile(r"[^.,;:!?。，；：！？、…]+[.,;:!?。，；：！？、…]*")
 _ROUNDING_S: Final = 0.005  # resampling makes a sound a few samples shorter or longer
 
 
@@ -82,13 +84,12 @@ class SpokenVoice:
         waits = self._patience_s > 0 and not self._settled.is_set()
         return waits or (self._synthesiser is not None and self._player.usable)
 
-    def echoes(self, words: str) -> bool:
-        """Whether these words may be the robot's own, of which a microphone hears what the loudspeaker says. Any
-        thread."""
+    def not_own(self, words: str) -> str:
+        """What of these words cannot be the robot's own, of which a microphone hears what the loudspeaker says: all but
+        the parts, between punctuation marks, whose every word begins one that is being said. Any thread."""
         text, until = self._saying
-        if time.monotonic() > until:
-            return False
-        return any(own.startswith(word) for own in _bare_words(text) for word in _bare_words(words))
+        own = _bare_words(text) if time.monotonic() <= until else set[str]()
+        return " ".join(part for part in _PART.findall(words) if not _begin(_bare_words(part), own))
 
     def repeats(self, words: str) -> bool:
         """Whether these words may be nothing but what the robot said lately. Any thread."""
@@ -161,6 +162,7 @@ class _Speech:
                         spoken.timing.add(piece)
                         spoken.length += len(piece.samples) / piece.rate
                         await self.playback.feed(piece.samples, piece.rate)
+                self.playback.flush()
                 spoken.timing.finish()
                 spoken.whole = True
                 fed += spoken.length
@@ -191,6 +193,11 @@ class _Speech:
                 return
             self._done, self._words = self._done + 1, 0
             self._room.release()
+
+
+def _begin(words: set[str], own: set[str]) -> bool:
+    """Whether each of these words is one of the ``own``, or the beginning of one."""
+    return all(any(said.startswith(word) for said in own) for word in words)
 
 
 def _bare_words(text: str) -> set[str]:

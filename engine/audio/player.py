@@ -122,11 +122,15 @@ class Playback:
             self._blocks.append(self._resampled(part, rate))
             await asyncio.sleep(0)  # a long sentence must not hold up the others here
 
-    def finish(self) -> None:
-        """That was all of it."""
+    def flush(self) -> None:
+        """What was fed sounds to its end, whatever comes next: resampling holds some of it back until then."""
         if self._resampler is not None:
             self._blocks.append(self._resampler.resample_chunk(np.zeros(0, np.float32), last=True))
             self._resampler = None
+
+    def finish(self) -> None:
+        """That was all of it."""
+        self.flush()
         self._whole = True
 
     def stop(self) -> None:
@@ -148,10 +152,12 @@ class Playback:
             await self.news()
 
     def _resampled(self, sound: Sound, rate: int) -> Sound:
+        if rate != self._from:
+            self.flush()
+            self._from = rate
         if rate == self._player.rate:
             return sound
-        if self._resampler is None or self._from != rate:
-            self._from = rate
+        if self._resampler is None:
             self._resampler = soxr.ResampleStream(rate, self._player.rate, 1, dtype="float32")
         return np.asarray(self._resampler.resample_chunk(sound), np.float32)
 
@@ -222,6 +228,8 @@ class Player:
         self._changing = threading.Lock()  # guards the list above, for moments
         self.sounded = Sounded()
         """What was said when, by the loop's clock; any thread."""
+        self.spoken_s = 0.0
+        """How much speech has been played so far, s; any thread."""
         self._last_sound = 0.0
         self._wanted = asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -248,6 +256,11 @@ class Player:
     def usable(self) -> bool:
         """It is open, and its output was not lost since."""
         return self._loop is not None and self._error is None
+
+    @property
+    def trouble(self) -> SaysoError | None:
+        """What its output was lost by, until it is there again."""
+        return self._error
 
     async def open(self, *, patient: bool = False) -> None:
         """Find the output; open it anew where it was lost. ``patient``: wait until it is there. One at a time. Raises
@@ -334,6 +347,7 @@ class Player:
             mixed[: len(sound)] += sound
             if playback.ducks:
                 said[: len(sound)] += sound
+                self.spoken_s += len(sound) / self.rate
             if stage != "on":
                 ended.append(playback)
             self._tell(playback, playback.taken, sounds_at + len(sound) / self.rate, stage)

@@ -99,6 +99,21 @@ def test_what_is_fed_sounds_once_and_whole() -> None:
     run(scenario())
 
 
+def test_sounds_of_several_rates_follow_each_other_whole() -> None:
+    async def scenario() -> None:
+        async with playing(48_000) as (player, room):
+            playback = player.begin()
+            for rate in (22_050, 48_000, 16_000, 22_050):
+                await playback.feed(tone(0.2, rate), rate)
+            playback.finish()
+            await playback.until_ended()
+            assert playback.position == pytest.approx(0.8, abs=0.002)
+            loud = np.abs(room.sound[: round(0.8 * 48_000)].astype(int)).reshape(-1, 480).max(axis=1)
+            assert loud.min() > 10_000, "every hundredth of a second"
+
+    run(scenario())
+
+
 @given(st.lists(st.integers(0, 3000), max_size=12), st.sampled_from([RATE, 22_050, 48_000]))
 def test_the_pieces_that_sound_comes_in_make_no_difference(lengths: list[int], rate: int) -> None:
     whole = tone(sum(lengths) / rate + 0.001, rate)
