@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import files
@@ -170,7 +171,7 @@ def make_synthesiser(settings: Settings, tell: Callable[[str], None] = lambda wo
         case "wyoming":
             return _wyoming_voice(voice)
     try:
-        english = _piper(settings)
+        own = _piper(settings)
     except ModelError as error:
         if espeak.is_installed():
             return _espeak(voice)
@@ -178,7 +179,8 @@ def make_synthesiser(settings: Settings, tell: Callable[[str], None] = lambda wo
             hint = "Install piper (pip install 'sayso[voice]') or espeak-ng to hear them."
             raise ModelError("There is no voice on this machine.", hint=hint) from error
         raise
-    return ByLanguage(english, _espeak(voice) if espeak.is_installed() else None, tell)
+    other = _espeak(voice) if espeak.is_installed() else None
+    return ByLanguage(own, other, tell, chinese=_language_of_piper(voice) == "zh")
 
 
 def languages_said(settings: Settings) -> tuple[str, ...]:
@@ -187,7 +189,7 @@ def languages_said(settings: Settings) -> tuple[str, ...]:
 
     backend = settings.voice.backend
     if backend == "piper" or (backend == "auto" and piper.is_installed() and not espeak.is_installed()):
-        return (Path(settings.voice.model).stem[:2].casefold(),) if settings.voice.model.endswith(".onnx") else ("en",)
+        return (_language_of_piper(settings.voice),)
     return ("en", "zh")
 
 
@@ -213,6 +215,11 @@ def _piper(settings: Settings) -> Synthesiser:
         store.find(settings.voice.model)
         file = store.file(settings.voice.model)
     return IsolatedVoice(f"piper ({file.stem})", "piper", voice=str(file), speed=settings.voice.speed)
+
+
+def _language_of_piper(settings: VoiceSettings) -> str:
+    """The language (ISO 639-1) of the voice; that of a file is in its name: ``zh_CN-huayan-medium.onnx``."""
+    return Path(settings.model).stem[:2].casefold() if settings.model.endswith(".onnx") else "en"
 
 
 def _espeak(settings: VoiceSettings) -> Synthesiser:
@@ -294,16 +301,22 @@ def _recogniser_elsewhere(settings: Settings) -> Recogniser:
 
 
 def _speech_model(settings: Settings) -> Path:
-    """The folder that ``asr.model`` stands for. Raises ``ModelError``."""
-    name = settings.asr.model
-    folder = Path(name).expanduser()
-    if folder.is_absolute() or folder.is_dir():
-        return folder
+    """The folder that ``asr.model`` stands for; one that is called like a model is meant only where its name has a
+    separator in it. Raises ``ModelError``."""
     from engine.asr.sizes import in_hub, is_size, listed
 
-    store = model_store(settings)
-    ours = listed(name, store.manifest.models)
-    return in_hub(name) if ours is None and is_size(name) else store.find(ours or name)
+    name, store = settings.asr.model, model_store(settings)
+    if (ours := listed(name, store.manifest.models)) is not None:
+        return store.find(ours)
+    if is_size(name):
+        return in_hub(name)
+    folder = Path(name).expanduser()
+    if os.sep not in name and not (folder / "model.bin").is_file():
+        return store.find(name)
+    if not folder.is_dir():
+        hint = "Set asr.model to a folder with a CTranslate2 model, or to a name from `sayso models list`."
+        raise ModelError(f"There is no folder {folder}.", hint=hint)
+    return folder
 
 
 def make_demo() -> SimulatedMicrophone:

@@ -133,7 +133,9 @@ class VoicePart:
         self._synthesiser = made
         part = self._part_of_it()
         await part.load(functools.partial(self._up, made), str)
-        if part.value is None:
+        if part.value is not None and (lost := self._player.trouble) is not None:
+            part.fail(lost)  # meanwhile
+        elif part.value is None:
             self._synthesiser = None
             await made.close()
 

@@ -1,4 +1,4 @@
-"""A voice for each language: one that says English well, and one that says the rest."""
+"""A voice for each language: one that says its own well, and one that says the other."""
 
 from __future__ import annotations
 
@@ -7,47 +7,57 @@ from contextlib import aclosing
 
 from engine.errors import SaysoError
 from engine.tts.sentences import Sentence
-from engine.tts.synthesis import Piece, Synthesiser
+from engine.tts.synthesis import Piece, Synthesiser, VoiceLost
 
 
 class ByLanguage:
-    """Two voices behind one. Without the second, or where it does not load, what is not English is only shown, and
-    ``tell`` is told so once."""
+    """Two voices behind one: one for Chinese or, as usual, for English, and one for the other of both. Without the
+    second, or where it does not load, that is only shown, and ``tell`` is told so once."""
 
     def __init__(
-        self, english: Synthesiser, others: Synthesiser | None, tell: Callable[[str], None] = lambda words: None
+        self,
+        own: Synthesiser,
+        other: Synthesiser | None,
+        tell: Callable[[str], None] = lambda words: None,
+        *,
+        chinese: bool = False,
     ) -> None:
-        self._english = english
-        self._others = others
+        """``chinese``: what ``own`` says."""
+        self._own = own
+        self._other = other
         self._tell = tell
         self._told = False
+        self._chinese = chinese
+        self._shown = f"{'English' if chinese else 'Chinese'} answers are only shown"
 
     @property
     def name(self) -> str:
-        return self._english.name if self._others is None else f"{self._english.name}, {self._others.name}"
+        return self._own.name if self._other is None else f"{self._own.name}, {self._other.name}"
 
     async def load(self) -> None:
-        await self._english.load()
-        if (others := self._others) is None:
+        await self._own.load()
+        if (other := self._other) is None:
             return
         try:
-            await others.load()
+            await other.load()
+        except VoiceLost:  # the next sentence starts it anew, or tells why it cannot be
+            return
         except SaysoError as error:
-            self._others, self._told = None, True
-            await others.close()
-            self._tell(f"Chinese answers are only shown. {error}")
+            self._other, self._told = None, True
+            await other.close()
+            self._tell(f"{self._shown}. {error}")
 
     async def synthesise(self, sentence: Sentence) -> AsyncGenerator[Piece]:
-        voice = self._others if sentence.chinese else self._english
+        voice = self._own if sentence.chinese == self._chinese else self._other
         if voice is None:
             if not self._told:
                 self._told = True
-                self._tell("Chinese answers are only shown: install espeak-ng to hear them.")
+                self._tell(f"{self._shown}: install espeak-ng to hear them.")
             return
         async with aclosing(voice.synthesise(sentence)) as pieces:
             async for piece in pieces:
                 yield piece
 
     async def close(self) -> None:
-        for voice in filter(None, (self._english, self._others)):
+        for voice in filter(None, (self._own, self._other)):
             await voice.close()

@@ -308,6 +308,31 @@ def test_a_loudspeaker_that_goes_is_looked_for_and_told_once_when_it_goes_and_on
     asyncio.run(scenario())
 
 
+def test_a_loudspeaker_that_goes_while_the_voice_loads_is_missed_until_it_is_back(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plug = Plug()
+
+    class LosesIt(Tones):
+        async def load(self) -> None:
+            plug.there.clear()
+            plug.lost(DeviceError("The loudspeaker is gone."))
+            await asyncio.sleep(0)
+
+    async def scenario() -> None:
+        async with kept(monkeypatch, LosesIt(), output=lambda: plug) as mouth:
+            assert not mouth.voice.audible
+            assert mouth.statuses[-1].state == "missing"
+            mouth.settled.clear()
+            plug.there.set()
+            async with asyncio.timeout(LIMIT_S):
+                await mouth.settled.wait()
+            assert mouth.voice.audible
+            assert mouth.statuses[-1].state == "ready"
+
+    asyncio.run(scenario())
+
+
 def test_a_loudspeaker_that_is_plugged_in_later_brings_the_voice(monkeypatch: pytest.MonkeyPatch) -> None:
     async def scenario() -> None:
         plug, tones = Plug(there=False), Tones()

@@ -425,6 +425,35 @@ def test_english_goes_to_one_voice_and_chinese_to_the_other_or_is_only_shown() -
     asyncio.run(scenario())
 
 
+def test_a_chinese_voice_says_chinese_and_english_goes_to_the_other_or_is_only_shown() -> None:
+    async def scenario() -> None:
+        chinese, others, told = _Voice("a"), _Voice("b"), []
+        both = ByLanguage(chinese, others, chinese=True)
+        alone = ByLanguage(chinese, None, told.append, chinese=True)
+        for sentence in sentences("Hello. 你好。再见。"):
+            await said(both, sentence)
+            await said(alone, sentence)
+        assert chinese.asked == ["你好。", "你好。", "再见。", "再见。"]
+        assert others.asked == ["Hello."]
+        assert told == ["English answers are only shown: install espeak-ng to hear them."]
+
+    asyncio.run(scenario())
+
+
+def test_a_second_voice_that_is_lost_while_it_loads_is_tried_again_with_the_next_sentence() -> None:
+    async def scenario() -> None:
+        english, others, told = _Voice("a"), _Voice("b"), []
+        others.trouble = VoiceLost("The voice was killed.")
+        both = ByLanguage(english, others, told.append)
+        await both.load()
+        for sentence in sentences("你好。"):
+            await said(both, sentence)
+        assert others.asked == ["你好。"]
+        assert told == []
+
+    asyncio.run(scenario())
+
+
 def test_a_voice_for_chinese_that_does_not_load_leaves_the_english_one_and_is_told_once() -> None:
     async def scenario() -> None:
         english, others, told = _Voice("a"), _Voice("b"), []
