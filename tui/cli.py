@@ -145,8 +145,13 @@ def build_parser() -> argparse.ArgumentParser:
     _file(transcribe, "files", "WAV files", nargs="+")
 
     command("skills", "tui.commands.skills:run", "list what the robot can do")
-    mic = command("mic", "tui.commands.mic:run", "hand sound on stdin over to the sayso that runs here", json=None)
-    mic.add_argument("--wyoming", metavar="URI", help="instead, the sound of a Wyoming satellite: tcp://HOST:10700")
+    mic = command(
+        "mic",
+        "tui.commands.mic:run",
+        "hand sound on stdin (raw PCM: 16 kHz, 16-bit, mono) over to the sayso that runs here",
+        json=None,
+    )
+    mic.add_argument("--wyoming", metavar="URI", help="instead, a Wyoming satellite: tcp://HOST:10700")
 
     doctor = command("doctor", "tui.commands.doctor:run", "look for what is missing, and say how to get it")
     doctor.add_argument(

@@ -5,7 +5,7 @@ the thread in which they are listened for. "Stop" is listened for there as well,
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -50,6 +50,7 @@ class WordsPart:
         self._wakes = wakes
         self._listener: WordListener | None = None
         self._late = False  # and that has been told
+        self._told: set[str] = set()  # phrases of which is known that nobody can listen for them
 
     async def keep(self, make_part: Callable[[], Part[str]]) -> None:
         """Listen until this is cancelled. Where nothing is to be listened for, there is no part."""
@@ -77,7 +78,14 @@ class WordsPart:
             loop.call_soon_threadsafe(faults.put_nowait, error)
 
         doubts = self._settings.asr.backend == "whisper"  # which alone can be asked
-        spotters = await asyncio.to_thread(load_spotters, self._settings, phrases, stops=True, doubts=doubts)
+        unknown: Mapping[str, SaysoError] = {}
+        try:
+            spotters = await asyncio.to_thread(load_spotters, self._settings, phrases, stops=True, doubts=doubts)
+        except SaysoError:
+            phrases, unknown = await asyncio.to_thread(told_apart, self._settings, phrases)
+            spotters = await asyncio.to_thread(load_spotters, self._settings, phrases, stops=True, doubts=doubts)
+            if not spotters:
+                raise
         prompt = self._settings.robot.realtime_priority
         stops = stops_of(self._settings, phrases)
         listener = WordListener(
@@ -89,7 +97,11 @@ class WordsPart:
             ", ".join(f"“{phrase}”" for phrase in listener.phrases)
             or f"only {' and '.join(f'“{stop}”' for stop in stops)}"
         )
-        part.succeed(named, named)
+        self._tell_of(unknown)
+        if unknown and not phrases:
+            part.fail(next(iter(unknown.values())))
+        else:
+            part.succeed(named, ", ".join((named, *(f"not “{phrase}”" for phrase in unknown))))
         try:
             return await faults.get()
         finally:
@@ -98,6 +110,13 @@ class WordsPart:
             if listener.dropped:
                 text = f"{listener.dropped} pieces of sound came faster than wake words could be listened for."
                 self._emit(Log("warning", "wake words", text))
+
+    def _tell_of(self, unknown: Mapping[str, SaysoError]) -> None:
+        """Say once why these phrases are not listened for."""
+        for phrase, error in unknown.items():
+            if phrase not in self._told:
+                self._told.add(phrase)
+                self._emit(Log("warning", "wake words", str(error)))
 
     def push(self, samples: NDArray[np.int16]) -> None:
         if (listener := self._listener) is not None:
@@ -123,6 +142,22 @@ def stops_of(settings: Settings, phrases: Sequence[str]) -> Sequence[str]:
     asr = settings.asr
     spoken = asr.languages if asr.language == "auto" else (asr.language,)
     return [stop for stop in stop_words(spoken) if stop not in phrases]
+
+
+def spots_stops(settings: Settings) -> bool:
+    """What is needed to listen for a stop all the time is here."""
+    return _embedding(settings) is not None
+
+
+def told_apart(settings: Settings, phrases: Sequence[str]) -> tuple[list[str], dict[str, SaysoError]]:
+    """The phrases that can be listened for, and why the others cannot."""
+    unknown: dict[str, SaysoError] = {}
+    for phrase in phrases:
+        try:
+            load_spotters(settings, [phrase])
+        except SaysoError as error:
+            unknown[phrase] = error
+    return [phrase for phrase in phrases if phrase not in unknown], unknown
 
 
 def load_spotters(

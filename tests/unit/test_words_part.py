@@ -13,6 +13,7 @@ from config import load
 from engine.bus import Bus
 from engine.clock import SystemClock
 from engine.commands import Wake
+from engine.errors import ModelError
 from engine.events import ErrorRaised, Event, Log
 from engine.handle import PartStatus
 from engine.parts import words as module
@@ -140,3 +141,45 @@ def test_after_a_fault_listening_begins_anew_but_not_for_ever(faults: int, monke
     errors = [event.body for event in published if isinstance(event.body, ErrorRaised)]
     assert len(errors) == (faults > FRESH_STARTS)
     assert len(made) == min(faults, FRESH_STARTS) + 1
+
+
+@pytest.mark.parametrize("others", [["clap"], []])
+def test_a_phrase_that_nobody_knows_takes_neither_the_others_nor_the_stops_with_it(
+    others: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def make(_: object, phrases: list[str], **more: object) -> list[Failing]:
+        if "hey rosi" in phrases:
+            raise ModelError("Nobody knows how “hey rosi” sounds.", hint="Train it.")
+        return [Failing(broken=False)] if phrases or more.get("stops") else []
+
+    monkeypatch.setattr(module, "load_spotters", make)
+    told: list[str] = []
+    bus = Bus(SystemClock())
+    bus.subscribe(lambda event: told.append(event.body.message) if isinstance(event.body, Log) else None)
+
+    async def scenario() -> None:
+        loop, heard = asyncio.get_running_loop(), asyncio.Event()
+        statuses: asyncio.Queue[PartStatus] = asyncio.Queue()
+
+        def wake(wake: Wake) -> None:
+            loop.call_soon_threadsafe(heard.set)
+
+        words = WordsPart(
+            load(overrides=(f"wake.words=[{', '.join(['hey rosi', *others])}]",), environ={}),
+            wake,
+            lambda spotted: None,
+            lambda phrase, sound, said: None,
+            bus.bound(turn=None, epoch=0),
+        )
+        keeping = asyncio.create_task(words.keep(lambda: Part("wake words", statuses.put_nowait)))
+        async with asyncio.timeout(LIMIT_S):
+            status = await statuses.get()
+            words.push(CLAP)
+            await heard.wait()
+        assert status.state == ("ready" if others else "missing")
+        assert "hey rosi" in status.detail
+        assert told == ["Nobody knows how “hey rosi” sounds. Train it."]
+        keeping.cancel()
+        await asyncio.gather(keeping, return_exceptions=True)
+
+    asyncio.run(scenario())

@@ -13,7 +13,6 @@ from engine.errors import ExitCode, SaysoError
 from engine.models import ModelStore, Progress
 from engine.parts.loading import model_store, voice_to_fetch
 from engine.wake.choice import MODEL
-from engine.wake.micro import PHRASES
 from tui.commands.settings import load_settings
 from tui.output import data, json_line, say
 
@@ -39,9 +38,8 @@ def run(arguments: Namespace) -> int:
 def needed(store: ModelStore, settings: Settings) -> list[str]:
     """The models that these settings use, but for large ones; the voice's only where there is what it is for. None, if
     they are files of the user's own."""
-    words = settings.wake.words
-    heads = MODEL if words == "auto" or set(words) - set(PHRASES) else None
-    names = (listed(settings.asr.model, store.manifest.models), voice_to_fetch(settings), heads)
+    # the spotter of a spoken stop listens through MODEL, whatever wakes
+    names = (listed(settings.asr.model, store.manifest.models), voice_to_fetch(settings), MODEL)
     return [name for name in names if name is not None and name in store.manifest.models]
 
 

@@ -141,7 +141,7 @@ def _microphone(settings: Settings) -> Finding:
 
 def _voice(settings: Settings) -> Finding:
     """The voice is loaded for real, for the same reason."""
-    from engine.parts.loading import make_synthesiser
+    from engine.parts.loading import languages_said, make_synthesiser
     from engine.tts import piper
 
     if settings.voice.when == "never":
@@ -163,11 +163,12 @@ def _voice(settings: Settings) -> Finding:
         return Finding("voice", "missing", f"{error.message} Answers are shown.", error.hint)
     if trouble:
         return Finding("voice", "limited", f"{name}. {trouble[0]}")
+    said = "English" if languages_said(settings) == ("zh",) else "Chinese"
     if settings.voice.backend == "auto" and "piper" not in name:
         fix = f"sayso models pull {settings.voice.model}" if piper.is_installed() else "pip install 'sayso[voice]'"
         return Finding("voice", "limited", f"{name}; piper sounds better in English", fix)
     if settings.voice.backend == "auto" and "espeak" not in name:
-        return Finding("voice", "ok", f"{name}; Chinese answers are only shown (apt install espeak-ng to hear them)")
+        return Finding("voice", "ok", f"{name}; {said} answers are only shown (apt install espeak-ng to hear them)")
     return Finding("voice", "ok", name)
 
 
@@ -273,7 +274,8 @@ def _wake_module(settings: Settings) -> Finding:
 
 def _wake_words(settings: Settings) -> Finding:
     """They are loaded for real: that is how one finds out whether they can be."""
-    from engine.parts.words import load_spotters, phrases_of
+    from engine.parts.words import phrases_of, spots_stops, told_apart
+    from engine.wake.choice import MODEL
 
     phrases = phrases_of(settings)
     if not phrases:
@@ -281,11 +283,14 @@ def _wake_words(settings: Settings) -> Finding:
             fix = "sayso models pull speech-embedding, or pip install 'sayso[wake]'"
             return Finding("wake words", "limited", "none installed; the key, or a wake module, wakes", fix)
         return Finding("wake words", "ok", "none (wake.words)")
-    try:
-        load_spotters(settings, phrases)
-    except SaysoError as error:
-        return Finding("wake words", "missing", error.message, error.hint)
-    return Finding("wake words", "ok", ", ".join(f"“{phrase}”" for phrase in phrases))
+    known, unknown = told_apart(settings, phrases)
+    named = ", ".join(f"“{phrase}”" for phrase in known)
+    if unknown:
+        error = next(iter(unknown.values()))
+        return Finding("wake words", "limited" if known else "missing", f"{named} {error.message}".strip(), error.hint)
+    if not spots_stops(settings):
+        return Finding("wake words", "limited", f"{named}; no spotter for “stop”", f"sayso models pull {MODEL}")
+    return Finding("wake words", "ok", named)
 
 
 def _terminal(settings: Settings) -> Finding:
