@@ -15,6 +15,8 @@ from urllib.parse import urlsplit
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
 
+from config.languages import CODES, code_of
+
 Seconds = Annotated[float, Field(ge=0)]
 Metres = Annotated[float, Field(ge=0)]
 T = TypeVar("T")
@@ -42,6 +44,15 @@ class Audio(Section):
     noise_suppression: Suppression = Field(
         description="Steady noise is taken out of what is heard; only where it is as loud as the voice does that help."
     )
+
+    @field_validator("device")
+    @classmethod
+    def _named(cls, device: str | int | None) -> str | int | None:
+        if isinstance(device, str) and "://" in device and not WYOMING.fullmatch(device):
+            raise ValueError(
+                "this is no address of a satellite; write tcp://HOST:PORT, for example tcp://kitchen:10700"
+            )
+        return device
 
 
 WakeProtocol = Literal["ai_voice", "ai_voice_bilingual", "csk4002", "iflytek"]
@@ -133,6 +144,16 @@ class Asr(Section):
     window_s: Seconds = Field(ge=10, le=30, description="Encoder window; shorter is faster.")
     min_logprob: float = Field(le=0, description="Reject a transcript whose mean token log-probability is lower.")
     max_no_speech: float = Field(ge=0, le=1, description="Reject a transcript with a higher no-speech probability.")
+
+    @field_validator("languages")
+    @classmethod
+    def _known(cls, languages: tuple[str, ...]) -> tuple[str, ...]:
+        for language in languages:
+            if language not in CODES:
+                meant = code_of(language)
+                write = meant if meant in CODES else "ISO 639-1 codes, for example [en, zh]"
+                raise ValueError(f"{language!r:.40} is no language of Whisper; write {write}")
+        return languages
 
     @field_validator("server")
     @classmethod

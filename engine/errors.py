@@ -32,6 +32,12 @@ class ExitCode(IntEnum):
     """Interrupted by the user (the shell's convention for SIGINT)."""
 
 
+def one_line(text: str, most: int = 200) -> str:
+    """What somebody else said, fit to be shown: one line of signs that can be printed, of ``most`` at most."""
+    line = " ".join("".join(sign if sign.isprintable() else " " for sign in text).split())
+    return line if len(line) <= most else f"{line[: most - 1]}…"
+
+
 class SaysoError(Exception):
     """Base of all errors. ``message`` says what failed, ``hint`` what to do about it."""
 

@@ -20,7 +20,7 @@ import numpy as np
 import soxr
 from numpy.typing import NDArray
 
-from engine.errors import ModelError, SaysoError
+from engine.errors import ModelError, SaysoError, one_line
 
 if TYPE_CHECKING:
     from wyoming.audio import AudioChunk
@@ -97,7 +97,7 @@ class Intake:
         """The samples that are complete by now. Raises :class:`UnknownKind`, and ``ValueError`` for half a sample."""
         width, channels, rate = chunk.width, chunk.channels, chunk.rate
         if width not in (2, 4) or not 1 <= channels <= 8 or not 8000 <= rate <= 192_000:
-            kind = f"{rate} Hz, {width} bytes, {channels} channels"[:80]
+            kind = one_line(f"{rate} Hz, {width} bytes, {channels} channels", 80)
             raise UnknownKind(f"this kind of sound ({kind}) is not understood")
         samples = np.frombuffer(chunk.audio, f"<i{width}").reshape(-1, channels)
         mono = (samples.mean(axis=1) / (1 << 8 * (width - 2))).astype(np.int16)
@@ -126,6 +126,7 @@ class Talk:
         self._reader = reader
         self._writer = writer
         self._limit_s = limit_s
+        self._reading: asyncio.Task[Event | None] | None = None  # an event that has not come as a whole yet
 
     async def say(self, *events: Eventable) -> None:
         async with asyncio.timeout(self._limit_s):
@@ -135,17 +136,34 @@ class Talk:
         """End the connection at once; whoever hears is told that it is closed."""
         self._writer.transport.abort()
 
+    async def end(self) -> None:
+        """End the connection, and whatever was still being read: all that was to come has come, and one that hangs must
+        not hold us up."""
+        self.abort()
+        if self._reading is not None:
+            self._reading.cancel()
+            await asyncio.gather(self._reading, return_exceptions=True)
+
     async def hear(self) -> Event:
-        """What the server says next; an error of it is raised as :class:`Trouble`."""
+        """What the server says next; an error of it is raised as :class:`Trouble`. After a ``TimeoutError`` whoever
+        asks again gets the event whose beginning may have come."""
         from wyoming.error import Error
 
-        async with asyncio.timeout(self._limit_s):
-            event = await read(self._reader)
+        event = await self._read()
         if event is None:
             raise Trouble("closed the connection")
         if Error.is_type(event.type):
-            raise Trouble(f"reports an error: {str(event.data.get('text', ''))[:200]}".rstrip(".: "))
+            raise Trouble(f"reports an error: {one_line(str(event.data.get('text', '')))}".rstrip(".: "))
         return event
+
+    async def _read(self) -> Event | None:
+        """The next event. A read that was given up in the midst of it would leave the rest to be taken for a line."""
+        if self._reading is None:
+            self._reading = asyncio.create_task(read(self._reader))
+        if not (await asyncio.wait([self._reading], timeout=self._limit_s))[0]:
+            raise TimeoutError
+        reading, self._reading = self._reading, None
+        return reading.result()
 
 
 class Trouble(Exception):
@@ -170,12 +188,11 @@ async def talking(server: str, fault: Fault, limit_s: float) -> AsyncIterator[Ta
     """A connection to ``server`` (tcp://HOST:PORT or unix:///PATH). Whatever goes wrong, and silence for ``limit_s``,
     is raised as a ``fault``."""
     try:
-        async with asyncio.timeout(min(CONNECT_S, limit_s)):
-            reader, writer = await _connection(server)
+        talk = Talk(*await _connected(server, min(CONNECT_S, limit_s)), limit_s)
         try:
-            yield Talk(reader, writer, limit_s)
+            yield talk
         finally:
-            writer.transport.abort()  # all that was to come has come, and one that hangs must not hold us up
+            await talk.end()
     except TimeoutError:
         raise fault(f"has not answered for {limit_s:g} s") from None
     except Trouble as trouble:
@@ -188,6 +205,14 @@ async def talking(server: str, fault: Fault, limit_s: float) -> AsyncIterator[Ta
         raise fault(f"cannot be used: {_why(error)}") from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise fault("does not speak Wyoming") from error
+
+
+async def _connected(server: str, limit_s: float) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    try:
+        async with asyncio.timeout(limit_s):
+            return await _connection(server)
+    except TimeoutError:
+        raise Trouble(f"cannot be reached within {limit_s:g} s") from None
 
 
 async def _connection(server: str) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:

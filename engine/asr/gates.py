@@ -64,7 +64,7 @@ def judge(text: str, decoding: Decoding, settings: Asr, vocabulary: Sequence[str
         return Rejected("artefact", f"{text!r} is what the recogniser writes in noise.", text, decoding)
     if _echoes(words, vocabulary):
         return Rejected("artefact", "Only the list of expected words came back.", text, decoding)
-    return Transcript(text, min(1.0, math.exp(decoding.avg_logprob)), decoding)
+    return Transcript(text, math.exp(min(0.0, decoding.avg_logprob)), decoding)
 
 
 def _normalised(text: str) -> str:

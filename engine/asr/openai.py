@@ -9,18 +9,18 @@ from __future__ import annotations
 import io
 import wave
 from collections.abc import Mapping, Sequence
-from typing import Any, Final, Protocol
+from typing import Annotated, Any, Final, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, ValidatorFunctionWrapHandler, WrapValidator
 
 from engine.asr.remote import RATE, Heard
 from engine.errors import ModelError, SaysoError
 
 VOCABULARY_WORDS: Final = 60
-_FULL_NAMES: Final = {"english": "en", "chinese": "zh", "mandarin": "zh", "cantonese": "zh", "german": "de"}
 _BAD_REQUEST: Final = (400, 422)
+T = TypeVar("T")
 
 
 class Service(Protocol):
@@ -36,20 +36,32 @@ class Service(Protocol):
     async def close(self) -> None: ...
 
 
+def _or_nothing(value: Any, read: ValidatorFunctionWrapHandler) -> Any:
+    """None for what cannot be read."""
+    try:
+        return read(value)
+    except ValidationError:
+        return None
+
+
+AsFarAsReadable = Annotated[T | None, WrapValidator(_or_nothing)]
+"""What is worth having, and no reason to throw a text away."""
+
+
 class _Segment(BaseModel):
     model_config = ConfigDict(allow_inf_nan=False)
 
-    tokens: tuple[int, ...] = ()
-    avg_logprob: float | None = None
-    no_speech_prob: float | None = None
+    tokens: AsFarAsReadable[tuple[int, ...]] = None
+    avg_logprob: AsFarAsReadable[float] = None
+    no_speech_prob: AsFarAsReadable[float] = None
 
 
 class _Answer(BaseModel):
     """As far as it is of use here; services add what they like."""
 
     text: str
-    language: str | None = None
-    segments: tuple[_Segment, ...] | None = None
+    language: AsFarAsReadable[str] = None
+    segments: AsFarAsReadable[tuple[AsFarAsReadable[_Segment], ...]] = None
 
 
 class OpenAITranscription:
@@ -79,8 +91,9 @@ class OpenAITranscription:
         except SaysoError as refusal:
             if self._form == "json" or getattr(refusal, "status", None) not in _BAD_REQUEST:
                 raise
-        self._form = "json"
-        return await self._service.send("/audio/transcriptions", wav, {**fields, "response_format": self._form})
+        answer = await self._service.send("/audio/transcriptions", wav, {**fields, "response_format": "json"})
+        self._form = "json"  # it was the form that it did not take
+        return answer
 
     def _read(self, told: Any) -> Heard:
         try:
@@ -90,13 +103,12 @@ class OpenAITranscription:
                 f"The answer of the platform {self._service.name} cannot be read: it is no transcription.",
                 hint=f"Check that platforms.{self._service.name} is a service that transcribes.",
             ) from None
-        segments = answer.segments or ()
-        sure = [(len(s.tokens) + 1, s.avg_logprob) for s in segments if s.avg_logprob is not None]
+        segments = [segment for segment in answer.segments or () if segment is not None]
+        sure = [(len(s.tokens or ()) + 1, s.avg_logprob) for s in segments if s.avg_logprob is not None]
         silent = [s.no_speech_prob for s in segments if s.no_speech_prob is not None]
-        language = answer.language.strip().casefold() if answer.language else None
         return Heard(
             answer.text.strip(),
-            _FULL_NAMES.get(language, language) if language else None,
+            answer.language,
             sum(n * logprob for n, logprob in sure) / sum(n for n, _ in sure) if sure else None,
             max(silent, default=None),
         )

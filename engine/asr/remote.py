@@ -17,6 +17,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from config.languages import code_of
 from config.schema import Asr
 from engine.asr.gates import judge
 from engine.asr.recogniser import Decoding, Rejected, Transcript
@@ -36,7 +37,7 @@ class Heard:
     """What came back. What the other side does not tell is None."""
 
     text: str
-    language: str | None = None  # ISO 639-1
+    language: str | None = None  # as the other side calls it
     avg_logprob: float | None = None
     no_speech_probability: float | None = None
 
@@ -142,11 +143,13 @@ class RemoteRecogniser:
         """One answer, in a language that is spoken here."""
         wanted = None if self._settings.language == "auto" else self._settings.language
         heard = await self._elsewhere.ask(sound, vocabulary, wanted)
-        if wanted is None and heard.language is not None and self._among(heard.language) is None:
+        if wanted is None and heard.language and self._among(heard.language) is None:
             return await self._elsewhere.ask(sound, vocabulary, self._settings.languages[0])
         return heard
 
     def _among(self, language: str | None) -> str | None:
-        """The language, if it is one that is spoken here."""
+        """The code of a language, if it is one that is spoken here."""
         spoken = self._settings.languages if self._settings.language == "auto" else (self._settings.language,)
-        return language if language in spoken else None
+        if language is None or language in spoken:
+            return language
+        return next((known for known in spoken if code_of(known) == code_of(language)), None)

@@ -98,7 +98,7 @@ class WhisperRecogniser:
             if not (self._folder / name).is_file():
                 raise ModelError(
                     f"The speech model in {self._folder} is incomplete: {name} is missing.",
-                    hint="Run `sayso models pull`.",
+                    hint="Set asr.model to a folder with a CTranslate2 model, or to a name from `sayso models list`.",
                 )
         model = _open_model(self._folder, self._threads)
         if self._settings.language not in ("auto", *model.supported_languages):

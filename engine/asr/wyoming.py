@@ -42,7 +42,9 @@ class WyomingTranscription:
             while not Transcript.is_type((event := await talk.hear()).type):
                 pass  # it may tell more than it was asked
             found = Transcript.from_event(event)
-            return Heard(str(found.text).strip(), found.language)
+            if not isinstance(found.text, str):
+                raise TypeError("it is no text")
+            return Heard(found.text.strip(), found.language if isinstance(found.language, str) else None)
 
     async def close(self) -> None:
         """Every connection is closed after its answer."""

@@ -22,6 +22,7 @@ from urllib.parse import urlsplit
 from pydantic import SecretStr
 
 from config.schema import Platform
+from engine.errors import one_line
 from engine.llm.chat import ChatError, KeyWanted, Refused, TooSlow, Unreachable, Unreadable
 from engine.llm.streamed import MASK
 
@@ -176,8 +177,7 @@ class Service:
 
     def _short(self, text: str) -> str:
         """What a service said, fit to be shown: one line, without the key, not too long."""
-        line = " ".join("".join(sign if sign.isprintable() else " " for sign in self.blotted(text)).split())
-        return line if len(line) <= _TOLD else f"{line[: _TOLD - 1]}…"
+        return one_line(self.blotted(text), _TOLD)
 
 
 def back_off(failures: int, wanted_s: float | None, chance: float) -> float | None:

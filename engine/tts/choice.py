@@ -28,7 +28,6 @@ class ByLanguage:
         self._tell = tell
         self._told = False
         self._chinese = chinese
-        self._shown = f"{'English' if chinese else 'Chinese'} answers are only shown"
 
     @property
     def name(self) -> str:
@@ -45,14 +44,20 @@ class ByLanguage:
         except SaysoError as error:
             self._other, self._told = None, True
             await other.close()
-            self._tell(f"{self._shown}. {error}")
+            if self._chinese:
+                self._tell(f"English answers are only shown. {error}")
+            else:
+                self._tell(f"Chinese answers are only shown. {error}")
 
     async def synthesise(self, sentence: Sentence) -> AsyncGenerator[Piece]:
         voice = self._own if sentence.chinese == self._chinese else self._other
         if voice is None:
             if not self._told:
                 self._told = True
-                self._tell(f"{self._shown}: install espeak-ng to hear them.")
+                if self._chinese:
+                    self._tell("English answers are only shown: install espeak-ng to hear them.")
+                else:
+                    self._tell("Chinese answers are only shown: install espeak-ng to hear them.")
             return
         async with aclosing(voice.synthesise(sentence)) as pieces:
             async for piece in pieces:

@@ -81,7 +81,7 @@ class ServiceVoice:
         if answer.kind in _NO_SOUND | _PACKED:
             await answer.pieces.aclose()
             raise self._unreadable(f"it is of the kind {answer.kind}, not sound in PCM")
-        sound = _Sound()
+        sound, heard = _Sound(), False
         async with aclosing(answer.pieces) as pieces:
             async for data in pieces:
                 try:
@@ -89,7 +89,10 @@ class ServiceVoice:
                 except ValueError as error:
                     raise self._unreadable(str(error)) from error
                 if len(piece.samples):
+                    heard = True
                     yield piece
+        if not heard and sentence.audible:
+            raise self._unreadable("the service sent no sound")
 
     async def close(self) -> None:
         await self._service.close()

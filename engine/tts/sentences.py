@@ -67,6 +67,11 @@ class Sentence:
             text += word.said
         return text, tuple(begins)
 
+    @property
+    def audible(self) -> bool:
+        """Whether there is a letter or a digit in it: any voice that makes no sound of that has failed."""
+        return any(sign.isalnum() for word in self.words for sign in word.said)
+
 
 def sentences(text: str) -> Iterator[Sentence]:
     """All of ``text``; nothing for one without a word."""
@@ -74,7 +79,7 @@ def sentences(text: str) -> Iterator[Sentence]:
     first = 0  # word of the sentence
     for last in _last_words(found):
         chinese = is_chinese(text[found[first].start() : found[last].end()])
-        words = [Word(found[index].end(), _as_said(found, index)) for index in range(first, last + 1)]
+        words = [Word(found[index].end(), _sendable(_as_said(found, index))) for index in range(first, last + 1)]
         if last + 1 < len(found) and not chinese and words[-1].said[-1:].isalnum():
             # cut in the midst of a sentence of somebody's, it is to sound as if it goes on
             words[-1] = Word(words[-1].end, words[-1].said + ",")
@@ -126,6 +131,12 @@ def _as_said(found: Sequence[re.Match[str]], index: int) -> str:
     if bare in _UNITS and index and (number := _NUMBER.fullmatch(found[index - 1][0])) and not number[3]:
         return _unit(bare, f"{float(number[2]):.10g}", chinese) + word[len(bare) :]
     return " ".join(re.sub(r"[_*`#<>|·→\\{}\[\]]", " ", word).split())
+
+
+def _sendable(said: str) -> str:
+    """With a question mark for each half of a character, as in a text that was cut or read wrongly: no message to a
+    voice could hold it."""
+    return said.encode("utf-8", "replace").decode("utf-8")
 
 
 def _unit(unit: str, amount: str, chinese: bool) -> str:

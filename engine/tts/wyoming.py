@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from engine.errors import one_line
 from engine.tts.sentences import Sentence
 from engine.tts.synthesis import Piece
 from engine.wyoming import Trouble, server_fault, talking
@@ -55,6 +56,8 @@ class WyomingVoice:
                     if length > LONGEST_S:
                         raise Trouble(f"does not come to the end of a sentence within {LONGEST_S:g} s of sound")
                     yield piece
+            if not length and sentence.audible:
+                raise Trouble("sent no sound of a sentence")
 
     async def close(self) -> None:
         """Every connection is closed after its sentence."""
@@ -63,6 +66,6 @@ class WyomingVoice:
 def _piece(chunk: AudioChunk) -> Piece:
     if (chunk.width, chunk.channels) not in ((2, 1), (2, 2)) or not 8000 <= chunk.rate <= 192_000:
         sound = f"{chunk.rate} Hz, {chunk.width} bytes, {chunk.channels} channels"
-        raise Trouble(f"sends sound of a kind that is not understood here ({sound})"[:200])
+        raise Trouble(f"sends sound of a kind that is not understood here ({one_line(sound, 80)})")
     samples = np.frombuffer(chunk.audio, "<i2").reshape(-1, chunk.channels)
     return Piece(samples.mean(axis=1).astype(np.int16), chunk.rate)

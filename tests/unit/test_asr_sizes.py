@@ -42,6 +42,48 @@ def test_a_size_that_nobody_has_fetched_says_how_to_fetch_it(hub: Path) -> None:
     assert "hf download Systran/faster-whisper-small" in told.value.hint
 
 
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A current folder, and none of sayso's own models."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def error_of(model: str) -> ModelError:
+    with pytest.raises(ModelError) as caught:
+        make_recogniser(load(overrides=[f"asr.model={model}", "models.folder=none"])).load()
+    return caught.value
+
+
+@pytest.mark.parametrize("name", ["base", "whisper-base"])
+def test_a_folder_that_is_called_like_a_model_of_ours_is_not_meant(name: str, here: Path) -> None:
+    (here / name).mkdir()
+    assert error_of(name).message.startswith("The model whisper-base is not downloaded")
+
+
+def test_a_folder_that_is_called_like_a_size_is_not_meant(here: Path, hub: Path) -> None:
+    (here / "small").mkdir()
+    assert error_of("small").message == "Whisper small is not on this machine."
+
+
+def test_a_folder_beside_us_is_meant_by_its_path_or_if_it_holds_a_model(here: Path) -> None:
+    for name in ("base", "mine"):
+        (here / name).mkdir()
+    assert "There is no model 'mine'" in error_of("mine").message
+    assert error_of("./base").message == "The speech model in base is incomplete: model.bin is missing."
+    (here / "mine" / "model.bin").touch()
+    found = error_of("mine")
+    assert found.message == "The speech model in mine is incomplete: config.json is missing."
+    assert "asr.model" in found.hint
+
+
+@pytest.mark.parametrize("path", ["/nowhere/at/all", "not/here"])
+def test_a_path_at_which_there_is_no_folder_is_said(path: str, here: Path) -> None:
+    found = error_of(path)
+    assert found.message == f"There is no folder {path}."
+    assert "pull" not in found.hint
+
+
 @pytest.mark.model
 def test_a_size_that_another_program_has_fetched_is_used(hub: Path) -> None:
     folder = hub / "models--Systran--faster-whisper-small"

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from faster_whisper.tokenizer import _LANGUAGE_CODES
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -132,6 +133,11 @@ def test_the_norwegian_language_is_a_language(tmp_path: Path) -> None:
     assert load(environ={}, user_folder=tmp_path).asr.language == "no"
 
 
+def test_all_languages_of_whisper_may_be_chosen_among() -> None:
+    names = ",".join(_LANGUAGE_CODES)
+    assert len(load(overrides=[f"asr.languages=[{names}]"], environ={}, user_folder=NOWHERE).asr.languages) == 100
+
+
 def test_a_relative_path_in_a_file_is_relative_to_that_file(tmp_path: Path) -> None:
     (tmp_path / "config.yaml").write_text("models: {folder: weights}")
     assert load(environ={}, user_folder=tmp_path).models.folder == tmp_path / "weights"
@@ -195,6 +201,15 @@ def test_all_mistakes_are_told_at_once_and_in_reading_order(problems: Callable[.
         ("places:\n  shed: {name: kitchen, position: {x: 1, y: 1}}", "config.yaml:2", "names both A and shed"),
         ("places:\n  shed:\n    name: q", "config.yaml:2", "places.shed.position: is missing"),
         ("places: {A: {orientation: {w: 3}}}", "config.yaml:1", "length"),
+        ("asr:\n  languages: [en, cn]", "config.yaml:2", "asr.languages: 'cn' is no language of Whisper; write zh"),
+        ("asr:\n  languages: [zh-CN]", "config.yaml:2", "asr.languages: 'zh-CN' is no language of Whisper; write zh"),
+        ("asr:\n  languages: [tlh]", "config.yaml:2", "no language of Whisper; write ISO 639-1 codes"),
+        (
+            "audio:\n  device: tcp://kitchen",
+            "config.yaml:2",
+            "audio.device: this is no address of a satellite; write tcp",
+        ),
+        ("audio:\n  device: http://kitchen:10700", "config.yaml:2", "for example tcp://kitchen:10700"),
         ("skills:\n  patrol:\n    silense_s: 3", "config.yaml:3", "did you mean 'silence_s'?"),
         ("skills:\n  patrol:\n    silence_s: 0", "config.yaml:3", "a number above 0"),
         ("skills:\n  patrol:\n    occupies: [legs]", "config.yaml:3", "base | arm | camera | voice"),

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import email
+import socket
 import threading
 from collections.abc import AsyncIterator, Callable, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import ExitStack, asynccontextmanager, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +32,9 @@ from engine.audio.wav import read_wav
 from engine.errors import SaysoError
 from engine.llm.recordings import RecordingService
 from engine.parts.loading import make_isolated_recogniser
+from engine.wyoming import CONNECT_S
 from tests.model_service import SECRET, reply
+from tests.virtual_time import run
 
 SPEECH = Path(__file__).parents[2] / "assets" / "speech"
 COMMAND = read_wav(SPEECH / "go_to_the_kitchen.wav").astype(np.float32) / np.float32(32768)
@@ -186,13 +189,69 @@ def test_a_language_that_nobody_speaks_here_is_not_taken_for_the_one_that_was_sp
 
 
 @pytest.mark.parametrize(
+    ("told", "text", "language"),
+    [
+        *(
+            (name, "去厨房。", "zh")
+            for name in ("zh-CN", "zh_CN", "ZH", "cmn", "cmn-Hans-CN", "yue", "Chinese", "mandarin")
+        ),
+        *((name, "Go to the kitchen.", "en") for name in ("en-US", "en_GB", "english", "English (US)", "eng")),
+    ],
+)
+def test_a_language_is_known_by_whatever_it_is_called(told: str, text: str, language: str) -> None:
+    for other_side, answer in ((service, {"text": text, "language": told}), (wyoming, Told(text, language=told))):
+        with other_side(answer, language="auto", languages=("en", "zh")) as (made, other):  # type: ignore[operator]
+            found = made.transcribe(COMMAND)
+        assert isinstance(found, Transcript)
+        assert (found.text, found.decoding.language) == (text, language)
+        assert len(other.asked) == 1, "the answer was thrown away"
+
+
+def test_a_language_that_is_named_in_the_settings_is_called_as_it_is_there() -> None:
+    with service({"text": "去厨房。", "language": "Cantonese"}, language="auto", languages=("en", "yue")) as (made, _):
+        found = made.transcribe(COMMAND)
+    assert isinstance(found, Transcript)
+    assert found.decoding.language == "yue"
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"segments": [{"tokens": None, "avg_logprob": -0.1, "no_speech_prob": 0.1}]},
+        {"segments": [{"tokens": ["a"], "avg_logprob": -0.1}]},
+        {"segments": [{"avg_logprob": "high", "no_speech_prob": None}]},
+        {"segments": [None, 3, {"tokens": [1], "avg_logprob": -0.1}]},
+        {"segments": "none"},
+        {"segments": [{"avg_logprob": 1e300}]},
+        {"language": ["en"]},
+        {"language": ""},
+    ],
+)
+def test_what_cannot_be_read_beside_a_text_does_not_cost_the_text(more: dict[str, Any]) -> None:
+    with service({"text": "Go to the kitchen.", **more}, language="auto") as (made, other):
+        found = made.transcribe(COMMAND)
+    assert isinstance(found, Transcript)
+    assert 0.9 < found.confidence <= 1
+    assert len(other.asked) == 1
+
+
+def test_a_service_that_refuses_either_form_is_asked_for_figures_again() -> None:
+    refusal = reply(400, {"error": {"message": "this file is no sound"}})
+    with service(refusal, refusal, SURE) as (made, other):
+        with pytest.raises(SaysoError, match="this file is no sound"):
+            made.transcribe(COMMAND)
+        assert isinstance(made.transcribe(COMMAND), Transcript)
+    assert [asked["response_format"] for asked in other.asked] == [b"verbose_json", b"json", b"verbose_json"]
+
+
+@pytest.mark.parametrize(
     ("answer", "message"),
     [
         (reply(401, {"error": "wrong key"}), "refused with status 401"),
         (reply(200, b"<html>"), "no JSON"),
         (reply(200, b"[" * 100_000), "no JSON"),
         (reply(200, {"words": []}), "no transcription"),
-        (reply(200, {"text": "Go.", "segments": [{"avg_logprob": "high"}]}), "no transcription"),
+        (reply(200, {"text": None, "segments": []}), "no transcription"),
         (reply(200, b"\xff\xfe\x00garbage"), "no JSON"),
         (HANGS_UP, "cannot be reached"),
         (reply(429, {"error": "slow down"}, **{"Retry-After": "60"}), "status 429"),
@@ -287,6 +346,8 @@ def test_a_wyoming_server_is_sent_the_sound_and_its_words_are_a_transcript() -> 
         (Error("the model is broken"), "reports an error: the model is broken"),
         (b"HTTP/1.1 400 Bad Request\r\n\r\n", "does not speak Wyoming"),
         (b'{"type": "transcript", "data": {"words": 1}}\n', "does not speak Wyoming"),
+        (b'{"type": "transcript", "data": {"text": null}}\n', "does not speak Wyoming"),
+        (Error("a\x1b[2Jb\nc" + "d" * 300), r"reports an error: a \[2Jb cd{191}…"),
         (b'{"type": "transcript", "data_length": 100}\n{', "cannot be used"),
         (b"[1, 2]\n", "does not speak Wyoming"),
     ],
@@ -309,6 +370,19 @@ def test_a_wyoming_server_that_is_not_there_is_one_error() -> None:
     made = RemoteRecogniser(WyomingTranscription(made.name.removeprefix("Wyoming at ")), SETTINGS)
     with pytest.raises(SaysoError, match="cannot be used"):
         made.transcribe(COMMAND)
+
+
+def test_a_wyoming_server_that_takes_no_connection_is_given_up_after_the_time_that_is_named() -> None:
+    async def ask(address: str) -> None:
+        await WyomingTranscription(address).ask(np.zeros(RATE, np.int16), (), "en")
+
+    with socket.create_server(("127.0.0.1", 0), backlog=0) as full, ExitStack() as waiting:
+        for _ in range(4):  # more than the system keeps for one that accepts none
+            crowd = waiting.enter_context(socket.socket())
+            crowd.setblocking(False)
+            crowd.connect_ex(full.getsockname())
+        with pytest.raises(SaysoError, match=f"cannot be reached within {CONNECT_S:g} s"):
+            run(ask(f"tcp://127.0.0.1:{full.getsockname()[1]}"))
 
 
 # Whoever no longer waits

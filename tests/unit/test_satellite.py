@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from wyoming.audio import AudioChunk
+from wyoming.error import Error
 from wyoming.event import Event, Eventable
 from wyoming.ping import Ping, Pong
 from wyoming.pipeline import PipelineStage, RunPipeline
@@ -73,6 +75,12 @@ def chunks(samples: np.ndarray[tuple[int], np.dtype[np.int16]]) -> list[Eventabl
     return [AudioChunk(RATE, 2, 1, piece) for piece in pieces]
 
 
+def wire(event: Eventable) -> bytes:
+    told = event.event()
+    head = {"type": told.type, "data": told.data, "payload_length": len(told.payload or b"")}
+    return json.dumps(head).encode() + b"\n" + (told.payload or b"")
+
+
 def test_what_it_hears_is_handed_over_whole_and_a_ping_is_answered() -> None:
     pongs: list[str | None] = []
 
@@ -120,6 +128,7 @@ def test_one_that_waits_for_a_voice_is_asked_whether_it_is_still_there() -> None
     ("chunk", "message"),
     [
         (AudioChunk(RATE, 3, 1, b"abc"), r"this kind of sound \(16000 Hz, 3 bytes, 1 channels\) is not understood"),
+        (AudioChunk(RATE, "\x1b[2J\n", 1, b"abc"), r"\(16000 Hz, \[2J bytes, 1 channels\) is not"),  # type: ignore[arg-type]
         (AudioChunk(RATE, 2, 1, b"abc"), "does not speak Wyoming"),
     ],
 )
@@ -132,6 +141,45 @@ def test_one_that_sends_no_sound_is_an_error(chunk: AudioChunk, message: str) ->
         async with satellite(babble) as one:
             with pytest.raises(DeviceError, match=message):
                 await hear(one.address, lambda pcm: None)
+
+    asyncio.run(scenario())
+
+
+def test_one_whose_sound_stalls_in_the_midst_of_an_event_is_heard_when_it_comes() -> None:
+    async def stall(one: Satellite) -> None:
+        before, after = chunks(TONE[:1024]), chunks(TONE[1024:3072])
+        whole = wire(after[0])
+        begun = whole.index(b"\n") + 100  # the header, and some of the sound
+        await one.say(*before)
+        one._writer.write(whole[:begun])
+        event = await one.hear()
+        assert event is not None
+        assert Ping.is_type(event.type), "it was silent for as long as it may be"
+        one._writer.write(whole[begun:])
+        await one.say(Pong(), *after[1:])
+
+    async def scenario() -> None:
+        heard = bytearray()
+        async with satellite(stall) as one:
+            with pytest.raises(DeviceError, match="closed the connection"):
+                await hear(one.address, heard.extend, silence_s=0.3)
+        assert bytes(heard) == TONE[:3072].astype("<i2").tobytes()
+
+    asyncio.run(scenario())
+
+
+def test_what_one_says_is_told_in_one_line_that_can_be_printed() -> None:
+    async def babble(one: Satellite) -> None:
+        await one.say(Error("no\x1b]0;title\x07 such\r\nthing \x9b31m" + "!" * 300))
+        await one.hear()
+
+    async def scenario() -> None:
+        async with satellite(babble) as one:
+            with pytest.raises(DeviceError, match="reports an error: no") as caught:
+                await hear(one.address, lambda pcm: None)
+        assert caught.value.message.isprintable()
+        assert "no ]0;title such thing 31m!" in caught.value.message
+        assert len(caught.value.message) < 300
 
     asyncio.run(scenario())
 

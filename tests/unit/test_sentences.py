@@ -35,6 +35,14 @@ def test_every_character_that_is_no_space_belongs_to_one_word_in_order(text: str
         assert text[begin:end].rstrip() == text[begin:end]
 
 
+@given(st.text(st.sampled_from("a1m-.` 厨\ud83d\udcc3"), max_size=100))
+def test_whatever_is_said_can_be_sent_to_a_voice(text: str) -> None:
+    for sentence in sentences(text):
+        assert sentence.joined()[0].isprintable()  # which half a character is not
+    ends = [word.end for sentence in sentences(text) for word in sentence.words]
+    assert not text[ends[-1] if ends else 0 :].strip()
+
+
 @given(TEXTS)
 def test_no_sentence_is_long_unless_one_word_is(text: str) -> None:
     begin = 0
@@ -69,6 +77,7 @@ def test_each_word_is_where_the_sentence_says_it_is(text: str) -> None:
         ("Going to 厨房 now.", ["Going to 厨房 now."]),
         ("It is 3 m", ["It is 3 metres"]),
         ("Room m is small", ["Room m is small"]),
+        ("Going to caf\udcc3 now.", ["Going to caf? now."]),
         ("Version 1.2.3 of e.g. this", ["Version 1.2.3 of e.g.", "this"]),
     ],
 )

@@ -605,8 +605,14 @@ def test_the_settings_name_a_voice_elsewhere() -> None:
         (b"HTTP/1.1 400 Bad Request\r\n\r\n", "does not speak Wyoming"),
         (wire(Error("no such voice")), "reports an error: no such voice"),
         (wire(AudioStart(22_050, 2, 1)), "closed the connection"),
+        (wire(AudioStart(22_050, 2, 1)) + wire(AudioStop()), "sent no sound"),
+        (wire(AudioStart(22_050, 2, 1)) + wire(AudioChunk(22_050, 2, 1, b"")) + wire(AudioStop()), "sent no sound"),
         (wire(AudioStart(22_050, 2, 1)) + wire(AudioChunk(22_050, 2, 1, b"abc")), "does not speak Wyoming"),
         (wire(AudioChunk(22_050, 3, 1, b"abc")), "of a kind that is not understood"),
+        (
+            b'{"type": "audio-chunk", "data": {"rate": 1, "width": "\\u001b[2J\\n", "channels": 1}}\n',
+            r"not understood here \(1 Hz, \[2J bytes, 1 channels\)",
+        ),
         (wire(AudioChunk(8000, 2, 1, b"\0" * 2_000_000)), "does not come to the end"),
         (b'{"type": "audio-chunk", "payload_length": 99999999999}\n', "does not speak Wyoming"),
         (b'{"type": "audio-chunk", "payload_length": 100}\nshort', "cannot be used"),
@@ -624,6 +630,20 @@ def test_a_voice_server_that_fails_is_one_error(answer: bytes, message: str) -> 
             with pytest.raises(ModelError, match=message) as caught:
                 _ = [piece async for piece in voice.synthesise(a_sentence("Moved."))]
             assert "voice.server" in caught.value.hint
+
+    asyncio.run(scenario())
+
+
+def test_a_voice_server_that_makes_no_sound_of_mere_signs_has_said_them() -> None:
+    async def speak(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await wyoming.read(reader)
+        writer.write(wire(AudioStart(22_050, 2, 1)) + wire(AudioStop()))
+        writer.close()
+
+    async def scenario() -> None:
+        async with await asyncio.start_server(speak, "127.0.0.1", 0) as server:
+            voice = WyomingVoice(f"tcp://127.0.0.1:{server.sockets[0].getsockname()[1]}", limit_s=LIMIT_S)
+            assert [piece async for piece in voice.synthesise(a_sentence("…!"))] == []
 
     asyncio.run(scenario())
 

@@ -63,8 +63,8 @@ def a_sentence(text: str = "Moved 1.00 m forward.") -> Sentence:
     return sentence
 
 
-async def said(voice: ServiceVoice) -> list[Piece]:
-    async with aclosing(voice.synthesise(a_sentence())) as pieces:
+async def said(voice: ServiceVoice, text: str = "Moved 1.00 m forward.") -> list[Piece]:
+    async with aclosing(voice.synthesise(a_sentence(text))) as pieces:
         return [piece async for piece in pieces]
 
 
@@ -199,6 +199,31 @@ def test_sound_that_is_packed_is_an_error_and_not_noise_whatever_it_is_called(
 def test_sound_that_begins_quietly_is_not_taken_for_anything_else(first: int) -> None:
     quiet = np.full(2000, first, np.int16)
     assert np.array_equal(_Sound().add(quiet.astype("<i2").tobytes()).samples, quiet)
+
+
+@pytest.mark.parametrize("data", [b"", b"\0", wav(TONE[:0], RATE), wav(TONE, RATE)[:20]])
+def test_a_service_that_makes_no_sound_of_words_has_failed(data: bytes) -> None:
+    found = error_of(reply(200, data, **{"Content-Type": "audio/pcm"}))
+    assert isinstance(found, ModelError)
+    assert "sent no sound" in found.message
+    assert "platforms.speech" in found.hint
+
+
+def test_a_service_that_makes_no_sound_of_mere_signs_has_said_them() -> None:
+    async def scenario() -> None:
+        async with speaking(reply(200, b"", **{"Content-Type": "audio/pcm"})) as (voice, _):
+            assert await said(voice, "…!") == []
+
+    asyncio.run(scenario())
+
+
+def test_half_a_character_is_sent_as_what_can_be_sent() -> None:
+    async def scenario() -> None:
+        async with speaking(sound()) as (voice, service):
+            assert await said(voice, "Going to caf\udcc3 now.")
+            assert service.asked[0].body["input"] == "Going to caf? now."
+
+    asyncio.run(scenario())
 
 
 def test_a_refusal_says_why_and_what_to_look_at() -> None:
