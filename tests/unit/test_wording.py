@@ -39,7 +39,7 @@ ALL_TEXT: Final = (
     "robot/sim/robot.py", "robot/sim/camera.py", "robot/sim/camera_process.py", "robot/sim/process.py",
     "parts/keeper.py", "parts/camera.py", "asr/isolated.py", "llm/service.py", "llm/openai.py", "llm/dify.py",
     "llm/llama.py", "llm/local.py", "session/turn.py", "session/session.py", "hearing/hearing.py",
-    "session/dispatch.py",
+    "hearing/intake.py", "session/dispatch.py",
 )  # fmt: skip
 """Where every text may be said."""
 ENDS_ONLY: Final = (
@@ -52,9 +52,10 @@ SAYS: Final = frozenset({"NoPlan", "Rejected", "NothingHeard", "Trouble", "fault
 """What is called with a sentence that is said, besides the errors."""
 SHOWN: Final = (
     "../tui/doctor/diagnosis.py", "../tui/doctor/examiner.py", "engine.py", "parts", "session",
-    "hearing/hearing.py", "llm/chain.py", "planner/stages/two_stage.py", "planner/worlds/world_file.py",
-    "robot/sim/camera.py", "tts", "wake/choice.py", "wake/embedding.py", "wake/head.py", "wake/micro.py",
-    "wake/ports.py", "wake/reader.py", "audio/loudspeaker.py", "audio/sounder.py", "audio/vad.py",
+    "hearing/hearing.py", "hearing/intake.py", "llm/chain.py", "planner/stages/two_stage.py",
+    "planner/worlds/world_file.py", "robot/sim/camera.py", "tts", "wake/choice.py", "wake/embedding.py",
+    "wake/head.py", "wake/micro.py", "wake/ports.py", "wake/reader.py", "audio/loudspeaker.py", "audio/sounder.py",
+    "audio/vad.py",
 )  # fmt: skip
 """Where something is written that a console shows: what the doctor finds, how parts are doing, lines of the log."""
 SHOWS: Final = frozenset(

@@ -71,7 +71,10 @@ class Check:
 def examine(settings: Settings) -> Iterator[Finding]:
     """Examine everything, in the order in which it is used."""
     for check in CHECKS:
-        yield check.look(settings)
+        try:
+            yield check.look(settings)
+        except Exception as error:  # noqa: BLE001 - one check that has a fault must not take the others with it
+            yield Finding(check.name, "missing", f"the check has a fault: {error!r}", "Please report it.")
 
 
 def _python(settings: Settings) -> Finding:
@@ -163,12 +166,15 @@ def _voice(settings: Settings) -> Finding:
         return Finding("voice", "missing", f"{error.message} Answers are shown.", error.hint)
     if trouble:
         return Finding("voice", "limited", f"{name}. {trouble[0]}")
-    said = "English" if languages_said(settings) == ("zh",) else "Chinese"
     if settings.voice.backend == "auto" and "piper" not in name:
         fix = f"sayso models pull {settings.voice.model}" if piper.is_installed() else "pip install 'sayso[voice]'"
         return Finding("voice", "limited", f"{name}; piper sounds better in English", fix)
     if settings.voice.backend == "auto" and "espeak" not in name:
-        return Finding("voice", "ok", f"{name}; {said} answers are only shown (apt install espeak-ng to hear them)")
+        if languages_said(settings) == ("zh",):
+            return Finding(
+                "voice", "ok", f"{name}; English answers are only shown (apt install espeak-ng to hear them)"
+            )
+        return Finding("voice", "ok", f"{name}; Chinese answers are only shown (apt install espeak-ng to hear them)")
     return Finding("voice", "ok", name)
 
 
@@ -311,8 +317,8 @@ def _terminal(settings: Settings) -> Finding:
 
 def _state_folder(settings: Settings) -> Finding:
     folder = paths().state
-    nearest = next(parent for parent in (folder, *folder.parents) if parent.exists())
-    if not os.access(nearest, os.W_OK):
+    nearest = next(parent for parent in (folder, *folder.parents) if os.path.exists(parent))  # noqa: PTH110 - see below
+    if not os.access(nearest, os.W_OK | os.X_OK):  # below a folder that one may not enter, Path.exists raises
         return Finding("event log", "limited", f"{nearest} is not writable", "set SAYSO_STATE_DIR to a folder of yours")
     if not settings.session.record_log:
         return Finding("event log", "ok", "switched off (session.record_log)")
