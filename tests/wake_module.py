@@ -59,6 +59,13 @@ class WakeModule:
         for piece in pieces:
             os.write(self._master, piece)
 
+    def heard(self) -> bytes:
+        """What the computer has sent so far and nobody has read."""
+        heard = b""
+        while select.select([self._master], [], [], 0)[0]:
+            heard += os.read(self._master, 4096)
+        return heard
+
     def hear(self, wanted: bytes) -> bytes:
         """What the computer sent, once ``wanted`` is in it."""
         heard, until = b"", time.monotonic() + LIMIT_S

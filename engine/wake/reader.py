@@ -6,7 +6,9 @@ has named may be a motor board, for which any bytes may be a command. Handshakes
 name that module; a module's own handshake is answered wherever it comes from, because by then it is known.
 
 For the same reason ``auto`` and VID:PID may open several ports at first. The one from which the first wake comes is the
-module's, and the others are let go. They are opened for nobody else meanwhile; name the port where that matters.
+module's, and the others are let go. They are opened for nobody else meanwhile; name the port where that matters. When
+the module is unplugged, what was there beside it is left alone; what comes then is listened to, and only one that is
+known to be the module is greeted.
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ from engine.wake.csk4002 import Csk4002
 from engine.wake.framing import Framer
 from engine.wake.iflytek import IflytekRing
 from engine.wake.module import Called, Frame, Module, Told
-from engine.wake.ports import Port, PortError, Reason, at, opened, wanted
+from engine.wake.ports import Known, Port, PortError, Reason, Wanted, at, opened, wanted
 
 READ_BYTES: Final = 4096
 PAUSES_S: Final = (0.1, 0.2, 0.5, 1.0, 2.0)
@@ -106,7 +108,7 @@ class WakeReader:
         self._prompt = prompt
         self._lines: dict[str, _Line] = {}
         self._settled = False  # it is known which port is the module's, and that one is open
-        self._known: Port | None = None  # which one that is or was
+        self._known: Known | None = None  # which one that is or was
         self._trouble: Reason | None = None  # what has been said about why there is no module
         self._suspected: Reason | None = None  # why the last look found none
         self._pauses = 0  # looks for a module that found none
@@ -165,20 +167,21 @@ class WakeReader:
         """Open the ports that may be the module's and are not open yet."""
         self._pauses += 1
         news, error = False, None
+        if self._known is not None:
+            self._known = self._known.looked_for()
         try:
-            paths: Sequence[str] = wanted(self._setting, self._known)
+            found = wanted(self._setting, self._known)
         except PortError as absent:
-            paths, error = (), absent
-        for path in paths:
+            found, error = Wanted((), certain=False), absent
+        for path in found.paths:
             if path not in self._lines:
                 try:
-                    self._open(path)
+                    self._open(path, greet=found.certain or self._known is None)
                     news = True
                 except PortError as refused:
                     error = refused
-        certain = next((line for line in self._lines.values() if self._is_certain(line)), None)
-        if certain is not None:
-            self._settle(certain)
+        if found.certain and (line := self._lines.get(found.paths[0])) is not None:
+            self._settle(line)
         if news:
             self._pauses = 1
             self._tell_lines()
@@ -193,17 +196,12 @@ class WakeReader:
             self._tell(Lost(error))
         self._suspected = error.reason
 
-    def _is_certain(self, line: _Line) -> bool:
-        """The port that was named, or the one that it was before, needs no further proof."""
-        identity = self._known.identity if self._known is not None else None
-        return line.path == self._setting or (identity is not None and line.is_at.identity == identity)
-
-    def _open(self, path: str) -> None:
+    def _open(self, path: str, *, greet: bool) -> None:
         modules = GUESSED if self._named is None else (self._named,)
         line = _Line(path, opened(path), at(path), tuple(map(Framer, modules)), self._named)
         self._lines[path] = line
         self._selector.register(line.fd, selectors.EVENT_READ, line)
-        if self._named is not None:
+        if self._named is not None and greet:
             self._send(line, self._named.greeting)
 
     def _close(self, line: _Line) -> None:
@@ -218,6 +216,8 @@ class WakeReader:
         if self._lines:
             self._tell_lines()
             return
+        if self._settled and self._known is not None:
+            self._known = self._known.lost()
         news = self._settled or self._known is None  # else it has been missed for a while
         self._settled, self._pauses, self._next_look, self._trouble = False, 0, 0.0, "absent"
         if news:
@@ -267,7 +267,7 @@ class WakeReader:
         for other in tuple(self._lines.values()):
             if other is not line:
                 self._close(other)
-        self._settled, self._known = True, line.is_at
+        self._settled, self._known = True, Known(line.is_at)
 
     def _wonder(self, line: _Line, count: int) -> None:
         """Bytes, and no frame among them."""

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from engine.audio.wav import read_wav
 from engine.errors import ModelError, StorageError
@@ -84,6 +87,42 @@ def test_a_damaged_head_is_refused(tmp_path: Path, spoil: object) -> None:
     file.write_bytes(spoil(file.read_bytes()))  # type: ignore[operator]
     with pytest.raises(ModelError, match=r"hey_rosie\.npz is no head"):
         Head.load(file)
+
+
+@settings(max_examples=300)
+@given(where=st.floats(0, 0.999), spoilt=st.binary(min_size=1, max_size=8))
+def test_a_head_that_is_damaged_anywhere_is_refused_or_whole(
+    tmp_path_factory: pytest.TempPathFactory, where: float, spoilt: bytes
+) -> None:
+    file = tmp_path_factory.mktemp("heads") / "hey_rosie.npz"
+    tiny().save(file)
+    whole = file.read_bytes()
+    at = round(where * len(whole))
+    file.write_bytes(whole[:at] + spoilt + whole[at + len(spoilt) :])
+    with contextlib.suppress(ModelError):
+        assert Head.load(file).phrase == "hey rosie"
+
+
+def _stored(folder: Path, name: str, data: bytes) -> Path:
+    """A file like a head, in which one array is made of these bytes."""
+    file = folder / "odd.npz"
+    tiny().save(file)
+    with zipfile.ZipFile(file) as whole:
+        parts = {part: whole.read(part) for part in whole.namelist()} | {name: data}
+    with zipfile.ZipFile(file, "w") as odd:
+        for part, content in parts.items():
+            odd.writestr(part, content)
+    return file
+
+
+@pytest.mark.parametrize(
+    "header",
+    [b"", b"{'descr': '<f2', 'fortran_order': False, 'shape': (3,", b"(" * 90, b"{'descr': '<f2'\n", b"\xff" * 9],
+)
+def test_an_array_that_is_no_array_makes_it_no_head(tmp_path: Path, header: bytes) -> None:
+    array = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header
+    with pytest.raises(ModelError, match=r"odd\.npz is no head"):
+        Head.load(_stored(tmp_path, "w0_0.npy", array))
 
 
 def test_a_head_of_another_shape_is_refused(tmp_path: Path) -> None:

@@ -355,21 +355,32 @@ class Usb:
         self.ports: list[SimpleNamespace] = []
         self.looks = 0
         self.faults: list[Exception] = []
+        self._looked = threading.Condition()
         monkeypatch.setattr(serial.tools.list_ports, "comports", self._comports)
 
     def _comports(self) -> list[SimpleNamespace]:
-        self.looks += 1
+        with self._looked:
+            self.looks += 1
+            self._looked.notify_all()
         if self.faults:
             raise self.faults.pop()
         return list(self.ports)
 
-    def add(self, module: WakeModule, vid: int | None = 0x1A86, pid: int = 0x7523, number: str = "") -> None:
+    def until_looked(self) -> None:
+        """Wait until all that is there now has been seen and dealt with."""
+        with self._looked:
+            until = self.looks + 3  # one may have begun, and the next may not be done
+            assert self._looked.wait_for(lambda: self.looks >= until, LIMIT_S)
+
+    def add(
+        self, module: WakeModule, vid: int | None = 0x1A86, pid: int = 0x7523, number: str = "", location: str = "1-1"
+    ) -> None:
         facts = {
             "vid": vid,
             "pid": pid,
             "serial_number": number or None,
             "description": "USB Serial",
-            "location": "1-1",
+            "location": location,
         }
         self.ports.append(SimpleNamespace(device=os.path.realpath(module.path), **facts))
 
@@ -488,6 +499,89 @@ def test_a_usb_module_is_known_again_under_another_name(
             ours.say(ring_wake(5))
             assert heard.wake().angle_deg == 5
     assert not any(device(board) in str(news) for news in heard.seen[2:]), "what is not it is not taken for it"
+
+
+def unplugged(usb: Usb, heard: Heard, module: WakeModule) -> None:
+    """The module is gone, and that has been noticed."""
+    usb.ports = [port for port in usb.ports if port.device != device(module)]
+    module.unplug()
+    assert "is gone" in heard.lost()
+
+
+SAME_CHIP = pytest.mark.parametrize(
+    ("setting", "number"),
+    [("auto", ""), ("1a86:7523", ""), ("path", ""), ("auto", "0001"), ("1a86:7523:0001", "0001"), ("path", "0001")],
+)
+"""Chips without a serial number, and those that all have the same."""
+
+
+@SAME_CHIP
+def test_a_board_with_the_modules_chip_is_never_taken_for_it(
+    usb: Usb, modules: tuple[WakeModule, WakeModule], monkeypatch: pytest.MonkeyPatch, setting: str, number: str
+) -> None:
+    monkeypatch.setattr(reader, "PAUSES_S", (0.01,))
+    board, ours = modules
+    usb.add(ours, number=number)
+    with listening(device(ours) if setting == "path" else setting, "iflytek") as heard:
+        heard.listening()
+        usb.add(board, number=number, location="1-2")  # later, so that it is not even greeted once
+        ours.say(ring_wake(5))
+        heard.wake()
+        unplugged(usb, heard, ours)
+        usb.until_looked()
+        with opened(device(board)) as robot:
+            assert robot.read(4096) == b"", "nothing was sent to it"
+            usb.until_looked()
+        board.say(ring_wake(99))
+        usb.until_looked()
+        usb.add(ours.plug(), number=number)
+        assert heard.listening() == f"iflytek on {device(ours)}"
+        ours.say(ring_wake(6))
+        assert heard.wake().angle_deg == 6
+        assert board.heard() == b""
+
+
+@pytest.mark.parametrize("setting", ["auto", "1a86:7523", "path"])
+def test_a_module_without_a_serial_number_that_is_plugged_in_elsewhere_is_found_when_it_calls(
+    usb: Usb, modules: tuple[WakeModule, WakeModule], monkeypatch: pytest.MonkeyPatch, setting: str
+) -> None:
+    monkeypatch.setattr(reader, "PAUSES_S", (0.01,))
+    board, ours = modules
+    usb.add(ours)
+    with listening(device(ours) if setting == "path" else setting, "iflytek") as heard:
+        heard.listening()
+        ours.say(ring_wake(5))
+        heard.wake()
+        unplugged(usb, heard, ours)
+        board.unplug()
+        usb.add(ours.plug(), location="1-3")
+        usb.add(board.plug(), location="1-2")  # it comes anew, and may be the module as well
+        usb.until_looked()
+        assert ours.heard() == b"", "nothing is written to what may be a motor board"
+        ours.say(ring_wake(6))
+        assert heard.wake().angle_deg == 6
+        assert heard.listening() == f"iflytek on {device(ours)}"
+        assert board.heard() == b""
+        with opened(device(board)):  # it has been let go
+            pass
+
+
+def test_a_link_to_whatever_has_the_modules_chip_does_not_make_a_board_the_module(
+    usb: Usb, modules: tuple[WakeModule, WakeModule]
+) -> None:
+    board, ours = modules
+    usb.add(ours)
+    usb.add(board, location="1-2")
+    link = ours.path.parent / "usb-1a86_USB_Serial"  # the same for both of them
+    link.symlink_to(device(ours))
+    with listening(link) as heard:
+        heard.listening()
+        ours.say(AI_VOICE_WAKE)
+        heard.wake()
+        link.unlink()
+        link.symlink_to(device(board))
+        unplugged(usb, heard, ours)
+        assert f"{link} is another device now" in heard.lost()
 
 
 def test_ports_are_listed_with_how_a_setting_names_them(usb: Usb, module: WakeModule) -> None:

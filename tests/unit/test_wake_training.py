@@ -16,7 +16,7 @@ from engine.wake.training.mandarin import VOICE
 from engine.wake.training.texts import near
 from engine.wake.training.trainer import Effort, train
 from engine.wake.training.trial import Point, chosen
-from engine.wake.training.voices import Espeak, Kokoro, KokoroVoice, Remembered, find_voices
+from engine.wake.training.voices import Espeak, Kokoro, KokoroVoice, Language, Remembered, find_voices
 from tests.unit.test_wake_words import NEEDS_ESPEAK, embedding
 
 
@@ -25,6 +25,16 @@ def test_what_is_like_a_phrase_is_never_the_phrase() -> None:
         texts = near(phrase, 100)
         assert len(texts) == len(set(texts)) > 10
         assert phrase not in {" ".join(text.casefold().split()) for text in texts}
+
+
+@pytest.mark.parametrize("phrase", ["psst", "hmm", "brr", "a", "走", "好"])
+def test_there_is_always_something_to_tell_a_phrase_from(phrase: str) -> None:
+    texts = near(phrase, 200)
+    assert len(texts) == len(set(texts)) > 14
+    assert not any(text == phrase for text in texts)
+    voice = Espeak("en-us" if phrase.isascii() else VOICE, "m1", 50)
+    own, _ = takes(phrase, voice, phrases=1, near=14, others=1, rambling=1, slips=8)
+    assert len(own) == 15
 
 
 def test_who_tries_a_head_has_not_trained_it() -> None:
@@ -131,13 +141,31 @@ def test_words_are_said_once_and_kept(tmp_path: Path) -> None:
     voice, remembered = Espeak("en-us", "m1", 50), Remembered(tmp_path)
     first = remembered.say(voice, "hey rosie", 1.0)
     (file,) = tmp_path.iterdir()
-    file.write_bytes(file.read_bytes()[:50])  # cut off, as by a crash
-    np.testing.assert_array_equal(remembered.say(voice, "hey rosie", 1.0), first)
+    whole = file.read_bytes()
+    np.savez(tmp_path / "several.npz", a=first)
+    np.save(tmp_path / "other.npy", np.zeros((2, 2)))
+    unfinished = b"\x93NUMPY\x01\x00\x10\x00{'descr': '<i2',"
+    others = [(tmp_path / name).read_bytes() for name in ("several.npz", "other.npy")]
+    for damaged in (b"", whole[:50], whole[:-7], unfinished, whole[:128], *others):  # as by a crash, or a full disk
+        file.write_bytes(damaged)
+        np.testing.assert_array_equal(remembered.say(voice, "hey rosie", 1.0), first)
+        assert file.read_bytes() == whole
 
 
 def test_without_voices_it_says_what_to_install(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="apt install espeak-ng"):
         train("hey rosie", [], None, tmp_path)  # type: ignore[arg-type]
+
+
+@NEEDS_ESPEAK
+@pytest.mark.model
+@pytest.mark.parametrize(("phrase", "language"), [("hmm", "en"), ("走", "zh")])
+def test_a_phrase_of_which_nothing_like_it_is_known_can_be_trained(
+    tmp_path: Path, phrase: str, language: Language
+) -> None:
+    effort = Effort(phrases=4, rounds=1, epochs=1, networks=1, silences=1, said=0.05)
+    trained = train(phrase, find_voices(None, (), (), language)[:16], embedding(), tmp_path, effort=effort)
+    assert trained.head.phrase == phrase
 
 
 @NEEDS_ESPEAK

@@ -12,11 +12,12 @@ from config.schema import Settings
 from engine.audio.calibration import Calibration, calibrate
 from engine.audio.microphone import Microphone
 from engine.audio.satellite_microphone import SatelliteMicrophone
-from engine.audio.source import FRAME_S, Frame
+from engine.audio.source import Frame
 from engine.audio.vad import make_vad
 from engine.errors import ExitCode
 from engine.parts.loading import make_microphone
 from tui.commands.level_plot import level_plot
+from tui.commands.recording import recorded
 from tui.commands.settings import load_settings
 from tui.doctor.diagnosis import Finding, examine
 from tui.output import data, json_line, say
@@ -59,7 +60,7 @@ def _microphone(settings: Settings, *, json: bool) -> int:
 async def _recorded(microphone: Microphone | SatelliteMicrophone) -> list[Frame]:
     async with microphone:
         say(f"{microphone.name}: say “go to the kitchen” now. It records for {RECORDING_S:g} seconds…")
-        return [await anext(microphone) for _ in range(round(RECORDING_S / FRAME_S))]
+        return await recorded(microphone, RECORDING_S)
 
 
 def _show(found: Calibration, settings: Settings, microphone: Microphone | SatelliteMicrophone) -> None:

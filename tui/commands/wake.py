@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import re
+import shlex
 import sys
+import tempfile
 import time
 from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
@@ -18,7 +21,9 @@ import soxr
 
 from config import paths
 from config.schema import Settings
-from engine.errors import AudioFormatError, ExitCode, ModelError, SaysoError, UsageError
+from engine.audio.source import to_int16
+from engine.audio.vad import make_vad
+from engine.errors import AudioFormatError, ExitCode, ModelError, SaysoError, StorageError, UsageError
 from engine.han import HAN
 from engine.models import ModelStore
 from engine.parts.loading import make_microphone, model_store
@@ -27,10 +32,12 @@ from engine.wake.choice import MODEL, file_name, known_words
 from engine.wake.embedding import RATE, Embedding
 from engine.wake.head import Head
 from engine.wake.training.texts import language_of
-from engine.wake.training.trainer import QUICK, USUAL, Stage, train
+from engine.wake.training.trainer import QUICK, USUAL, Stage, check, train
 from engine.wake.training.trial import doubts
 from engine.wake.training.voices import Sound, Voice, find_voices
 from tui.commands.head_plot import described, figures, plot
+from tui.commands.own_voice import phrase_in
+from tui.commands.recording import recorded
 from tui.commands.settings import load_settings
 from tui.output import data, json_line, say
 
@@ -38,8 +45,10 @@ SHORT: Final = 3
 """Syllables that a phrase should have, at least."""
 RECORDINGS: Final = 3
 RECORDING_S: Final = 2.5
-FAINT: Final = 0.01
-"""A recording of which nothing is louder than this, of 1, holds no word."""
+TAKES: Final = 4
+"""How often one recording is asked for, until the phrase is in it."""
+LARGEST: Final = 2 << 20
+"""More than a head is, B."""
 BEFORE_S: Final = 2.5
 QUIET: Final = 3.0
 """How loud a quiet room is, of 32768."""
@@ -86,19 +95,21 @@ def _list(settings: Settings, *, json: bool) -> int:
 
 
 def _test(settings: Settings, file: Path, *, json: bool) -> int:
-    """Where in a recording each phrase is heard. Exit code 1 when none is."""
-    sound = (read_sound(file) * 32767).astype(np.int16)
+    """Where in a recording each phrase is heard. Exit code 1 when none is, or 3 when not all were listened for."""
+    sound = to_int16(read_sound(file))
     # A spotter that has just begun is deaf for as long as it looks back: whoever says it at once is heard as well.
     before = np.random.default_rng(0).normal(0, QUIET, round(BEFORE_S * RATE)).astype(np.int16)
     heard = np.concatenate((before, sound, np.zeros(RATE // 2, np.int16)))
-    phrases = [word.phrase for word in known_words(paths().words)]
-    count = 0
-    for phrase in phrases:
+    phrases, missed, count = [], 0, 0
+    for word in known_words(paths().words):
+        phrase = word.phrase
         try:
             (spotter,) = load_spotters(settings, [phrase])
         except SaysoError as error:
             say(f"sayso: {error}")
+            missed += 1
             continue
+        phrases.append(phrase)
         for spotted in spotter.push(heard):
             count += 1
             ended_s, at_s = (max(0.0, round(sample / RATE - BEFORE_S, 2)) for sample in (spotted.ended, spotted.at))
@@ -106,9 +117,11 @@ def _test(settings: Settings, file: Path, *, json: bool) -> int:
                 json_line({"phrase": phrase, "ended_s": ended_s, "at_s": at_s})
             else:
                 data(f"{ended_s:8.2f} s  {phrase}")
-    if not count and not json:
+    if count:
+        return int(ExitCode.DONE)
+    if phrases and not json:
         say(f"sayso: none of {', '.join(phrases)} in {file}.")
-    return int(ExitCode.DONE if count else ExitCode.FAILED)
+    return int(ExitCode.MISSING if missed else ExitCode.FAILED)
 
 
 def _train(settings: Settings, arguments: Namespace) -> int:
@@ -133,8 +146,11 @@ def _train(settings: Settings, arguments: Namespace) -> int:
         say(f"sayso: with natural voices it gets better: sayso models pull {VOICE_MODEL}")
     elif language_of(phrase) == "zh" and not any(file.stem.startswith("z") for file in styles):
         say(f"sayso: with Chinese voices it gets better: {CHINESE_VOICES}, and then --voices package/voices")
-    mine = _mine(settings, phrase, arguments.mine)
+    target = arguments.to or paths().words / file_name(phrase)
+    _check_target(target)
     others = [read_sound(file) for file in arguments.others or ()]
+    check(phrase, voices, paths().cache / "wake")
+    mine = _mine(settings, phrase, arguments.mine)
     began = time.monotonic()
     with _shown_progress() as show:
         trained = train(
@@ -147,7 +163,7 @@ def _train(settings: Settings, arguments: Namespace) -> int:
             effort=QUICK if arguments.quick else USUAL,
             on_step=show,
         )
-    head, target = trained.head, arguments.to or paths().words / file_name(phrase)
+    head = trained.head
     assert head.trial is not None, "training ends with a trial"
     against = doubts(head.trial)
     if arguments.json:
@@ -166,9 +182,45 @@ def _train(settings: Settings, arguments: Namespace) -> int:
     if not (arguments.yes or (_wanted(target, good=good) if asked else good)):
         say("sayso: not kept." + ("" if asked else " With --yes it is kept all the same."))
         return int(ExitCode.FAILED if against else ExitCode.DONE)
-    head.save(target)
-    say(f"sayso: {target}. Listen for it: --set 'wake.words=[{phrase}]', or wake.words in your config.yaml.")
+    _keep(head, target)
+    usual = paths().words / file_name(phrase)
+    where = "" if target.resolve() == usual.resolve() else f"Copy it to {usual} to listen for it: "
+    way = f"--set 'wake.words=[{phrase}]', or wake.words in your config.yaml."
+    say(f"sayso: {target}. {where or 'Listen for it: '}{way}")
     return int(ExitCode.DONE)
+
+
+def _check_target(target: Path) -> None:
+    """Whether a head can be kept there, before anybody has worked for it. Raises ``UsageError``, ``StorageError``."""
+    try:
+        if target.exists() and not target.is_file():
+            raise UsageError(f"{target} is no file.", hint="Name the file of the head: --to hey_rosie.npz")
+        folder = next(parent for parent in target.absolute().parents if parent.exists())
+        with tempfile.TemporaryFile(dir=folder) as file:
+            file.write(bytes(LARGEST))
+    except OSError as error:
+        hint = "Name another place: --to FILE"
+        raise StorageError(f"{target} cannot be written: {error.strerror or error}.", hint=hint) from error
+
+
+def _keep(head: Head, target: Path) -> None:
+    """Save it there; where that fails it is not lost. Raises ``StorageError``, which says where it is then."""
+    try:
+        head.save(target)
+    except StorageError as error:
+        if (spare := _spared(head)) is None:
+            raise
+        hint = f"It is kept in {spare}. When that is mended: mv {shlex.quote(str(spare))} {shlex.quote(str(target))}"
+        raise StorageError(error.message, hint=hint) from error
+
+
+def _spared(head: Head) -> Path | None:
+    """Where the head is kept for now; None where nothing can be written at all."""
+    for folder in (paths().cache / "wake", Path(tempfile.gettempdir()) / f"sayso-{os.getpid()}"):
+        with contextlib.suppress(StorageError):
+            head.save(folder / file_name(head.phrase))
+            return folder / file_name(head.phrase)
+    return None
 
 
 def _voices(phrase: str, kokoro: Path | None, styles: Sequence[Path], piper: Sequence[Path]) -> list[Voice]:
@@ -210,6 +262,7 @@ def read_sound(file: Path) -> Sound:
 
 
 def _mine(settings: Settings, phrase: str, mine: str | None) -> Sequence[Sound]:
+    """The phrase as its user says it. Raises ``UsageError``, ``DeviceError``."""
     if mine is None:
         return ()
     if mine == "record":
@@ -219,25 +272,27 @@ def _mine(settings: Settings, phrase: str, mine: str | None) -> Sequence[Sound]:
         raise UsageError(
             f"There are no WAV files in {mine}.", hint="Each of them holds the phrase once, or: --mine record"
         )
-    return [read_sound(file) for file in found]
+    vad = make_vad(settings.vad)
+    return [phrase_in(read_sound(file), str(file), vad) for file in found]
 
 
 async def _record(settings: Settings, phrase: str, number: int) -> Sound:
-    """One recording of the phrase, from the microphone."""
-    from engine.audio.source import FRAME_S
-
+    """One recording of the phrase, from the microphone; who is not heard is asked again. Raises ``UsageError`` once
+    that has been in vain, ``DeviceError``."""
+    vad = make_vad(settings.vad)
     async with make_microphone(settings) as microphone:
-        while True:
+        for take in range(1, TAKES + 1):
             say(f"{number} of {RECORDINGS}: say “{phrase}” now")  # not before it listens
-            frames = []
-            async for frame in microphone:
-                frames.append(frame.samples)
-                if len(frames) * FRAME_S >= RECORDING_S:
-                    break
-            sound = np.asarray(np.concatenate(frames) / np.float32(32768), np.float32)
-            if np.abs(sound).max(initial=0) > FAINT:
-                return sound
-            say("sayso: nothing was heard. Is the microphone muted? `sayso doctor --mic` shows what it hears.")
+            frames = await recorded(microphone, RECORDING_S)
+            sound = np.concatenate([frame.samples for frame in frames]) / np.float32(32768)
+            try:
+                return phrase_in(np.asarray(sound, np.float32), f"recording {number}", vad)
+            except UsageError as error:
+                error.hint += " `sayso doctor --mic` shows what the microphone hears."
+                if take == TAKES:
+                    raise
+                say(f"sayso: {error}")
+    raise AssertionError("the last take is kept, or refused")
 
 
 def _folder(store: ModelStore, name: str) -> Path | None:

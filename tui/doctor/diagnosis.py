@@ -74,7 +74,8 @@ def examine(settings: Settings) -> Iterator[Finding]:
         try:
             yield check.look(settings)
         except Exception as error:  # noqa: BLE001 - one check that has a fault must not take the others with it
-            yield Finding(check.name, "missing", f"the check has a fault: {error!r}", "Please report it.")
+            fault = f"{type(error).__name__}: {error}"
+            yield Finding(check.name, "missing", f"the check has a fault: {fault}", "Please report it.")
 
 
 def _python(settings: Settings) -> Finding:

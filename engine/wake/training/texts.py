@@ -104,6 +104,9 @@ NAMES: Final = tuple(
     "Otto Leo Theo Hugo Marco Carlo".split()
 )
 _HALVES: Final = 20
+_FEWEST: Final = 10
+"""Texts that are like a phrase. Where there are not so many, everyday words that are short as well take their place."""
+_SHORT: Final = 4  # letters
 _SENTENCE: Final = (5, 9)  # words
 
 _WORD: Final = re.compile(r"([^aeiouy]*)([aeiouy]+)(.*)")
@@ -144,7 +147,7 @@ def near(phrase: str, count: int, seed: int = 0) -> list[str]:
         made.append(" ".join(changed if word == longest else word for word in words))
     kept = list(dict.fromkeys(text for text in made if _letters(text) != _letters(phrase)))
     chance.shuffle(kept)
-    return kept[:count]
+    return _enough(kept, phrase, chance)[:count]
 
 
 def rambling(count: int, chance: random.Random, slips: Sequence[str] = (), language: Language = "en") -> list[str]:
@@ -170,14 +173,26 @@ def _near_in_chinese(phrase: str, chance: random.Random) -> list[str]:
     same = {_signs(way) for way in (phrase, *ways_to_say(phrase))}
     kept = [text for text in dict.fromkeys(made) if _signs(text) not in same]
     chance.shuffle(kept)
-    return kept
+    return _enough(kept, phrase, chance)
+
+
+def _enough(kept: Sequence[str], phrase: str, chance: random.Random) -> list[str]:
+    """What is like a phrase, and short words where that is too little: nobody trains with nothing to tell it from."""
+    if len(kept) >= _FEWEST:
+        return list(kept)
+    if is_chinese(phrase):
+        words = [*chinese.WORDS, *dict.fromkeys("".join(chinese.WORDS))]
+    else:
+        words = [word for word in WORDS if len(word) <= _SHORT]
+    others = [word for word in words if _signs(phrase.casefold()) not in word and word not in kept]
+    return [*kept, *chance.sample(others, 2 * _HALVES)]
 
 
 def _like(word: str) -> Sequence[str]:
     """Words with another beginning, another vowel, or only half of it."""
     parts = _WORD.fullmatch(word)
-    if parts is None:
-        return ()
+    if parts is None:  # "psst": it has no vowel, and what is like it has one
+        return tuple(f"{word[:1]}{vowel}{word[1:]}" for vowel in VOWELS)
     onset, vowel, rest = parts.groups()
     return (
         *(f"{other}{vowel}{rest}" for other in ONSETS if other != onset),

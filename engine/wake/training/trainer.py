@@ -79,8 +79,9 @@ def train(
     on_step: Callable[[Stage, int, int], None] = lambda stage, done, total: None,
 ) -> Trained:
     """Of the ``voices``, those of the phrase's language say it, and the others only talk. ``mine``: recordings of the
-    phrase by who will say it. ``background``: speech and noise without it. What is raised in ``on_step`` ends it.
-    Raises ``UsageError`` for a phrase that cannot be trained, ``ModelError``."""
+    phrase by who will say it, and of nothing else: what is before and after it would be learnt as well. ``background``:
+    speech and noise without it. What is raised in ``on_step`` ends it. Raises ``UsageError`` for a phrase that cannot
+    be trained, ``ModelError``."""
     remembered = Remembered(cache)
     length = _usual_length(phrase, voices, remembered)
     said = perform(phrase, voices, remembered, lambda done, total: on_step("speaking", done, total), effort.said)
@@ -115,6 +116,11 @@ def train(
         trained_by=known_speakers(voices),
     )
     return Trained(finished, points(trying), trying.hours)
+
+
+def check(phrase: str, voices: Sequence[Voice], cache: Path) -> None:
+    """Whether a phrase can be trained, before anybody works for it. Raises ``UsageError``, ``ModelError``."""
+    _usual_length(phrase, voices, Remembered(cache))
 
 
 def _usual_length(phrase: str, voices: Sequence[Voice], remembered: Remembered) -> float:

@@ -218,10 +218,9 @@ class Remembered:
     def say(self, voice: Voice, text: str, pace: float) -> Sound:
         key = hashlib.sha256(f"{voice.name}\n{pace:.2f}\n{text}".encode()).hexdigest()[:32]
         file = self._folder / f"{key}.npy"
-        try:
-            return np.asarray(np.load(file, allow_pickle=False) / np.float32(32767), np.float32)
-        except (OSError, ValueError):  # not there, or not whole
-            sound = trimmed(voice.say(text, pace))
+        if (kept := _kept(file)) is not None:
+            return kept
+        sound = trimmed(voice.say(text, pace))
         partial = file.with_suffix(".partial")
         with suppress(OSError):  # a full disk: it is only made again
             self._folder.mkdir(parents=True, exist_ok=True)
@@ -232,6 +231,17 @@ class Remembered:
             finally:
                 partial.unlink(missing_ok=True)
         return sound
+
+
+def _kept(file: Path) -> Sound | None:
+    """What a file holds; None where it is not there or not whole."""
+    try:
+        kept = np.load(file, allow_pickle=False)
+    except Exception:  # noqa: BLE001 - what is damaged fails in many ways, and is only made again
+        return None
+    if not isinstance(kept, np.ndarray) or kept.ndim != 1 or kept.dtype != np.int16 or not kept.any():
+        return None
+    return np.asarray(kept / np.float32(32767), np.float32)
 
 
 def phonemes(text: str, accent: str) -> str:
