@@ -191,9 +191,10 @@ class Endpointer:
         self._speech += vad.speech
         self._resumed = self._resumed + 1 if vad.speech else 0
         if self._resumed >= RESUME_FRAMES or (vad.speech and not self._silence):
+            faded = 0 if self._silence else self._faded  # before a pause that is over by now
             self._silence = 0
             self._silence_frames, self._fade_counts = self._usual_silence, False
-            self._faded = self._faded + 1 if vad.probability < FADING else 0
+            self._faded = faded + 1 if vad.probability < FADING else 0
         else:
             self._silence += 1
         if self.is_over:

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from config.schema import Endpoint
-from engine.audio.endpoint import Ended, Endpointer, Started
+from engine.audio.endpoint import RESUME_FRAMES, Ended, Endpointer, Started
 from engine.audio.source import FRAME_S, FRAME_SAMPLES, RATE, Frame
 from engine.audio.vad import VadResult
 from engine.lead import Lead
@@ -191,6 +191,7 @@ def test_the_fade_of_a_voice_is_silence_to_who_says_so(fade: int, counted: int) 
     assert silence_that_ends(*voice, *fading, with_fade=True) == 8 - counted
     assert silence_that_ends(*voice, *fading, with_fade=False) == 8
     assert silence_that_ends(*voice, *fading, *short, *voice, with_fade=True) == 8, "each pause has its own"
+    assert silence_that_ends(*voice, *fading, *short, *[0.6] * RESUME_FRAMES, with_fade=True) == 7, "also after another"
 
 
 def test_noise_that_sounds_like_speech_ends_at_the_greatest_length() -> None:
