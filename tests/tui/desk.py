@@ -47,7 +47,14 @@ class Desk:
         and the log comes behind at a pace of its own."""
         log, drawing = self.app.screen_stack[0].query_one(LogView), self.app.drawing
         known = drawing.view.model is drawing.model and drawing.model.t >= self.engine.t
-        return known and not drawing.due and log.items == drawing.model.log
+        return known and not drawing.due and log.items == drawing.model.log and self._is_laid_out
+
+    @property
+    def _is_laid_out(self) -> bool:
+        """Textual lays out and paints by a timer, for which a pause of the pilot's does not wait."""
+        screen = self.app.screen
+        layout = screen._layout_required or screen._scroll_required or screen._recompose_required
+        return not (layout or screen._repaint_required or screen._dirty_widgets)
 
     async def press(self, *keys: str) -> None:
         """Press keys, one after the other, and let the console show what came of them."""
@@ -60,7 +67,7 @@ class Desk:
         await self.settled()
         before, now = "", svg_of(self.app)
         while before != now:
-            await self.pilot.pause()
+            await self.settled()
             before, now = now, svg_of(self.app)
         return now
 

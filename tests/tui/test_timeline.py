@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from textual.app import App, ComposeResult
 
 from tests.tui import conversation as talk
 from tests.tui.conversation import Scene
@@ -13,7 +16,7 @@ from tests.tui.test_turns import after, turn_of, until_acting
 from tui.shown.timeline import AXES, Bar, Stretch, axis, bars, cells
 from tui.shown.turn import Sample
 from tui.widgets.sound import FLOOR_DB, Wave, envelope, wave
-from tui.widgets.timeline import head, total
+from tui.widgets.timeline import Timeline, head, total
 
 
 def drawn(bar: Bar, columns: int) -> str:
@@ -93,6 +96,25 @@ def test_the_line_above_the_bars_says_how_it_went_and_how_long_one_waited() -> N
         (5, "unheard", ""),
         (6, "interrupted", "4552 ms to motion"),
     ]
+
+
+async def test_a_timeline_that_gets_more_room_shows_older_turns_without_any_news() -> None:
+    class Room(App[None]):
+        def compose(self) -> ComposeResult:
+            yield Timeline("")
+
+    async with Room().run_test(size=(80, 6)) as pilot:
+        timeline = pilot.app.query_one(Timeline)
+        turns = after(*talk.ALL).kept
+        timeline.update_from(turns, None, 0.0)
+        await pilot.pause()
+        few = len(timeline.items)
+        await pilot.resize_terminal(80, 60)
+        async with asyncio.timeout(10):
+            while timeline.size.height < 60:  # Textual lays out by a timer
+                await pilot.pause()
+        await pilot.pause()
+        assert len(timeline.items) == sum(1 + len(list(bars(turn, 0.0))) for turn in turns) > few
 
 
 def test_a_turn_that_moves_says_so_before_it_is_over() -> None:

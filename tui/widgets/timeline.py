@@ -84,6 +84,7 @@ class Timeline(FromTop[Head | Bar | str]):
         """``hint`` says how one looks at turns, once there are some."""
         super().__init__(classes=classes)
         self._hint = hint
+        self._known: tuple[Sequence[Turn], Turn | None, float] = ((), None, 0.0)  # what it was told to show
 
     def tell(self, hint: str) -> None:
         """Other keys are in use."""
@@ -93,6 +94,7 @@ class Timeline(FromTop[Head | Bar | str]):
 
     def update_from(self, turns: Sequence[Turn], browsed: Turn | None, now: float) -> None:
         """Show the turns as of event time ``now``; ``browsed`` is the one that somebody looks at."""
+        self._known = turns, browsed, now
         first = turns.index(browsed) if browsed is not None else len(turns) - 1
         last = min(first + 3, len(turns) - 1)  # some newer ones above it, to go back to
         items: list[Head | Bar | str] = []
@@ -107,6 +109,11 @@ class Timeline(FromTop[Head | Bar | str]):
         if items and not self.border_subtitle:
             self.border_subtitle = Content(self._hint)
         self.show(items or [strings.NO_TURNS], matters=matters)
+
+    def on_resize(self, event: events.Resize) -> None:
+        """There may be room for more of them."""
+        self.update_from(*self._known)
+        super().on_resize(event)
 
     def on_click(self, event: events.Click) -> None:
         at = event.get_content_offset(self)
