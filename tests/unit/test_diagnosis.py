@@ -20,7 +20,7 @@ SETTINGS = load(environ={})
 
 
 def forbidden(settings: Settings) -> Finding:
-    raise PermissionError(13, "Permission denied", "/root/state")
+    raise PermissionError(13, "Permission denied", "/forbidden/state")
 
 
 def fine(settings: Settings) -> Finding:
@@ -47,7 +47,7 @@ def test_a_check_that_fails_is_told_with_the_reason_and_the_others_go_on(
     failed, ok = examine(SETTINGS)
     assert (failed.name, failed.state) == ("event log", "missing")
     assert "Permission denied" in failed.detail
-    assert "/root/state" in failed.detail
+    assert "/forbidden/state" in failed.detail
     assert ok == fine(SETTINGS)
     assert cli.main(["doctor", "--json"]) == 0
     assert [json.loads(line)["name"] for line in capsys.readouterr().out.splitlines()] == ["event log", "fine"]
