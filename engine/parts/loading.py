@@ -300,23 +300,31 @@ def _recogniser_elsewhere(settings: Settings) -> Recogniser:
     return RemoteRecogniser(OpenAITranscription(service, platform.model), settings.asr)
 
 
-def _speech_model(settings: Settings) -> Path:
-    """The folder that ``asr.model`` stands for; one that is called like a model is meant only where its name has a
-    separator in it. Raises ``ModelError``."""
-    from engine.asr.sizes import in_hub, is_size, listed
+def speech_folder(settings: Settings) -> Path | None:
+    """The folder that ``asr.model`` names; None where it is the name of a model. A folder that is called like one is
+    meant only where its name has a separator in it. Raises ``ModelError`` where there is no such folder."""
+    from engine.asr.sizes import is_size, listed
 
-    name, store = settings.asr.model, model_store(settings)
-    if (ours := listed(name, store.manifest.models)) is not None:
-        return store.find(ours)
-    if is_size(name):
-        return in_hub(name)
+    name = settings.asr.model
     folder = Path(name).expanduser()
-    if os.sep not in name and not (folder / "model.bin").is_file():
-        return store.find(name)
+    is_model = is_size(name) or listed(name, model_store(settings).manifest.models) is not None
+    if is_model or (os.sep not in name and not (folder / "model.bin").is_file()):
+        return None
     if not folder.is_dir():
         hint = "Set asr.model to a folder with a CTranslate2 model, or to a name from `sayso models list`."
         raise ModelError(f"There is no folder {folder}.", hint=hint)
     return folder
+
+
+def _speech_model(settings: Settings) -> Path:
+    """Where the model is that ``asr.model`` stands for. Raises ``ModelError``."""
+    from engine.asr.sizes import in_hub, is_size, listed
+
+    if (folder := speech_folder(settings)) is not None:
+        return folder
+    name, store = settings.asr.model, model_store(settings)
+    ours = listed(name, store.manifest.models)
+    return in_hub(name) if ours is None and is_size(name) else store.find(ours or name)
 
 
 def make_demo() -> SimulatedMicrophone:

@@ -564,6 +564,7 @@ def test_check_prints_one_problem_a_line_and_path_works_nevertheless(
         ("robot.scene", "/nowhere/a.yaml", "There is no scene file /nowhere/a.yaml."),
         ("asr.model", "whisper-bose", "There is no model 'whisper-bose'. Did you mean whisper-base?"),
         ("asr.model", "/nowhere", "There is no folder /nowhere."),
+        ("asr.model", "assets", "There is no model 'assets'."),
         ("console.theme", "sayso-drak", "There is no theme called 'sayso-drak'. Did you mean sayso-dark?"),
         ("skills.beep", "{does: Beeps., external: [beep]}", "there is a built-in skill of this name"),
     ],

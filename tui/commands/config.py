@@ -13,7 +13,7 @@ import yaml
 from config import ConfigError, Explained, Problem, check, explain, load, paths
 from config.errors import Where
 from config.schema import Settings
-from engine.errors import ExitCode, ModelError, SaysoError, UsageError
+from engine.errors import ExitCode, SaysoError, UsageError
 from tui.commands.settings import overrides
 from tui.output import data, json_line, say
 
@@ -123,14 +123,11 @@ def _scene(settings: Settings) -> None:
 def _recogniser(settings: Settings) -> None:
     """Whether there is such a model; it need not be fetched. Raises :class:`ModelError`."""
     from engine.asr.sizes import is_size, listed
-    from engine.parts.loading import model_store
+    from engine.parts.loading import model_store, speech_folder
 
     name = settings.asr.model
-    folder = Path(name).expanduser()
-    if settings.asr.backend != "whisper" or folder.is_dir():
+    if settings.asr.backend != "whisper" or speech_folder(settings) is not None:
         return
-    if folder.is_absolute():
-        raise ModelError(f"There is no folder {folder}.")
     manifest = model_store(settings).manifest
     if listed(name, manifest.models) is None and not is_size(name):
         manifest[name]
