@@ -27,12 +27,14 @@ from engine.planner.asking import AskingBack, needs_held
 from engine.planner.completeness import completeness
 from engine.planner.grounding.vagueness import vague
 from engine.planner.looking_first import GoesOn, LookingFirst
+from engine.planner.not_an_order import marks, skipped, what_counts, without_contrast
 from engine.planner.pending import agreed
 from engine.planner.phrases.again import planned_last
 from engine.planner.phrases.more import more
 from engine.planner.phrases.phrases import Before, Matched, NoMatch, PhrasePlanner, UnknownPlace
 from engine.planner.phrases.piecewise import is_piecewise
-from engine.planner.readings.corrections import is_taken_back
+from engine.planner.phrases.stopping import is_end_task, is_stop
+from engine.planner.readings.corrections import corrected, is_taken_back
 from engine.planner.readings.first_look import CONDITION, first_look
 from engine.planner.readings.put_back import put_back
 from engine.planner.readings.readings import Readings
@@ -103,6 +105,7 @@ class Planner:
         wait for them."""
         refusal("go")
         impossible("go")
+        marks("go")
         self._phrases(self._language or "en").warm_up()
 
     def completeness(self, text: str) -> Completeness:
@@ -132,6 +135,8 @@ class Planner:
         match = await asyncio.to_thread(self._understood, text, language, before, said)
         if isinstance(match, Refusal):
             return NoPlan(text, f"refused_{match.kind}", match.reason, ExitCode.REFUSED)
+        if (left := self._left_after_retraction(text)) is not None:
+            return await self._after_retraction(request, text, left, language)
         if offered := agreed(last_question(request.exchanges), text):
             return await self.plan(replace(request, text=offered, exchanges=()))
         if is_taken_back(text):
@@ -151,6 +156,8 @@ class Planner:
         if (condition := self._looking_first.conditional(text)) is not None:
             look = self._looking_first.plan(text, condition, language)
             return await self._by_model(request, language, look) if isinstance(look, NoMatch) else look
+        if (withheld := await self._withheld(request, text, language)) is not None:
+            return withheld
         if isinstance(match, Matched):
             match = NoMatch(text, phrases.understood)
         if question := self._asking_back.question(request, text, language):
@@ -174,17 +181,56 @@ class Planner:
             return refused
         phrases = self._phrases(language)
         match = phrases.plan(text, before)
+        if self._left_after_retraction(text) is not None:
+            return match  # other readings would be of what was taken back
         if not isinstance(match, Matched) and (calls := more(text, before.calls, said)) is not None:
             told = phrases.told(calls)
             open_unit = NoMatch(text, phrases.understood, phrases.question("which_unit"))
             return Matched("plan", calls, told.steps, told.response) if calls else open_unit
-        readings = tuple(islice(self._readings.of(text, language, understood=isinstance(match, Matched)), MAX_READINGS))
+        proposed = islice(self._readings.of(text, language, understood=isinstance(match, Matched)), MAX_READINGS)
+        readings = tuple(reading for reading in proposed if not skipped(text, reading))
         for run_on in (False, True):
             for reading in readings:
                 meant = phrases.plan(reading, before, run_on=run_on)
                 if isinstance(meant, Matched):
                     return refusal(reading) or meant  # other words may show what is asked for
         return match
+
+    def _left_after_retraction(self, text: str) -> str | None:
+        """What was said after the word that took back all before it; None where nothing was, or only what is to be
+        done otherwise: "… else don't bother"."""
+        left = None if is_stop(text) or is_end_task(text) else what_counts(text)
+        condition = self._looking_first.conditional(text) if left == "" else None
+        taken_back = condition is None or marks(condition.then) or marks(condition.before)
+        return left if taken_back else None
+
+    async def _after_retraction(self, request: PlanRequest, text: str, left: str, language: Language) -> Plan | NoPlan:
+        """What was said up to some word is taken back; ``left`` was said after it."""
+        phrases = self._phrases(language)
+        if not left:
+            return Plan(text, (), SAID[language]["all_right"], "phrases")
+        if not isinstance(phrases.plan(left), Matched):  # "turn left 90 degrees, scratch that, 45"
+            for meant in islice(corrected(text, language), MAX_READINGS):
+                if not marks(meant) and isinstance(phrases.plan(meant), Matched):
+                    return await self.plan(replace(request, text=meant))
+        return await self.plan(replace(request, text=left))
+
+    async def _withheld(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
+        """What becomes of a request with words because of which it is no order, where no reader has understood them: no
+        model may overrule them. None where there are none."""
+        found = marks(text)
+        if not found:
+            return None
+        for meant in without_contrast(text):
+            return await self.plan(replace(request, text=meant))
+        first = next((mark for mark in found if mark.kind != "asked"), None)
+        if first is not None:
+            told = SAID[language]["told" if first.kind == "told" else "forbidden"]
+            return NoPlan(text, "no_order", told.format(words=first.words), ExitCode.CLARIFY)
+        answer = await self._by_model(request, language, NoMatch(text, self._phrases(language).understood))
+        moves = isinstance(answer, Plan) and answer.actions  # a question is answered in words, or not at all
+        unknown = isinstance(answer, NoPlan) and not answer.code.startswith("model_")
+        return NoPlan(text, "asked", SAID[language]["asked"], ExitCode.CLARIFY) if moves or unknown else answer
 
     async def _unknown_place(
         self, request: PlanRequest, text: str, place: UnknownPlace, language: Language

@@ -23,6 +23,11 @@ SAID: Final[Mapping[Language, Mapping[str, str]]] = {
         "or": " or the ",
         "unfinished": "That stops in the middle. What shall I do?",
         "all_right": "All right.",
+        "forbidden": "I heard “{words}”, so I do nothing. What shall I do?",
+        "told": "I heard “{words}”, so I take that for talk about an order, and do nothing. What shall I do?",
+        "asked": "I don't know. If you want me to do something, tell me to.",
+        "condition": "I did not understand what that depends on, so I do nothing yet. What shall I do?",
+        "nearest": "I don't know a place called {name}. Shall I go to the {near}?",
         "no_model": "{answer} ({error})",
     },
     "zh": {
@@ -40,6 +45,11 @@ SAID: Final[Mapping[Language, Mapping[str, str]]] = {
         "or": "还是",
         "unfinished": "话好像没有说完。您要我做什么？",
         "all_right": "好的。",
+        "forbidden": "我听到“{words}”，所以什么也不做。您要我做什么？",
+        "told": "我听到“{words}”，我想这只是在说某个命令，所以什么也不做。您要我做什么？",
+        "asked": "我不知道。要我做什么，请直接告诉我。",
+        "condition": "我没有听懂要看什么情况，所以先什么也不做。您要我做什么？",
+        "nearest": "我不知道叫“{name}”的地方。要我去{near}吗？",
         "no_model": "{answer}（{error}）",
     },
 }

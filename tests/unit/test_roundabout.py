@@ -58,8 +58,6 @@ def test_steps_are_found_in_clauses_of_any_form(text: str, expected: str) -> Non
 @pytest.mark.parametrize(
     "text",
     [
-        "I don't want you in the bedroom",
-        "stay out of the kitchen",
         "point to the kitchen",
         "my brother is in the kitchen",
         "be in the hall when the bell rings",
@@ -81,9 +79,7 @@ def test_what_is_wanted_somewhere_is_put_there_unless_it_was_seen_there(seen: tu
     assert planned("I need the red box on the desk", seen=seen) == expected
 
 
-@pytest.mark.parametrize(
-    "text", ["I don't want the red box on the desk", "I need the light on", "I want my coffee in the morning"]
-)
+@pytest.mark.parametrize("text", ["I need the light on", "I want my coffee in the morning"])
 def test_a_wish_that_is_about_nothing_in_the_house_moves_nothing(text: str) -> None:
     assert planned(text) == "not_understood"
 

@@ -1,0 +1,163 @@
+"""What was taken back, forbidden, reported, supposed or asked about moves nothing, whatever a model makes of it."""
+
+from __future__ import annotations
+
+import asyncio
+from itertools import product
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from engine.plan import Plan
+from engine.planner.not_an_order import marks, skipped, what_counts, without_contrast
+from engine.planner.planner import Exchange, NoPlan, PlanRequest
+from engine.planner.text.language import load
+from tests.unit.test_two_stage import Model, planner_with
+
+COMMANDS = [
+    "go to the kitchen",
+    "move back half a metre",
+    "bring me the red box",
+    "would you fetch the thing by the bed",
+]
+DRIVES = '{"action": ["navigation(kitchen)"], "response": "Going."}'
+"""A model that is sure of itself."""
+PLANNER = planner_with(Model([DRIVES]))
+
+
+def planned(text: str, *before: Exchange) -> Plan | NoPlan:
+    """What comes of ``text`` where a model would drive to the kitchen."""
+    return asyncio.run(PLANNER.plan(PlanRequest(text, before)))
+
+
+def moved(text: str) -> list[str]:
+    found = planned(text)
+    return [str(action) for action in found.actions] if isinstance(found, Plan) else []
+
+
+@pytest.mark.parametrize(
+    "ending",
+    [
+        "never mind", "forget it", "forget about that", "scrap that", "cancel that", "just kidding", "I take that back",
+        "actually no", "actually don't", "on second thought don't", "leave it", "maybe later", "not now", "nah", "no",
+        "I changed my mind", "don't bother", "better not", "there's no need", "wrong one", "ignore what I said",
+    ],
+)  # fmt: skip
+def test_what_is_taken_back_at_the_end_moves_nothing(ending: str) -> None:
+    for command, joint in product(COMMANDS, (", ", ". ", " oh ")):
+        assert moved(f"{command}{joint}{ending}") == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "you must not go to the kitchen", "never go into the bedroom", "don't bring me the red box",
+        "there's no need to go to the study", "keep the red box where it is", "stay out of the kitchen",
+        "I would never go to the kitchen", "I don't want you in the bedroom", "leave the cup alone",
+        "I don't want the red box on the desk",
+        "my brother told you to go to the kitchen", "she said go to the kitchen", "Anna asks you to turn left",
+        "if I say go to the kitchen what do you do", "suppose you go to the kitchen", "what if you turn left",
+        "for example go to the kitchen", "I used to go to the kitchen", "the command go to the kitchen",
+        "you would have gone to the kitchen", "when I said turn left I was asleep",
+        "why did you go to the kitchen", "how do you go to the kitchen", "did you bring the red box to the kitchen",
+        "what happens if you drive forward", "have you been to the kitchen", "should I go to the kitchen",
+    ],
+)  # fmt: skip
+def test_what_is_forbidden_reported_supposed_or_asked_moves_nothing(text: str) -> None:
+    assert moved(text) == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "去厨房，算了", "左转九十度，还是别转了", "把红色盒子拿过来，不用了", "去书房，我开玩笑的", "去卧室，下次再说吧",
+        "去厨房，不去了", "go to the 厨房，算了", "不要去厨房", "别把红色盒子拿走", "妈妈说去厨房", "如果我说左转你会怎么样",
+        "你为什么去厨房", "你刚才去过厨房吗",
+    ],
+)  # fmt: skip
+def test_the_same_in_chinese(text: str) -> None:
+    assert moved(text) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("go to the kitchen, never mind, go to the study", "navigation(D)"),
+        ("never mind the kitchen, go to the study", "navigation(D)"),
+        ("turn left 90 degrees, scratch that, 45", "move_left(45, 1)"),
+        ("don't go to the kitchen, go to the study", "navigation(D)"),
+        ("go to the study, not to the kitchen", "navigation(D)"),
+        ("instead of going to the kitchen, go to the study", "navigation(D)"),
+        ("don't forget to go to the study", "navigation(D)"),
+        ("why don't you go to the study", "navigation(D)"),
+        ("if you don't mind, go to the study", "navigation(D)"),
+        ("no, go to the study", "navigation(D)"),
+        ("I said go to the study", "navigation(D)"),
+        ("don't go to the study until you have waved", "arm_shake(); navigation(D)"),
+        ("say never mind", "say(never mind)"),
+        ("不要去厨房，去书房", "navigation(D)"),
+        ("能不能去书房", "navigation(D)"),
+        ("别忘了去书房", "navigation(D)"),
+    ],
+)
+def test_what_is_left_of_it_is_done(text: str, expected: str) -> None:
+    assert "; ".join(moved(text)) == expected
+
+
+def test_what_a_condition_leaves_undone_is_no_retraction() -> None:
+    found = planned("if there is a cup on the table bring it here, else don't bother")
+    assert isinstance(found, Plan)
+    assert [action.name for action in found.actions] == ["navigation", "seewhat"]
+
+
+def test_the_robot_says_what_it_heard_and_asks() -> None:
+    found = planned("you must not go to the kitchen")
+    assert isinstance(found, NoPlan)
+    assert found.answer == "I heard “must not”, so I do nothing. What shall I do?"
+    taken_back = planned("go to the kitchen, scrap that")
+    assert isinstance(taken_back, Plan)
+    assert (taken_back.actions, taken_back.response) == ((), "All right.")
+
+
+def test_a_question_is_answered_in_words_and_never_by_a_motion() -> None:
+    chat = asyncio.run(
+        planner_with(Model(['{"response": "Because of dust in the air."}'])).plan(PlanRequest("why is the sky red"))
+    )
+    assert isinstance(chat, Plan)
+    assert not chat.actions
+    found = planned("why is there a kitchen in every flat")
+    assert isinstance(found, NoPlan)
+    assert found.answer.startswith("I don't know.")
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+@pytest.mark.parametrize("section", ["fillers", "hesitations", "closing", "leading", "together"])
+def test_no_word_that_readers_skip_takes_anything_back(language: str, section: str) -> None:
+    joint, command = (", ", "go to the kitchen") if language == "en" else ("，", "去厨房")
+    for words in load(language)[section]:
+        said = words if language == "en" else words.replace(" ", "")
+        assert not marks(f"{said} {command}"), said
+        if what_counts(f"{command}{joint}{said}") is not None:
+            assert moved(f"{command}{joint}{said}") == [], said
+
+
+@given(st.text(max_size=80))
+def test_any_text_has_marks_that_stand_in_it(text: str) -> None:
+    found = marks(text)
+    assert all(mark.words and 0 <= mark.start < mark.end for mark in found)
+    assert not skipped(text, text)
+    assert all(not marks(meant) for meant in without_contrast(text))
+
+
+def test_talk_about_an_order_reaches_no_model() -> None:
+    model = Model([DRIVES])
+    asyncio.run(planner_with(model).plan(PlanRequest("she said that you should go to where the books are")))
+    assert not model.asked
+
+
+def test_what_was_taken_back_before_a_question_was_answered_stays_taken_back() -> None:
+    before = (Exchange("user", "pick up the box"), Exchange("robot", '{"clarification": "Which one: the red box?"}'))
+    found = planned("oh leave it", *before)
+    assert isinstance(found, Plan)
+    assert not found.actions
