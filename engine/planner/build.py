@@ -11,7 +11,7 @@ from engine.errors import PlanError, UsageError
 from engine.llm.chat import Chat
 from engine.plan import Action, ActionCall, Argument, Quantity
 from engine.planner.grounding.doubt import Doubt, ungrounded
-from engine.planner.phrases.phrases import PhrasePlanner
+from engine.planner.phrases.phrases import PhrasePlanner, Told
 from engine.planner.planner import Planner
 from engine.planner.request import Language
 from engine.planner.stages.about import Subject
@@ -92,6 +92,9 @@ def build_planner(
         clauses = ((part, match.calls) for part, match in phrases(language).clauses(text) if match is not None)
         return left_out(actions, text, tuple(clauses), vocabulary)
 
+    def tell(actions: Sequence[Action], language: Language) -> Told:
+        return phrases(language).told([as_call(skills[action.name], action) for action in actions])
+
     two_stage = None
     if models is not None:
         two_stage = TwoStage(
@@ -103,7 +106,7 @@ def build_planner(
             lambda calls, text: filled(mended(calls, text, vocabulary), text, skills, vocabulary),
             missing,
             doubts,
-            lambda actions, language: phrases(language).told([as_call(skills[a.name], a) for a in actions]),
+            tell,
             max_actions=settings.planner.max_actions,
         )
     return Planner(
@@ -113,6 +116,7 @@ def build_planner(
         language=None if settings.planner.language == "auto" else settings.planner.language,
         models=two_stage,
         knowledge=Knowledge(paths().config / "knowledge.md"),
+        tell=tell,
         max_actions=settings.planner.max_actions,
     )
 

@@ -15,8 +15,9 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, reduce
 from importlib.resources import files
+from operator import getitem
 from typing import Final, Literal, NamedTuple, get_args
 
 from engine.han import SIMPLER
@@ -81,6 +82,13 @@ def without_contrast(text: str) -> Iterator[str]:
             yield meant
 
 
+def question(text: str) -> str:
+    """What is asked of the robot about itself (``holding``, ``stopped``, ``battery``, ``done``), or that it shall
+    ``continue``; empty where ``text`` is, or holds, anything else."""
+    plain = _AROUND.sub("", _plain(text)).strip(" ,.;:!?，。！？")
+    return next((name for name, pattern in _words().itself if pattern.fullmatch(plain)), "")
+
+
 def _plain(text: str) -> str:
     """In lower case, with plain apostrophes and single spaces, without what is only to be said aloud."""
     plain = unicodedata.normalize("NFKC", text).casefold().translate(SIMPLER).replace("’", "'").replace("`", "'")
@@ -97,6 +105,11 @@ _IDLE: Final = re.compile(
 )
 """Says nothing after a word that takes all back."""
 _JOINT: Final = re.compile(r"^(?:[\W_]|(?:and|but|so|then|just|please|instead|rather)\b|还是|就|那|请|那就)*")
+_AROUND: Final = re.compile(
+    r"^(?:(?:请问|请|喂|嘿)[\s,，:]*|(?:hey|hi|hello|robot|sayso|please|so|and|but|well|ok|okay|now|then|tell me|"
+    r"say)\b[\s,，:]*)*|"
+    r"[\s,，]*(?:please|robot|sayso|right now|now|then|exactly|actually|again|呢|啊|吗|吧)*[\s?!.。？！]*$"
+)
 _UNTIL: Final = re.compile(r"\b(?:until|till|before)\b")
 """ "Don't go until you have waved" orders both, and tells which comes first."""
 
@@ -107,17 +120,24 @@ class _Words(NamedTuple):
     polite: re.Pattern[str]
     marks: tuple[tuple[MarkKind, re.Pattern[str]], ...]
     contrasts: tuple[re.Pattern[str], ...]
+    itself: tuple[tuple[str, re.Pattern[str]], ...]
 
 
 @cache
 def _words() -> _Words:
     languages = [read(files("assets") / "orders" / f"{language}.yaml") for language in ("en", "zh")]
 
-    def patterns(section: str) -> Iterator[str]:
-        return (written_out(pattern, words["parts"]) for words in languages for pattern in words[section])
+    def written(*keys: str) -> Iterator[str]:
+        for words in languages:
+            for pattern in reduce(getitem, keys, words):
+                yield written_out(pattern, words["parts"])
 
-    def any_of(section: str) -> re.Pattern[str]:
-        return re.compile("|".join(patterns(section)))
+    def any_of(*keys: str) -> re.Pattern[str]:
+        return re.compile("|".join(written(*keys)))
 
-    kinds = tuple((kind, any_of(kind)) for kind in get_args(MarkKind))
-    return _Words(any_of("polite"), kinds, tuple(map(re.compile, patterns("contrasts"))))
+    return _Words(
+        any_of("polite"),
+        tuple((kind, any_of(kind)) for kind in get_args(MarkKind)),
+        tuple(map(re.compile, written("contrasts"))),
+        tuple((name, any_of("itself", name)) for name in languages[0]["itself"]),
+    )

@@ -21,6 +21,7 @@ from engine.hearing.readings import Afterthought, Completeness
 from engine.llm.chat import Chat, ChatError, Message
 from engine.perception.naming import CHINESE, KINDS
 from engine.plan import Action, Plan
+from engine.planner import about_itself
 from engine.planner.afterthoughts import afterthought
 from engine.planner.answering import Answering
 from engine.planner.asking import AskingBack, needs_held
@@ -31,7 +32,7 @@ from engine.planner.not_an_order import marks, skipped, what_counts, without_con
 from engine.planner.pending import agreed
 from engine.planner.phrases.again import planned_last
 from engine.planner.phrases.more import more
-from engine.planner.phrases.phrases import Before, Matched, NoMatch, PhrasePlanner, UnknownPlace
+from engine.planner.phrases.phrases import Before, Matched, NoMatch, PhrasePlanner, Told, UnknownPlace
 from engine.planner.phrases.piecewise import is_piecewise
 from engine.planner.phrases.stopping import is_end_task, is_stop
 from engine.planner.readings.corrections import corrected, is_taken_back
@@ -77,9 +78,11 @@ class Planner:
         language: Language | None,
         models: TwoStage | None,
         knowledge: Knowledge,
+        tell: Callable[[Sequence[Action], Language], Told],
         max_actions: int,
     ) -> None:
-        """``language`` is the one of all requests; None: that of each."""
+        """``language`` is the one of all requests; None: that of each. ``tell`` tells actions in it."""
+        self._tell = tell
         self._phrases = phrases
         self._vocabulary = vocabulary
         self._language = language
@@ -141,6 +144,10 @@ class Planner:
             return await self.plan(replace(request, text=offered, exchanges=()))
         if is_taken_back(text):
             return Plan(text, (), SAID[language]["all_right"], "phrases")
+        if told := about_itself.answer(text, request.on_record, request.holding, language):
+            return Plan(text, (), told, "phrases")
+        if about_itself.asks_to_continue(text) and (request.on_record.left or not isinstance(match, Matched)):
+            return self._continued(request, text, language)
         if (answered := self._answering.plan(request, text, match)) is not None:
             return answered
         phrases = self._phrases(language)
@@ -195,6 +202,14 @@ class Planner:
                 if isinstance(meant, Matched):
                     return refusal(reading) or meant  # other words may show what is asked for
         return match
+
+    def _continued(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan:
+        """What an interruption left of the last plan."""
+        if why := about_itself.cannot_continue(request.on_record, language):
+            return NoPlan(text, "nothing_to_continue", why, ExitCode.CLARIFY)
+        left = (replace(request.on_record.left[0], alongside=False), *request.on_record.left[1:])
+        told = self._tell(left, language)
+        return Plan(text, left, told.response, "phrases", told.steps)
 
     def _left_after_retraction(self, text: str) -> str | None:
         """What was said after the word that took back all before it; None where nothing was, or only what is to be
@@ -258,8 +273,10 @@ class Planner:
                 return Plan(request.text, (), aside, "phrases")
             return NoPlan(request.text, "not_understood", answer)
         depends = CONDITION.search(request.text) is not None
-        if depends and self._models.is_small and (look := first_look(request.text, self._vocabulary)):
-            return self._looking_first.look(request.text, look, language)
+        if depends and self._models.is_small:
+            if look := first_look(request.text, self._vocabulary):
+                return self._looking_first.look(request.text, look, language)
+            return NoPlan(request.text, "condition", SAID[language]["condition"], ExitCode.CLARIFY)
         pieces = self._phrases(language).clauses(request.text) if self._models.is_small and not depends else ()
         try:
             if is_piecewise(request.text, pieces, self._nouns):

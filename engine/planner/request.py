@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Final, Literal, Protocol
 
 from engine.errors import ExitCode
-from engine.events import ClarificationAsked, ModelAsked, PlanRejected, PlanSource, RefusalMade
-from engine.plan import Plan
+from engine.events import ClarificationAsked, ModelAsked, PlanRejected, PlanSource, RefusalMade, Scope
+from engine.plan import Action, Plan
 from engine.planner.text.counts import Count
 
 Language = Literal["en", "zh"]
@@ -54,6 +54,25 @@ class Exchange:
 
 
 @dataclass(frozen=True, slots=True)
+class OnRecord:
+    """What the session knows of the last plan of a task, for questions about the robot itself."""
+
+    stopped: Scope | None = None
+    """What interrupted it; None: nothing did."""
+    failure: str = ""
+    """Why an action of it failed, a sentence."""
+    done: tuple[str, ...] = ()
+    """What its actions came to, a sentence each."""
+    left: tuple[Action, ...] = ()
+    """What was cut, or never started; in the order of the plan."""
+    cut: bool = False
+    """Whether the first one that is left had begun."""
+
+
+NOTHING_ON_RECORD: Final = OnRecord()
+
+
+@dataclass(frozen=True, slots=True)
 class PlanRequest:
     """What a planner is asked."""
 
@@ -67,6 +86,8 @@ class PlanRequest:
     """What the recogniser heard; None: to be seen from the text."""
     spent: frozenset[str] = frozenset()
     """Actions, as they are written, that have failed too often in this request to be tried again."""
+    on_record: OnRecord = NOTHING_ON_RECORD
+    """What came of the last plan."""
     holding: str = ""
     """The thing in the gripper."""
     seen: tuple[str, ...] = ()

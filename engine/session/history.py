@@ -13,7 +13,7 @@ from ulid import ULID
 
 from engine.events import Scope
 from engine.plan import Action
-from engine.planner.request import Exchange
+from engine.planner.request import Exchange, OnRecord
 from engine.session.dispatch import Ran
 
 MAX_ENTRIES: Final = 500
@@ -85,6 +85,27 @@ class TaskCycle:
     def last_said(self) -> str:
         """What somebody asked for last."""
         return next((entry.text for entry in reversed(self.entries) if isinstance(entry, Said)), "")
+
+    def on_record(self) -> OnRecord:
+        """What came of the last plan that was begun, for questions about it."""
+        entries = list(self.entries)
+        begun = next((at for at in range(len(entries) - 1, -1, -1) if isinstance(entries[at], Acted)), None)
+        if begun is None:
+            return OnRecord()
+        turn = entries[begun].turn
+        acted = [entry.ran for entry in entries if isinstance(entry, Acted) and entry.turn == turn]
+        cut = [ran.action for ran in acted if ran.result.outcome == "interrupted"]
+        never = [
+            a for entry in entries if isinstance(entry, NeverStarted) and entry.turn == turn for a in entry.actions
+        ]
+        stopped = (e.scope for e in reversed(entries) if isinstance(e, Interrupted) and e.turn == turn)
+        return OnRecord(
+            stopped=next(stopped, None),
+            failure=next((ran.result.message for ran in reversed(acted) if ran.result.outcome == "failed"), ""),
+            done=tuple(ran.result.message for ran in acted if ran.result.message),
+            left=(*cut, *never),
+            cut=bool(cut),
+        )
 
     def as_json(self) -> list[dict[str, Any]]:
         """For snapshots."""

@@ -233,6 +233,7 @@ class Turn:
             so_far,
             cycle=self._cycle.name,
             language=self._language,
+            on_record=self._cycle.on_record(),
             spent=frozenset(action for action, failures in self._failures.items() if failures >= MOST_FAILURES),
             enter=self._enter_stage,
             decide=lambda steps, source: self._thought(events.DecisionMade(steps, source)),
