@@ -5,17 +5,38 @@ A name may mean several pieces of furniture, or one that is no place of its own 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from difflib import get_close_matches
+from typing import Final
+
 from engine.errors import ExitCode, PlanError
 from engine.planner.phrases.phrases import UnknownPlace
 from engine.planner.request import Language, NoPlan
 from engine.planner.sentences import SAID
 from engine.skills.vocabulary import Ambiguous, Vocabulary
 
+NEAR: Final = 0.75
+"""How alike two names have to be, 0 to 1, as ``difflib`` counts it."""
+
 
 def unknown(text: str, place: UnknownPlace, language: Language) -> NoPlan:
-    """That nobody knows it, and which places there are."""
+    """That nobody knows it: the offer to go to the one whose name is nearest, else which places there are."""
+    if near := nearest(place.name, place.known):
+        question = SAID[language]["nearest"].format(name=place.name, near=near)
+        return NoPlan(text, "unknown_place", question, ExitCode.CLARIFY, suggestions=(near,))
     answer = SAID[language]["unknown_place"].format(name=place.name, known=", ".join(place.known))
     return NoPlan(text, "unknown_place", answer, suggestions=place.known)
+
+
+def nearest(name: str, known: Sequence[str]) -> str:
+    """The one of ``known`` that ``name`` may be a misspelling of; empty where none is near. A word in front that is
+    misspelt as well ("teh kichen") may be an article."""
+    words = name.casefold().split()
+    names = {word.casefold(): word for word in known}
+    for said in (" ".join(words), " ".join(words[1:])):
+        if said and (found := get_close_matches(said, names, n=1, cutoff=NEAR)):
+            return names[found[0]]
+    return ""
 
 
 def which_place(text: str, place: UnknownPlace, vocabulary: Vocabulary) -> NoPlan | None:

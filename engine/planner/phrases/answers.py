@@ -14,6 +14,7 @@ from config.schema import Place
 from engine.han import is_chinese
 from engine.plan import ActionCall, Quantity
 from engine.planner.text.words import digits
+from engine.skills.places import ZERO_SYMBOL
 from engine.skills.vocabulary import Vocabulary
 
 MAX_TOLD = 4
@@ -185,8 +186,9 @@ class Answers:
         return str(self._words["amount"]).format(number=digits(told), unit=one if value == 1 else many)
 
     def _place(self, symbol: str) -> str:
-        if symbol not in self._places:
-            return str(self._words["zero"])
+        if symbol not in self._places:  # in some worlds, where the speaker is
+            remembered = self._vocabulary.resolvers()["place"](ZERO_SYMBOL) == ZERO_SYMBOL
+            return str(self._words["zero" if remembered else "person"])
         name = self._places[symbol]
         pattern = self._words["place_symbol" if len(name) == 1 and name.isascii() else "place"]
         return str(pattern.format(name=name.removeprefix("the ")))

@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Final
 
 from engine.plan import ActionCall, Quantity
+from engine.planner.phrases.conventions import HALF, QUARTER
 from engine.planner.phrases.said import ONE, Calls, Incomplete, Said, Things, call, just
 
 BIN: Final = "bin"
@@ -73,6 +74,15 @@ def _picked_up(said: Said) -> Calls:
 def _going(said: Said) -> Calls:
     """To where the thing is said to be."""
     return call("navigation", said.words["source"]) if "source" in said.words else ()
+
+
+def _turned(said: Said) -> Calls:
+    """To the side that is to be looked at."""
+    aside = said.words.get("aside")
+    if aside is None:
+        return ()
+    way = "move_right" if aside == "right" else "move_left"
+    return call(way, Quantity(HALF if aside == "back" else QUARTER, "deg"))
 
 
 def _pick_up(said: Said) -> Calls | None:
@@ -181,7 +191,7 @@ ERRANDS: Mapping[str, Callable[[Said], Calls | None]] = {
     "OpenHand": just("open_gripper"),
     "CloseHand": just("close_gripper"),
     "Servo": _servo,
-    "Look": lambda said: (*_going(said), *call("seewhat")),
+    "Look": lambda said: (*_turned(said), *_going(said), *call("seewhat")),
     "Scan": _in_room("scan_room"),
     "Clean": _in_room("clean_room"),
     "Tidy": lambda said: call("tidy", said.words["thing_colour"], said.words["surface"]),
