@@ -13,7 +13,21 @@ from typing import Final
 from engine.plan import Action
 
 _GREETS: Final = r"wav(?:e|ing)\b|greet|hello|\bhi\b|goodbye|\bbye|welcom"
+_DRIVES: Final = (
+    r"\b(?:go|going|move|moving|driv\w+|drive|roll|walk|run|come|step|inch|creep|crawl|advance|reverse|retreat|"
+    r"back\w*|forward\w*|ahead|straight|closer|nearer|further|farther|approach|left|right|sideways|strafe|slide|shift|"
+    r"scoot|nudge|met(?:re|er)s?|cm|m|centimet\w+|feet|foot|inch(?:es)?|yards?|square|circle|triangle|zigzag|figure)\b"
+    r"|走|开|退|进|移|挪|前|后|左|右|米|靠近|离|圈|方"
+)
+_TURNS: Final = (
+    r"\b(?:turn\w*|rotat\w*|spin\w*|fac(?:e|ing)|left|right|around|round|clockwise|anticlockwise|counterclockwise|"
+    r"degrees?|pivot|swivel|swing|circle|square|triangle|corner|twirl|behind|back\w*|opposite|other way)\b"
+    r"|转|左|右|度|圈|回头|身后|后面|掉头|方"
+)
 _WORDS: Final = {
+    **dict.fromkeys(("move_forward", "move_sideways"), _DRIVES),
+    **dict.fromkeys(("move_left", "move_right"), _TURNS),
+    "set_cmdvel": f"{_DRIVES}|{_TURNS}",
     "dance": r"danc|\bmoves?\b|boogie|groove|jig|twist|wiggle|party|perform|show|celebrat|spin|twirl|跳|舞|表演|扭",
     "drift": r"drift|slid|skid|漂|滑",
     "arm_nod": r"nod|\byes\b|agree|approv|\bbow|affirm|confirm|thumbs|点|同意|是|鞠躬",

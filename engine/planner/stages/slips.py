@@ -1,7 +1,7 @@
 """Slips of small models that the words of the request set right, without asking again.
 
 They turn to the wrong side, look where they stand instead of where they were told to, tidy by a colour that nobody
-named, fetch a thing without bringing it, and take a thing for a place. Nothing is added here that was not said.
+named, and fetch a thing without bringing it. Nothing is added here that was not said.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from engine.planner.grounding.grounds import resolved
 from engine.planner.grounding.statement import Statement, said_names
 from engine.planner.phrases.conventions import QUARTER
 from engine.planner.phrases.said import Calls
+from engine.planner.stages.slots import by_kind
 from engine.skills.places import ZERO_SYMBOL
 from engine.skills.registry import NOT_SAID
 from engine.skills.vocabulary import Vocabulary
@@ -46,23 +47,10 @@ _GOES: Final = frozenset({"navigation", "navigate_to_object", "carry", "patrol"}
 def mended(calls: Calls, text: str, vocabulary: Vocabulary) -> Calls:
     """``calls`` as the request ``text`` meant them, as far as that is certain."""
     said = Statement(text)
-    for mend in (_as_things, _to_the_side, _where_to_look, _without_colour, _brought, _only_taken, _a_quarter, _once):
+    calls = by_kind(calls, vocabulary)
+    for mend in (_to_the_side, _where_to_look, _without_colour, _brought, _only_taken, _a_quarter, _once):
         calls = mend(calls, said, vocabulary)
     return calls
-
-
-def _as_things(calls: Calls, said: Statement, vocabulary: Vocabulary) -> Calls:
-    """A place that is no place but a thing is to be gone up to."""
-    place = vocabulary.resolvers()["place"]
-
-    def mend(call: ActionCall) -> ActionCall:
-        match call.name, call.positional:
-            case "navigation", (str(word),) if word != NOT_SAID and resolved(place, word) is None:
-                if resolved(vocabulary.object, word) is not None:
-                    return replace(call, name="navigate_to_object")
-        return call
-
-    return tuple(map(mend, calls))
 
 
 def _to_the_side(calls: Calls, said: Statement, vocabulary: Vocabulary) -> Calls:

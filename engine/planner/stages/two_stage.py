@@ -254,7 +254,9 @@ class TwoStage:
         while (doubt := self._doubts(actions, said, seen, known, language)) is not None:
             mended = self._without(actions, doubt)
             if mended is None:
-                return NoPlan(goal, "ungrounded", doubt.question, ExitCode.CLARIFY)
+                repeats = reply.kind == "local" and not doubt.parameter  # a model that has lost its way
+                question = _UNSURE[language] if repeats else doubt.question
+                return NoPlan(goal, "ungrounded", question, ExitCode.CLARIFY)
             actions = mended
         told = self._tell(actions, language)
         source: PlanSource = reply.kind
