@@ -23,7 +23,7 @@ from config.schema import Asr, Endpoint, Vad
 from engine import events
 from engine.asr import isolated
 from engine.asr.isolated import IsolatedRecogniser
-from engine.asr.recogniser import Transcript
+from engine.asr.recogniser import Rejected, Transcript
 from engine.asr.whisper import WhisperRecogniser
 from engine.audio.endpoint import Utterance
 from engine.audio.pipe import PushSource
@@ -38,12 +38,16 @@ from engine.lead import Lead
 from engine.parts.ears import Ears
 from engine.parts.loading import Sound
 from engine.parts.part import Part
+from tests.bench.wer import normalised
 from tests.children import children
 from tests.open_files import open_files
 from tests.unit.test_whisper import NOUNS, SETTINGS, model_folder, recogniser, spoken
 
 LIMIT_S = 30.0
 """s for what takes a moment; a test that waits longer has failed."""
+ALIKE = 0.02
+"""By how much likelihoods and probabilities of one sound may differ between two processes: on processors with AVX2 only
+an int8 model does not calculate the same everywhere, and log-probabilities 0.003 apart were seen."""
 COMMAND = "go_to_the_kitchen.wav"
 SENTENCES = ("go_to_the_bedroom_then_turn_around.wav", "move_forward_one_metre.wav", "turn_left_ninety_degrees.wav") * 3
 ME = psutil.Process()
@@ -111,26 +115,38 @@ def test_it_answers_as_the_recogniser_in_this_process_does() -> None:
         for sound, quick in sounds:
             here = recogniser().transcribe(sound, NOUNS, quick=quick)
             there = made.transcribe(sound, NOUNS, quick=quick)
-            assert there.decoding is not None
-            assert here.decoding is not None
-            assert there.decoding.decode_s > 0
-            assert there.decoding.avg_logprob == pytest.approx(here.decoding.avg_logprob)
-            decoding = replace(here.decoding, decode_s=there.decoding.decode_s, avg_logprob=there.decoding.avg_logprob)
-            if isinstance(here, Transcript):
-                assert isinstance(there, Transcript)
-                assert there == replace(here, decoding=decoding, confidence=there.confidence)
-                assert there.confidence == pytest.approx(here.confidence)
-            else:
-                assert there == replace(here, decoding=decoding)
+            assert_alike(there, here)
         assert made.transcribe(silence[:100]) == recogniser().transcribe(silence[:100])
+        both = made.transcribe(sounds[1][0], NOUNS), recogniser().transcribe(sounds[1][0], NOUNS)
+        for heard in both:
+            assert isinstance(heard, Transcript)
+            assert "1 meter" in " ".join(heard.others), "another way of writing it is told as well"
         lead = Lead("go to the kitchen", (spoken(COMMAND) * 32768).astype(np.int16))
         turn = spoken("turn_left_ninety_degrees.wav")
         assert made.transcribe(turn, lead=lead).text == recogniser().transcribe(turn, lead=lead).text
         assert "kitchen" not in made.transcribe(turn, lead=lead).text
         stop, texts = spoken("stop.wav"), ("Stop", "stop")
-        assert made.likelihood(stop, texts) == pytest.approx(recogniser().likelihood(stop, texts), abs=1e-3)
+        assert made.likelihood(stop, texts) == pytest.approx(recogniser().likelihood(stop, texts), abs=ALIKE)
         assert made.likelihood(silence[:100], texts) is None
         assert made.name.rpartition(", ")[0] == recogniser().name.rpartition(", ")[0], "all but how long a pass takes"
+
+
+def assert_alike(there: Transcript | Rejected, here: Transcript | Rejected) -> None:
+    """The same words or the same reason, and likelihoods that differ by no more than two processes may."""
+    assert there.decoding is not None
+    assert here.decoding is not None
+    assert there.decoding.decode_s > 0
+    rounded = {"avg_logprob": there.decoding.avg_logprob, "no_speech_probability": there.decoding.no_speech_probability}
+    for name, value in rounded.items():
+        assert value == pytest.approx(getattr(here.decoding, name), abs=ALIKE), name
+    assert there.decoding == replace(here.decoding, decode_s=there.decoding.decode_s, **rounded)
+    if isinstance(here, Transcript):
+        assert isinstance(there, Transcript)
+        assert normalised(there.text) == normalised(here.text)
+        assert there.confidence == pytest.approx(here.confidence, abs=ALIKE)
+    else:
+        assert isinstance(there, Rejected)
+        assert there.reason == here.reason
 
 
 @pytest.mark.model
