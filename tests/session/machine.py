@@ -47,6 +47,9 @@ AFTER = st.one_of(st.integers(0, 3), st.sampled_from([0.05, 0.4, 1.5, 6.0, 15.0]
 counts: Counter[str] = Counter()
 """What all machines of this process did: steps, examples, interruptions, outcomes…"""
 
+BUSY = ("interrupt", "queue", "reject")
+"""What a new request may do to the present one."""
+
 REQUESTS = (
     "go forward 2 metres",
     "turn left 90 degrees, go forward 10 metres, beep",
@@ -146,7 +149,8 @@ def _with_more(registry: SkillRegistry) -> SkillRegistry:
 
 
 @cache
-def _planner(busy: str) -> Reader:
+def planner(busy: str) -> Reader:
+    """What every conversation plans with that deals like this with a new request while it is busy."""
     registry = _with_more(build_registry(_settings(busy)))
     return Reader(build_planner(_settings(busy), registry), registry)
 
@@ -156,6 +160,8 @@ class SessionMachine(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
+        gc.collect()  # what the conversation before this one has left…
+        gc.freeze()  # …and what Hypothesis keeps of them all, which need not be looked through again
         counts["examples"] += 1
         self._threads = threading.active_count()
         self._files = _open_files()
@@ -173,9 +179,9 @@ class SessionMachine(RuleBasedStateMachine):
         self._faults: list[str] = []
         self.talk: Conversation | None = None
 
-    @initialize(busy=st.sampled_from(["interrupt", "queue", "reject"]))
+    @initialize(busy=st.sampled_from(BUSY))
     def begin(self, busy: str) -> None:
-        self.talk = self._run(begin(_settings(busy), SlowVoice(), _with_more, _planner(busy)))
+        self.talk = self._run(begin(_settings(busy), SlowVoice(), _with_more, planner(busy)))
         self.talk.on_event = self._see
         self._session = self._loop.create_task(self.talk.session.run())
 
