@@ -146,11 +146,10 @@ def test_a_goal_in_the_furniture_of_the_flat_names_it() -> None:
         assert f"the {thing.name} is there" in way.message or "chair" in way.message
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_places_are_driven_to_without_touching_anything_fixed(seed: int) -> None:
+def test_places_are_driven_to_without_touching_anything_fixed() -> None:
     """A tour through all places in random order; the whole of all ordered pairs is ``tests/bench/driving.py``."""
     symbols = sorted(PLACES)
-    random.Random(seed).shuffle(symbols)
+    random.Random(0).shuffle(symbols)
     world = in_the_flat()
     fixed: set[str] = set()
     held: set[str] = set()

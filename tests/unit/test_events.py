@@ -68,7 +68,7 @@ def events(body: type[Body]) -> st.SearchStrategy[Event]:
 
 
 @pytest.mark.parametrize("kind", sorted(BODIES))
-@settings(deadline=None)
+@settings(max_examples=30)
 @given(data=st.data())
 def test_every_kind_is_read_back_as_it_was_written(kind: str, data: st.DataObject) -> None:
     event = data.draw(events(BODIES[kind]))
