@@ -27,11 +27,13 @@ class Command(msgspec.Struct, frozen=True):
 
 
 class Say(Command, frozen=True):
-    """A typed request, treated as if it had been spoken and understood."""
+    """A typed request, treated as if it had been spoken and understood. ``then``: requests that are done after it, one
+    after the other. They wait whatever ``session.busy`` says, and each is acknowledged with the same id."""
 
     do: ClassVar[str] = "say"
     text: str
     id: str | None = None
+    then: tuple[str, ...] = ()
 
 
 class Wake(Command, frozen=True):
@@ -147,7 +149,8 @@ def parse_command(line: bytes | str) -> Command:
     except msgspec.ValidationError as error:
         raise UsageError(f"{do}: {error}.") from error
     if isinstance(command, Say):
-        check_request(command.text)
+        for text in (command.text, *command.then):
+            check_request(text)
     return command
 
 

@@ -164,6 +164,20 @@ class InterruptRaised(Body, frozen=True):
     state: State
 
 
+@kind("requests.waiting")
+class RequestsWaiting(Body, frozen=True):
+    """What was asked for and waits until the running turn has ended, next first; told whenever that changes."""
+
+    texts: tuple[str, ...]
+
+
+@kind("requests.dropped")
+class RequestsDropped(Body, frozen=True):
+    """An interruption came while these waited: none of them was begun, and none will be."""
+
+    texts: tuple[str, ...]
+
+
 # Hearing
 
 

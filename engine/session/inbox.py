@@ -11,8 +11,8 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import threading
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import Final, Generic, Literal, TypeVar
 
 from engine.commands import Added, Command, EndTask, Halted, Heard, Interrupt, Quit, Say, Wake
@@ -34,6 +34,21 @@ class Request:
     command: Command
     epoch: int
     scope: Scope | None
+
+    def one_by_one(self) -> Iterator[Request]:
+        """The same, with what is to be done after it as requests of their own. Those interrupt nothing: when it is
+        their turn, nothing is running."""
+        if not isinstance(self.command, Say) or not self.command.then:
+            yield self
+            return
+        yield replace(self, command=Say(self.command.text, self.command.id))
+        for text in self.command.then:
+            yield Request(Say(text, self.command.id), self.epoch, _scope_of_words(text))
+
+
+def _scope_of_words(text: str) -> Scope | None:
+    """What words interrupt whoever says them."""
+    return "stop" if is_stop(text) else "end_task" if is_end_task(text) else None
 
 
 class Inbox(Generic[T]):
@@ -87,12 +102,8 @@ class Inbox(Generic[T]):
                 return None if adds or epoch < self._newest else "replaced"
             case Heard(text):
                 return "stop" if self._state() in EXPRESSING and is_stop(text) else None
-            case Say(text) if is_stop(text):
-                return "stop"
-            case Say(text) if is_end_task(text):
-                return "end_task"
-            case Say() if self._busy == "interrupt":
-                return "replaced"
+            case Say(text):
+                return _scope_of_words(text) or ("replaced" if self._busy == "interrupt" else None)
         return None
 
     # In the loop

@@ -15,7 +15,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections import deque
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
@@ -86,6 +86,7 @@ class Session:
         self._turn: Turn | None = None
         self._turns: asyncio.TaskGroup | None = None  # of the present cycle
         self._waiting: deque[Request] = deque()  # what waits for the running turn to end, in the order it was asked in
+        self._told_waiting: tuple[str, ...] = ()  # how much of that has been told, in words
         self._postponed: Request | None = None  # what the next cycle begins with
         self._again = False  # the wake that is being handled came while listening
         self._undone = ""  # the newest turn, if what it was asked for was not done
@@ -121,7 +122,9 @@ class Session:
                 self._carry_out(postponed)
             while self._cycle is cycle and self._quit is None:
                 if self._turn is None and self._waiting and self._inbox.is_empty():  # nobody has anything against it
-                    self._carry_out(self._waiting.popleft())
+                    following = self._waiting.popleft()
+                    self._tell_waiting()
+                    self._carry_out(following)
                     continue
                 match await self._inbox.get():
                     case TurnOver(turn):
@@ -132,10 +135,12 @@ class Session:
                     case Request() as request:
                         if not await self._admit(request):
                             continue
+                        first, *others = request.one_by_one()
+                        self._wait(others)
                         if self._cycle is cycle:
-                            self._carry_out(request)
+                            self._carry_out(first)
                         else:  # the turn that it interrupted had finished the dialogue
-                            self._postponed = request
+                            self._postponed = first
 
     async def _admit(self, request: Request) -> bool:
         """Let a request interrupt what it interrupts; whether it is to be carried out now."""
@@ -155,11 +160,22 @@ class Session:
             self._ack(request, "Busy: the command was not taken (session.busy is reject).", ok=False)
             return False
         elif (self._turn is not None or self._waiting) and isinstance(command, Say | Quit | Added):
-            self._waiting.append(request)
+            self._wait(request.one_by_one())
             if isinstance(command, Added):
                 self._log("info", f"After this: “{command.heard.text}”.")
             return False
         return True
+
+    def _wait(self, requests: Iterable[Request]) -> None:
+        """Let them wait until the turn has ended that runs by then."""
+        self._waiting.extend(requests)
+        self._tell_waiting()
+
+    def _tell_waiting(self) -> None:
+        """What waits is another thing now, unless it was only somebody's wish to end the session."""
+        if (texts := _texts(self._waiting)) != self._told_waiting:
+            self._told_waiting = texts
+            self._bus.publish(events.RequestsWaiting(texts), epoch=self._epoch.current)
 
     def _carry_out(self, request: Request) -> None:
         """Do what a request asks for; nothing is running that it has to wait for."""
@@ -310,12 +326,15 @@ class Session:
 
     def _drop_waiting(self) -> None:
         """An interruption concerns what waits, too; what was asked to end the session stays asked."""
+        if texts := _texts(self._waiting):
+            self._bus.publish(events.RequestsDropped(texts), epoch=self._epoch.current)
         for request in tuple(self._waiting):
             if not isinstance(request.command, Quit):
                 self._waiting.remove(request)
                 self._ack(request, "Interrupted before it started.", ok=False)
             if isinstance(request.command, Added):
                 self._leave(request.command)
+        self._tell_waiting()
 
     def _leave(self, added: Added) -> None:
         self._log("warning", f"“{added.heard.text}” is left: what it was to follow was not done.")
@@ -367,4 +386,15 @@ class Session:
             "cycle": self._cycle.number,
             "history": self._cycle.as_json(),
             "robot": state,
+            "waiting": list(_texts(self._waiting)),
         }
+
+
+def _texts(requests: Iterable[Request]) -> tuple[str, ...]:
+    """What was asked for, in words."""
+    commands = [request.command for request in requests]
+    return tuple(
+        command.text if isinstance(command, Say) else command.heard.text
+        for command in commands
+        if isinstance(command, Say | Added)
+    )

@@ -175,6 +175,79 @@ def test_what_waits_is_dropped_by_an_interruption() -> None:
     converse(test, "session.busy=queue")
 
 
+def test_what_waits_is_told_whenever_that_changes() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        for text in ("turn left 90 degrees", "beep"):
+            talk.send(Say(text))
+        talk.send(Snapshot())
+        snapshot = (await talk.until(events.Ack, lambda body: body.do == "snapshot")).snapshot
+        assert snapshot is not None
+        assert snapshot["waiting"] == ["turn left 90 degrees", "beep"]
+        await talk.result(3)
+        assert [body.texts for body in talk.bodies(events.RequestsWaiting)] == [
+            ("turn left 90 degrees",),
+            ("turn left 90 degrees", "beep"),
+            ("beep",),
+            (),
+        ]
+        assert not talk.bodies(events.RequestsDropped)
+
+    converse(test, "session.busy=queue")
+
+
+@pytest.mark.parametrize("command", [Interrupt(), EndTask(), Wake("key"), Say("stop")])
+def test_an_interruption_tells_which_waiting_requests_it_dropped(command: Command) -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        for text in ("turn left 90 degrees", "beep"):
+            talk.send(Say(text))
+        await talk.until(events.RequestsWaiting, lambda body: len(body.texts) == 2)
+        talk.send(command)
+        assert (await talk.until(events.RequestsDropped)).texts == ("turn left 90 degrees", "beep")
+        await talk.until(events.RequestsWaiting, lambda body: not body.texts)
+
+    converse(test, "session.busy=queue")
+
+
+@pytest.mark.parametrize("busy", ["interrupt", "queue"])
+def test_requests_that_were_asked_for_at_once_are_done_one_after_the_other(busy: str) -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go forward 1 metre", "it", then=("turn left 90 degrees", "end the task", "beep")))
+        await talk.until(events.TaskEnded)
+        assert [body.name for body in talk.bodies(events.ActionFinished)] == ["move_forward", "move_left"]
+        await talk.until(events.ActionFinished, lambda body: body.name == "beep")
+        assert [body.ok for body in talk.bodies(events.Ack) if body.id == "it"] == [True] * 4
+        assert not talk.bodies(events.InterruptRaised)
+
+    converse(test, f"session.busy={busy}")
+
+
+def test_a_new_command_drops_what_was_to_follow_the_one_that_it_replaces() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go forward 10 metres", then=("beep", "turn left 90 degrees")))
+        await talk.until(events.ActionStarted)
+        talk.send(Say("raise your arm", then=("lower your arm",)))
+        assert (await talk.until(events.RequestsDropped)).texts == ("beep", "turn left 90 degrees")
+        assert (await talk.result(2)).outcome == "done"
+        assert (await talk.result(3)).outcome == "done"
+        assert [body.name for body in talk.bodies(events.ActionStarted)] == ["move_forward", "arm_up", "arm_down"]
+
+    converse(test)
+
+
+def test_requests_that_were_asked_for_at_once_are_turned_away_at_once() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(Say("turn left 90 degrees", id="second", then=("beep",)))
+        assert not (await talk.until(events.Ack, lambda body: body.id == "second")).ok
+        await talk.result()
+        assert [body.name for body in talk.bodies(events.ActionStarted)] == ["move_forward", "move_left"]
+        assert not talk.bodies(events.RequestsWaiting)
+
+    converse(test, "session.busy=reject")
+
+
 def test_a_new_command_is_turned_away_where_the_setting_says_reject() -> None:
     async def test(talk: Conversation) -> None:
         await driving(talk)

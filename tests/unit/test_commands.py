@@ -37,6 +37,7 @@ from tui.commands.ask import requests
     [
         ('{"do": "say", "text": "go home"}', Say("go home")),
         ('{"do": "say", "text": "去厨房", "id": "7"}', Say("去厨房", "7")),
+        ('{"do": "say", "text": "go home", "then": ["beep"]}', Say("go home", then=("beep",))),
         ('{"do": "wake"}', Wake()),
         ('{"do": "interrupt", "id": null}', Interrupt()),
         ('{"id": "a", "do": "end_task"}', EndTask("a")),
@@ -85,6 +86,8 @@ def test_any_request_arrives_as_it_was_typed(text: str, id: str | None) -> None:
         ('{"do": "say"}', "say: .*text"),
         ('{"do": "say", "text": 5}', "say: .*text"),
         ('{"do": "say", "text": "x", "id": 5}', "say: .*id"),
+        ('{"do": "say", "text": "x", "then": "y"}', "say: .*then"),
+        ('{"do": "say", "text": "x", "then": ["y", " "]}', "request is empty"),
         ('{"do": "say", "text": "x", "loud": true}', "unknown field 'loud'"),
         ('{"do": "wake", "text": "x"}', "wake: unknown field 'text'"),
         ('{"do": "audio", "pcm": "!!"}', "not base64"),
