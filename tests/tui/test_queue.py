@@ -64,3 +64,41 @@ async def test_when_nothing_runs_any_more_reasons_have_the_room() -> None:
         words = " ".join(line[:62].strip("│ ") for line in desk.text.splitlines())
         assert "box in the living room" in " ".join(words.split())
         assert reason == shown[0].message
+
+
+@pytest.mark.parametrize("size", [(120, 40), (80, 24)])
+async def test_requests_that_wait_are_shown_until_they_begin(size: tuple[int, int]) -> None:
+    async with console(size=size) as desk:
+        desk.engine.play(scripted.acting())
+        desk.engine.publish(ev.RequestsWaiting(("turn left", "come back")))
+        await desk.settled()
+        assert "○  turn left  waits" in desk.text
+        assert "○  come back  waits" in desk.text
+        assert "2 waiting · esc stops" in desk.text
+        desk.engine.publish(ev.RequestsWaiting(("come back",)))
+        await desk.settled()
+        assert "turn left  waits" not in desk.text
+        assert "1 waiting · esc stops" in desk.text
+
+
+async def test_of_many_requests_that_wait_the_next_ones_are_shown_and_the_others_counted() -> None:
+    async with console() as desk:
+        desk.engine.publish(ev.RequestsWaiting(tuple(f"move {number}" for number in range(9))))
+        await desk.settled()
+        assert "move 2  waits" in desk.text
+        assert "… and 6 more" in desk.text
+        assert "9 waiting" in desk.text
+
+
+async def test_what_an_interruption_drops_is_told() -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.acting())
+        desk.engine.publish(ev.RequestsWaiting(("turn left", "come back")))
+        desk.engine.publish(ev.RequestsDropped(("turn left", "come back")))
+        desk.engine.publish(ev.RequestsWaiting(()))
+        await desk.settled()
+        assert "■  2 waiting requests dropped: turn left; come back" in desk.text
+        assert "2 waiting ·" not in desk.text
+        desk.engine.publish(ev.RequestsDropped(("beep",)))
+        await desk.settled()
+        assert "1 waiting request dropped: beep" in desk.text

@@ -45,6 +45,7 @@ class ConsoleModel(Struct, frozen=True):
     stable: int = 0  # …and how many of them, from the first, will hardly change any more
     plan: Plan | None = None
     queue: tuple[Row, ...] = ()
+    waiting: tuple[str, ...] = ()  # requests that are not begun yet, next first
     log: tuple[LogLine, ...] = ()
     listening: bool = False
     trace: Trace = field(default_factory=Trace)
@@ -111,7 +112,7 @@ def _(body: ev.SessionStarted, model: ConsoleModel, event: ev.Event) -> ConsoleM
 
 @_fold.register
 def _(body: ev.SessionEnded, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    return replace(model, ended=printable(body.reason), listening=False)
+    return replace(model, ended=printable(body.reason), listening=False, waiting=())
 
 
 @_fold.register
@@ -150,6 +151,18 @@ def _(body: ev.InterruptRaised, model: ConsoleModel, event: ev.Event) -> Console
     if body.scope == "halted":
         return model.with_line(Line("mark", strings.HALTED))
     return model
+
+
+@_fold.register
+def _(body: ev.RequestsWaiting, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
+    return replace(model, waiting=tuple(map(printable, body.texts)))
+
+
+@_fold.register
+def _(body: ev.RequestsDropped, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
+    texts = strings.SEMICOLON.join(map(printable, body.texts))
+    words = strings.DROPPED_ONE if len(body.texts) == 1 else strings.DROPPED
+    return model.with_line(Line("mark", words.format(count=len(body.texts), texts=texts)))
 
 
 @_fold.register

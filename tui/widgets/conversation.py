@@ -16,6 +16,8 @@ from tui.words.language import told
 from tui.words.widths import left, right
 
 _GUTTER: Final = 7
+_WAITING: Final = 3
+"""Requests that wait and are shown; of the others, only how many they are."""
 _STYLES: Final = {
     "you": ("", "$text-primary", "$foreground"),
     "robot": ("", "$text-success", "$foreground"),
@@ -24,23 +26,28 @@ _STYLES: Final = {
     "done": ("✓", "$text-success", "$foreground 60%"),
     "problem": ("✗", "$text-error", "$foreground"),
     "partial": ("", "$text-primary", "italic $foreground 60%"),
+    "waits": ("○", "$foreground 60%", "$foreground 60%"),
     "hint": (" ", "", "$foreground 60%"),
     "welcome": ("○", "$text-primary", "$foreground"),
 }
 
 
 class Conversation(Lines[tuple[str, str, str]]):
-    """The transcript, oldest first; words still being heard stand last, those that may still change in italics."""
+    """The transcript, oldest first; what waits for its turn and words still being heard stand last, those that may still
+    change in italics."""
 
     def update_from(self, model: ConsoleModel, welcome: Sequence[str]) -> None:
         """Show the model's conversation, or the lines of ``welcome``, which say how to begin one."""
         items = [_item(line) for line in model.conversation]
+        items += [("waits", text, strings.WAITS) for text in model.waiting[:_WAITING]]
+        if (more := len(model.waiting) - _WAITING) > 0:
+            items.append(("waits", strings.MORE_WAIT.format(more), ""))
         if model.partial:
             from engine.asr.agreement import first_words  # expressions that nothing needs before the first picture
 
             certain = first_words(model.partial, model.stable) if model.stable else ""
             items.append(("partial", certain, f"{model.partial.removeprefix(certain)} …"))
-        begun = model.partial or any(line.who != "mark" for line in model.conversation)
+        begun = model.partial or model.waiting or any(line.who != "mark" for line in model.conversation)
         if not begun:  # whatever else has happened, somebody may sit here for the first time
             items += [*(("welcome", line, "") for line in welcome), ("hint", "", "")]
             items += [

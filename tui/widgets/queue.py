@@ -48,7 +48,7 @@ class ActionQueue(Lines[Shown]):
     def update_from(self, model: ConsoleModel, now: float, stop: str) -> None:
         """Show the queue with durations as of event time ``now``; ``stop`` is the key that ends what runs."""
         running = next((number for number, row in enumerate(model.queue) if row.phase == "running"), None)
-        summary = _summary(model, stop) if running is not None else ""
+        summary = _summary(model, stop) if running is not None or model.waiting else ""
         if summary != self._summary:  # another one repaints the pane
             self._summary = self.border_subtitle = summary
         roomy = self.size.height >= _ROOM_FOR_WORDS
@@ -85,11 +85,12 @@ def _shown(row: Row, now: float, whole: bool) -> Shown:
 
 
 def _summary(model: ConsoleModel, stop: str) -> str:
-    """How far the plan is, and what stops it."""
+    """How far the plan is, how many requests wait behind it, and what stops all that."""
     ended = sum(row.phase not in ("queued", "running") for row in model.queue)
     failed = sum(row.phase == "failed" for row in model.queue)
     parts = [strings.STEPS_ENDED.format(ended, len(model.queue))] if len(model.queue) > 1 else []
     parts += [strings.STEPS_FAILED.format(failed)] if failed else []
+    parts += [strings.REQUESTS_WAIT.format(len(model.waiting))] if model.waiting else []
     return " · ".join((*parts, strings.KEY_STOPS.format(stop)))
 
 

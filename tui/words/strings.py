@@ -127,6 +127,7 @@ SIZES_NOT_KEPT: Final = "The sizes of the panes are not kept for later sessions:
 # Actions
 STEPS_ENDED: Final = "{} of {} ended"
 STEPS_FAILED: Final = "{} failed"
+REQUESTS_WAIT: Final = "{} waiting"
 KEY_STOPS: Final = "{} stops"
 
 # Camera
@@ -160,6 +161,10 @@ TOUR: Final = (
 EXAMPLES: Final = ("go to the kitchen", "turn left 90 degrees", "where are you?")
 TRY: Final = "Try:"
 STOPPED: Final = "stopped"
+WAITS: Final = "waits"
+MORE_WAIT: Final = "… and {} more"
+DROPPED: Final = "{count} waiting requests dropped: {texts}"
+DROPPED_ONE: Final = "1 waiting request dropped: {texts}"
 NEW_TASK: Final = "new task"
 REASONS: Final = {
     "interrupt": "the stop key",
@@ -268,6 +273,7 @@ SPEECH_FOR: Final = "{seconds:.1f} s of it"
 LOUDEST: Final = "loudest {db} dB"
 COMMA: Final = ", "
 COLON: Final = ": "
+SEMICOLON: Final = "; "
 AND: Final = " and "
 UNDERSTOOD: Final = "understood"
 CONFIDENCE: Final = "confidence {percent:.0f} %"

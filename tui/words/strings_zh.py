@@ -122,6 +122,7 @@ SIZES_NOT_KEPT: Final = "窗格的大小不会保留到以后的会话：{}"
 # Actions
 STEPS_ENDED: Final = "{}/{} 已结束"
 STEPS_FAILED: Final = "{} 个失败"
+REQUESTS_WAIT: Final = "{} 个在等待"
 KEY_STOPS: Final = "{} 停止"
 
 # Camera
@@ -152,6 +153,10 @@ TOUR: Final = (
 EXAMPLES: Final = ("去厨房", "向左转90度", "你在哪里？")
 TRY: Final = "试试："
 STOPPED: Final = "已停止"
+WAITS: Final = "等待中"
+MORE_WAIT: Final = "… 还有 {} 条"
+DROPPED: Final = "放弃了 {count} 条等待中的请求：{texts}"
+DROPPED_ONE: Final = "放弃了 1 条等待中的请求：{texts}"
 NEW_TASK: Final = "新任务"
 REASONS: Final = {
     "interrupt": "停止键",
@@ -258,6 +263,7 @@ LISTEN_ENDS: Final = {
 SPEECH_FOR: Final = "其中 {seconds:.1f} 秒"
 LOUDEST: Final = "最响 {db} dB"
 COMMA: Final = "，"
+SEMICOLON: Final = "；"
 COLON: Final = "："
 AND: Final = "和"
 UNDERSTOOD: Final = "听懂了"
