@@ -88,7 +88,8 @@ class Session:
         self._waiting: deque[Request] = deque()  # what waits for the running turn to end, in the order it was asked in
         self._told_waiting: tuple[str, ...] = ()  # how much of that has been told, in words
         self._postponed: Request | None = None  # what the next cycle begins with
-        self._again = False  # the wake that is being handled came while listening
+        self._again = False  # the wake that is being handled came while listening…
+        self._broke_off = False  # …or while the robot moved or spoke
         self._undone = ""  # the newest turn, if what it was asked for was not done
         self._quit: Request | None = None
 
@@ -151,7 +152,7 @@ class Session:
             return False
         if isinstance(command, Wake):
             self._bus.publish(events.WakeHeard(command.source, command.phrase, command.angle_deg), epoch=request.epoch)
-            self._again = self._state == "LISTENING"
+            self._again, self._broke_off = self._state == "LISTENING", self._state in EXPRESSING
         if isinstance(command, Halted):
             await self._halt(request, command)
         elif scope is not None:
@@ -189,7 +190,7 @@ class Session:
                 self._ack(request)
             case Wake():
                 again = self._again
-                self._start(request, lambda turn: turn.listen(restarted=again))
+                self._start(request, lambda turn: turn.listen(restarted=again)).broke_off = self._broke_off
             case Say(text) if request.scope == "stop":
                 self._start(request, Turn.stopped).take(text, "text")
             case Heard(text) if request.scope == "stop":
@@ -264,8 +265,9 @@ class Session:
         except Overtaken:
             return TurnResult(ExitCode.INTERRUPTED, "interrupted", EFFECTS["interrupt"].message)
         except SaysoError as error:
-            turn.emit(events.ErrorRaised(error.code, error.message, error.hint))
-            return TurnResult(error.exit_code, "failed", turn.worded(str(error)))
+            message = f"{error.message} The robot has stopped what it was doing." if turn.broke_off else error.message
+            turn.emit(events.ErrorRaised(error.code, message, error.hint))
+            return TurnResult(error.exit_code, "failed", turn.worded(f"{message} {error.hint}".rstrip()))
         except Exception as error:  # noqa: BLE001 - a fault in one turn must not take the session with it
             self._epoch.advance()
             message = f"A fault in sayso itself: {error!r}."

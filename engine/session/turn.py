@@ -108,6 +108,8 @@ class Turn:
         """Why the turn was cancelled; set before the cancellation."""
         self.cut_by: ErrorCode = "cancelled"
         """The same as the error code of the actions that it cuts."""
+        self.broke_off = False
+        """It began with stopping what the robot did, which whoever it fails must be told."""
         self.ends_cycle = False
         """The dialogue was finished by this turn."""
         self.asked = ""

@@ -8,8 +8,9 @@ import pytest
 
 from engine import events
 from engine.commands import Command, EndTask, Interrupt, Quit, Say, Snapshot, Wake
-from engine.errors import ExitCode
+from engine.errors import DeviceError, ExitCode
 from engine.events import State
+from engine.parts.part import Part
 from engine.robot.arm import ARM_INITIAL
 from engine.session.session import TurnOver
 from tests.session.conversation import Conversation, SlowVoice, converse
@@ -96,6 +97,24 @@ def test_stop_as_text_stops_without_a_plan_and_answers() -> None:
         assert (await talk.result(1)).exit_code == ExitCode.INTERRUPTED
         assert (await talk.result(2)).exit_code == ExitCode.DONE
         assert len(talk.bodies(events.PlanMade)) == 1
+
+    converse(test)
+
+
+@pytest.mark.parametrize("drives", [True, False])
+def test_a_wake_without_a_microphone_stops_the_robot_and_says_both(drives: bool) -> None:
+    async def test(talk: Conversation) -> None:
+        microphone = talk.session._needs.hearing
+        assert isinstance(microphone, Part)
+        microphone.fail(DeviceError("There is no microphone.", hint="Type."))
+        if drives:
+            await driving(talk)
+        talk.send(Wake("key"))
+        assert talk.robot.state().twist.is_zero
+        error = await talk.until(events.ErrorRaised)
+        stopped = " The robot has stopped what it was doing." if drives else ""
+        assert (error.message, error.hint) == (f"There is no microphone.{stopped}", "Type.")
+        assert (await talk.result(1 + drives)).message == f"There is no microphone.{stopped} Type."
 
     converse(test)
 

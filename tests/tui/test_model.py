@@ -175,3 +175,14 @@ def test_a_session_that_ended_says_why() -> None:
 def test_what_was_overheard_or_typed_says_so() -> None:
     lines = after(said("stop", "overheard"), said("go", "text"), said("come")).conversation
     assert [line.note for line in lines] == ["overheard", "typed", ""]
+
+
+def test_a_wake_that_stops_the_robot_says_so() -> None:
+    lines = {
+        state: [
+            (line.who, line.text, line.note) for line in after(ev.InterruptRaised("wake", "wake", state)).conversation
+        ]
+        for state in ("ACTING", "SPEAKING", "LISTENING", "PLANNING")
+    }
+    stopped = [("mark", "stopped", "wake")]
+    assert lines == {"ACTING": stopped, "SPEAKING": stopped, "LISTENING": [], "PLANNING": []}

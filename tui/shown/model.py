@@ -14,6 +14,7 @@ from msgspec import Struct, field
 from msgspec.structs import replace
 
 from engine import events as ev
+from engine.states import EXPRESSING
 from tui.shown.facts import Line, LogLine, Path, Plan, Problem, Row, call, printable
 from tui.shown.trace import Trace
 from tui.shown.trace import after as trace_after
@@ -146,7 +147,8 @@ def _(body: ev.TaskEnded, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
 def _(body: ev.InterruptRaised, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
     plan = None if model.plan and model.plan.stage == "thinking" else model.plan
     model = replace(model, partial="", plan=plan)
-    if body.scope in ("stop", "interrupt") and body.state not in ("IDLE", "WAITING"):
+    stopped = body.scope == "wake" and body.state in EXPRESSING
+    if stopped or (body.scope in ("stop", "interrupt") and body.state not in ("IDLE", "WAITING")):
         return model.with_line(Line("mark", strings.STOPPED, printable(body.source)))
     if body.scope == "halted":
         return model.with_line(Line("mark", strings.HALTED))
