@@ -147,7 +147,9 @@ class SaysoApp(Stage):
         leave, ended = self.shown_keys["leave"], self.drawing.model.ended
         if ended is not None:
             return strings.SESSION_ENDED.format(reason=strings.REASONS.get(ended, ended), key=leave)
-        return strings.QUIT_QUESTION.format(key=leave) if self.leaving.asked else self.keeping.told
+        if self.leaving.asked:
+            return strings.QUIT_QUESTION.format(key=leave, stop=self.shown_keys["interrupt"])
+        return self.keeping.told
 
     # Starting
 

@@ -6,13 +6,17 @@ from pathlib import Path
 
 import pytest
 from rich.cells import cell_len
+from textual.geometry import Region
+from textual.widgets import Static
 
 from config.changing import Layers
 from engine import events as ev
+from engine.commands import Interrupt
 from engine.handle import PartStatus
 from tests.tui import conversation, scripted
 from tests.tui.desk import Desk, console
 from tests.tui.scripted import PARTS_READY, ScriptedEngine, flat, robot_at
+from tui.keys.keys import ALL_KEYS
 from tui.words import strings
 from tui.words.hints import JOINT, fitting
 from tui.words.language import Language
@@ -84,10 +88,10 @@ async def test_no_hint_on_a_page_or_in_the_line_is_cut(size: tuple[int, int], tm
         conversation.play(engine, conversation.ALL)
         desk.app.examining.know(lambda: _Nobody())  # type: ignore[arg-type, return-value]
         for keys, last in (
-            (("enter",), "esc stops"),
-            (("enter", "d"), "esc stops"),
-            (("d", "o"), "esc leaves"),
-            (("o", "question_mark"), "esc leaves this page"),
+            (("enter",), "enter back · esc stops everything"),
+            (("enter", "d"), "d back · esc stops everything"),
+            (("d", "o"), "o back · esc stops everything"),
+            (("o", "question_mark"), "? back · esc stops everything"),
             (("question_mark", "ctrl+p"), "esc stops the robot and leaves"),
             (("ctrl+p", "slash"), "esc stops"),
         ):
@@ -96,6 +100,57 @@ async def test_no_hint_on_a_page_or_in_the_line_is_cut(size: tuple[int, int], tm
             hinting = [line for line in desk.text.splitlines() if last in line]
             assert hinting, (keys, desk.text)
             assert all("…" not in line for line in hinting), hinting
+
+
+@pytest.mark.parametrize("key", ["question_mark", "o", "d", "enter"])
+async def test_a_page_names_the_key_that_leaves_it_and_esc_stops_there(key: str, tmp_path: Path) -> None:
+    async with console() as desk:
+        desk.app.dress("sayso-dark", 30, layers=Layers(environ={}, folder=tmp_path))
+        desk.app.examining.know(lambda: _Nobody())  # type: ignore[arg-type, return-value]
+        main = desk.app.screen
+        name = {"question_mark": "?"}.get(key, key)
+        await desk.press(key)
+        assert desk.app.screen is not main
+        assert f"{name} back · esc stops everything" in desk.text
+        await desk.press(key)
+        assert desk.app.screen is main
+        await desk.press(key, "question_mark")
+        assert desk.app.screen is main, "that of the help leaves any page"
+        assert desk.engine.sent == [], "and nothing has been stopped"
+        await desk.press(key, "escape")
+        assert desk.app.screen is main
+        assert desk.engine.sent == [Interrupt()]
+
+
+async def test_the_question_whether_to_quit_says_that_esc_stops_the_task() -> None:
+    async with console(keymap={"interrupt": "f2"}) as desk:
+        desk.engine.play(scripted.acting())
+        await desk.press("q")
+        assert "q again quits, f2 stops it" in status(desk)
+        await desk.press("f2")
+        assert desk.engine.sent == [Interrupt()]
+        assert "again" not in status(desk)
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+@pytest.mark.parametrize("size", [(60, 16), (80, 24), (120, 40)], ids=str)
+async def test_no_key_and_no_sentence_of_the_help_is_cut(size: tuple[int, int], language: Language) -> None:
+    async with console(size=size, language=language, keymap={"recall": "ctrl+r,ctrl+t,f12"}) as desk:
+        await desk.press("question_mark")
+        page = desk.app.screen.query_one("#page")
+        drawn: dict[str, set[str]] = {"key": set(), "about": set()}
+        for cell in page.query(Static):
+            assert cell.region.right <= page.content_region.right
+            lines = [strip.text.strip() for strip in cell.render_lines(Region(0, 0, *cell.size))]
+            drawn["key" if cell.has_class("key") else "about"].add("".join(lines).replace(" ", ""))
+            assert len(lines) == 1 or not cell.has_class("key"), "a key stands on one line"
+        assert drawn["key"] >= {key.replace(" ", "") for key in desk.app.shown_keys.values()}
+        assert drawn["about"] >= {key.about.replace(" ", "") for key in ALL_KEYS}
+        top = ""
+        while top != desk.text:
+            top = desk.text
+            await desk.press("pagedown")
+        assert strings.ABOUT_KEYS[ALL_KEYS[-1].id] in desk.text, "its end can be reached"
 
 
 class _Nobody:

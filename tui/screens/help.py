@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Final
 
+from rich.cells import cell_len
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.content import Content
@@ -13,6 +15,12 @@ from textual.widgets import Static
 from tui.keys.keys import KEYS, MAP_KEYS, SETTING_KEYS, TURN_KEYS, Key
 from tui.words import strings
 from tui.words.widths import right
+
+
+_GAP: Final = 2
+"""Columns between a key and what it does."""
+_WIDEST: Final = 24
+"""Columns of keys at most; longer lists of them wrap."""
 
 
 class HelpScreen(Screen[None]):
@@ -25,17 +33,19 @@ class HelpScreen(Screen[None]):
         """``keys`` are the keys in use by action id, as they are shown to people."""
         super().__init__()
         self._keys = keys
+        self._width = min(_WIDEST, max(map(cell_len, keys.values())))  # of the column of keys
 
     def compose(self) -> ComposeResult:
         with VerticalScroll(id="page", can_focus=False) as page:
+            page.styles.grid_columns = f"{self._width + _GAP} 1fr"
             page.border_title = f"{strings.NAME} · {strings.HELP_TITLE}"
             page.border_subtitle = Content(strings.HELP_LEAVE.format(**self._keys))
-            yield Static(right(strings.HELP_BEGIN, 10), classes="key", markup=False)
+            yield Static(right(strings.HELP_BEGIN, self._width), classes="key", markup=False)
             begin = "\n".join((strings.WELCOME, *strings.TOUR)).format(**self._keys)
             yield Static(f"{begin}\n", classes="about", markup=False)
             yield from self._listed(KEYS)
             signs = [part for sign, word in strings.SIGN_WORDS for part in ((f"{sign} ", "bold"), (f"{word}  ", ""))]
-            yield Static(right(strings.HELP_SIGNS, 10), classes="key", markup=False)
+            yield Static(right(strings.HELP_SIGNS, self._width), classes="key", markup=False)
             yield Static(Content.assemble(*signs), classes="about", markup=False)
             for title, keys in (
                 (strings.HELP_MAP, MAP_KEYS),
@@ -48,7 +58,7 @@ class HelpScreen(Screen[None]):
 
     def _listed(self, keys: Sequence[Key]) -> ComposeResult:
         for key in keys:
-            gutter = Content.styled(f"{right(self._keys[key.id], 10)}  ", "bold $text-accent")
+            gutter = Content.styled(right(self._keys[key.id], self._width), "bold $text-accent")
             yield Static(gutter, classes="key", markup=False)
             yield Static(key.about, classes="about", markup=False)
 

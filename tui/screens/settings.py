@@ -212,7 +212,7 @@ class SettingsScreen(Screen[None]):
     def _draw(self) -> None:
         title = f"{strings.NAME} · {strings.SETTINGS_TITLE}"
         self._list.border_title = Content(title)
-        hints = fitting(strings.SETTINGS_KEYS.format(**self._keys), self.size.width - EDGES)
+        hints = fitting(strings.SETTINGS_KEYS.format(**self._keys), self.size.width - EDGES, last=2)
         self._list.border_subtitle = Content(hints)
         self._list.show([self._row(number, option) for number, option in enumerate(self._options)], matters=self._at)
         self._about.update(Content("\n").join(self._explained()))

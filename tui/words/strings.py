@@ -42,11 +42,11 @@ KEY_WORDS: Final = {
 }
 """In the status line, by action."""
 ABOUT_KEYS: Final = {
-    "interrupt": "Stop everything at once, motion first. Works everywhere.",
+    "interrupt": "Stop everything at once, motion first. Works everywhere; leaves any page.",
     "wake": "Listen now. A robot that speaks or acts stops first.",
     "end_task": "Stop, reset arm and history, and begin a new task.",
     "type": "Type a request. Up and down recall earlier ones.",
-    "help": "Show this page, or leave it.",
+    "help": "Show this page, or leave any page without stopping.",
     "leave": "Quit; asks once more while a task is running.",
     "leave_now": "Quit at once; the robot stops.",
     "log": "Show the log instead (small terminals).",
@@ -301,7 +301,7 @@ TO_MOTION: Final = "{milliseconds} to motion"
 TO_ANSWER: Final = "{milliseconds} to answer"
 BROWSE: Final = "{turn_back} {turn_on} browse · {turn} opens"
 TURN_TITLE: Final = "Turn {number} of {count}"
-TURN_KEYS: Final = "{turn_back} {turn_on} browse · {unfold} {fold} details · {turn} back · {interrupt} stops"
+TURN_KEYS: Final = "{turn_back} {turn_on} browse · {unfold} {fold} details · {turn} back · {interrupt} stops everything"
 FOLD: Final = "folds"
 UNFOLD: Final = "unfolds"
 NO_TURN: Final = "There has been no turn yet."
@@ -393,7 +393,7 @@ SOURCES: Final = {
 
 # Quitting and failing
 NOT_STARTED: Final = "not started"
-QUIT_QUESTION: Final = "A task is running: {key} again quits, esc stays"
+QUIT_QUESTION: Final = "A task is running: {key} again quits, {stop} stops it"
 ENGINE_STARTING: Final = "The engine is starting…"
 ENGINE_FAILED: Final = "The engine did not start"
 SESSION_ENDED: Final = "{key} quits; ended: {reason}"
@@ -415,7 +415,7 @@ CRASH_HINT: Final = "This is a mistake in sayso. Please report it with the lines
 HELP_TITLE: Final = "Keys"
 HELP_BEGIN: Final = "To begin"
 HELP_SIGNS: Final = "Signs"
-HELP_LEAVE: Final = "{newer} {older} more · {help} or {interrupt} leaves this page"
+HELP_LEAVE: Final = "{newer} {older} more · {help} back · {interrupt} stops everything"
 HELP_MAP: Final = "While the map has the keyboard"
 HELP_TURN: Final = "On the page of a turn"
 HELP_SETTINGS: Final = "On the page of the settings"
@@ -512,7 +512,9 @@ SAVED_PICTURE: Final = "only the picture is saved, as there is no log of this se
 
 # Doctor
 DOCTOR_TITLE: Final = "Doctor"
-DOCTOR_KEYS: Final = "{older} {newer} more · {examine} again · {copy} copies · {doctor} back · {interrupt} stops"
+DOCTOR_KEYS: Final = (
+    "{older} {newer} more · {examine} again · {copy} copies · {doctor} back · {interrupt} stops everything"
+)
 EXAMINING: Final = "◌ {name} … {count} examined so far"
 NOTHING_TO_EXAMINE: Final = "There is nothing to examine before the settings are read."
 COPIED_PAGE: Final = "{lines} lines copied"
@@ -572,7 +574,7 @@ DID_YOU_MEAN_THEME: Final = "Did you mean {}?"
 SETTINGS_TITLE: Final = "Settings"
 SETTINGS_KEYS: Final = (
     "{setting_up}{setting_down} {setting_before}{setting_after} look · {setting_take} changes · "
-    "{setting_default} default · {settings} or {interrupt} leaves"
+    "{setting_default} default · {settings} back · {interrupt} stops everything"
 )
 SETTINGS_LINE: Final = "enter keeps what is written · up and down leave it"
 SETTINGS_READING: Final = "reading the settings…"

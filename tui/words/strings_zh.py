@@ -38,11 +38,11 @@ KEY_WORDS: Final = {
     "leave": "退出",
 }
 ABOUT_KEYS: Final = {
-    "interrupt": "立即停止一切，先停运动。在任何地方都有效。",
+    "interrupt": "立即停止一切，先停运动。在任何地方都有效，也会离开页面。",
     "wake": "开始聆听。正在说话或行动的机器人会先停下。",
     "end_task": "停下，收回手臂，清空对话，开始新任务。",
     "type": "输入请求。上下方向键可找回以前的请求。",
-    "help": "显示或离开本页。",
+    "help": "显示本页；不停止机器人而离开任何页面。",
     "leave": "退出；任务进行中时会再问一次。",
     "leave_now": "立即退出；机器人会停下。",
     "log": "改为显示日志（小终端）。",
@@ -292,7 +292,7 @@ TO_MOTION: Final = "{milliseconds} 到运动"
 TO_ANSWER: Final = "{milliseconds} 到回答"
 BROWSE: Final = "{turn_back} {turn_on} 翻看 · {turn} 打开"
 TURN_TITLE: Final = "第 {number} 轮，共 {count} 轮"
-TURN_KEYS: Final = "{turn_back} {turn_on} 翻看 · {unfold} {fold}详情 · {turn} 返回 · {interrupt} 停止"
+TURN_KEYS: Final = "{turn_back} {turn_on} 翻看 · {unfold} {fold}详情 · {turn} 返回 · {interrupt} 停止一切"
 FOLD: Final = "折叠"
 UNFOLD: Final = "展开"
 NO_TURN: Final = "还没有任何一轮。"
@@ -379,7 +379,7 @@ SOURCES: Final = {
 
 # Quitting and failing
 NOT_STARTED: Final = "未开始"
-QUIT_QUESTION: Final = "任务进行中：再按 {key} 退出，esc 留下"
+QUIT_QUESTION: Final = "任务进行中：再按 {key} 退出，{stop} 停止任务"
 ENGINE_STARTING: Final = "引擎启动中…"
 ENGINE_FAILED: Final = "引擎没有启动"
 SESSION_ENDED: Final = "{key} 退出；会话已结束：{reason}"
@@ -401,7 +401,7 @@ CRASH_HINT: Final = "这是 sayso 的错误。请报告此事，并附上以上�
 HELP_TITLE: Final = "按键"
 HELP_BEGIN: Final = "入门"
 HELP_SIGNS: Final = "符号"
-HELP_LEAVE: Final = "{newer} {older} 翻页 · {help} 或 {interrupt} 离开"
+HELP_LEAVE: Final = "{newer} {older} 翻页 · {help} 返回 · {interrupt} 停止一切"
 HELP_MAP: Final = "地图有键盘焦点时"
 HELP_TURN: Final = "在一轮的详情页"
 HELP_SETTINGS: Final = "在设置页"
@@ -487,7 +487,7 @@ SAVED_PICTURE: Final = "本次会话没有日志，只保存了截图：{folder}
 
 # Doctor
 DOCTOR_TITLE: Final = "检查"
-DOCTOR_KEYS: Final = "{older} {newer} 翻页 · {examine} 再检查 · {copy} 复制 · {doctor} 返回 · {interrupt} 停止"
+DOCTOR_KEYS: Final = "{older} {newer} 翻页 · {examine} 再检查 · {copy} 复制 · {doctor} 返回 · {interrupt} 停止一切"
 EXAMINING: Final = "◌ {name} … 已检查 {count} 项"
 NOTHING_TO_EXAMINE: Final = "设置读入之前没有可检查的。"
 COPIED_PAGE: Final = "已复制 {lines} 行"
@@ -546,7 +546,7 @@ DID_YOU_MEAN_THEME: Final = "是不是 {}？"
 SETTINGS_TITLE: Final = "设置"
 SETTINGS_KEYS: Final = (
     "{setting_up}{setting_down} {setting_before}{setting_after} 查看 · {setting_take} 更改 · "
-    "{setting_default} 默认 · {settings} 或 {interrupt} 离开"
+    "{setting_default} 默认 · {settings} 返回 · {interrupt} 停止一切"
 )
 SETTINGS_LINE: Final = "回车保存所写内容 · 上下键放弃"
 SETTINGS_READING: Final = "正在读取设置……"
