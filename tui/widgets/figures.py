@@ -14,6 +14,7 @@ from tui.plan.chart import posture
 from tui.terminal.link import LinkFigures
 from tui.widgets.lines import Drawn, Lines
 from tui.words import strings
+from tui.words.hints import EDGES, fitting
 from tui.words.language import told
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ _PART_SIGNS: Final = {
     "loading": ("◌", "$text-primary"),
     "ready": ("✓", "$text-success"),
 }
+_SIDES: Final = 4
+"""Columns of the frame beside what is in it."""
 WIDE: Final = 50
 """Columns from which all figures fit in two lines, and all parts in one."""
 
@@ -37,6 +40,7 @@ Piece = tuple[str, str]
 class Figures(Lines[tuple[Piece, ...]]):
     """Pose, speed and gripper, rounded to what can be read, and one line about the parts."""
 
+    _link: LinkFigures | None = None
     _given: tuple[RobotState | None, Sequence[PartStatus], Thing | None] = (None, (), None)
 
     def update_from(self, robot: RobotState | None, parts: Sequence[PartStatus], held: Thing | None = None) -> None:
@@ -46,6 +50,7 @@ class Figures(Lines[tuple[Piece, ...]]):
 
     def on_resize(self, event: events.Resize) -> None:
         self._arrange()
+        self.tell(self._link)
         super().on_resize(event)
 
     def _arrange(self) -> None:
@@ -56,7 +61,8 @@ class Figures(Lines[tuple[Piece, ...]]):
 
     def tell(self, link: LinkFigures | None) -> None:
         """Say in the frame how good the line to the terminal is."""
-        subtitle = "" if link is None else link_words(link)
+        self._link = link
+        subtitle = "" if link is None else link_words(link, self.size.width + _SIDES - EDGES)
         if subtitle != (self.border_subtitle or ""):
             self.border_subtitle = subtitle
 
@@ -88,13 +94,15 @@ def figure_lines(robot: RobotState, wide: bool, held: Thing | None = None) -> li
     return [(*x, *y), (*heading, *speed), doing if held is None else (*doing, ("  ", ""), *gripper)]
 
 
-def link_words(link: LinkFigures) -> str:
-    """The line in figures: how late, how much, how often."""
+def link_words(link: LinkFigures, columns: int) -> str:
+    """The line in figures: how late, how much, how often; where there is no room for words, the figures alone, and the
+    last of them goes first."""
+    rates = strings.LINK_RATES.format(link.bytes_per_s / 1000, link.frames_per_s)
     if not link.reports:
-        delay = strings.LINK_SILENT
-    else:
-        delay = strings.LINK_DELAY.format("–" if link.delay is None else round(1000 * link.delay))
-    return f"{delay} · " + strings.LINK_RATES.format(link.bytes_per_s / 1000, link.frames_per_s)
+        return fitting(f"{strings.LINK_SILENT} · {rates}", columns, last=0)
+    delay = f"{'–' if link.delay is None else round(1000 * link.delay)} ms"
+    words = f"{strings.LINK_DELAY.format(delay)} · {rates}"
+    return words if cell_len(words) <= columns else fitting(f"{delay} · {rates}", columns, last=0)
 
 
 def part_line(parts: Sequence[PartStatus], wide: bool, columns: int) -> tuple[Piece, ...]:

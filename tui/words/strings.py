@@ -444,7 +444,7 @@ DUMB_TERMINAL: Final = (
 )
 
 # Line to the terminal
-LINK_DELAY: Final = "line {} ms"
+LINK_DELAY: Final = "line {}"
 LINK_SILENT: Final = "line untold"  # the terminal does not report what it has drawn
 LINK_RATES: Final = "{:.1f} kB/s · {:.1f}/s"
 FARES: Final = {

@@ -423,7 +423,7 @@ NOT_A_TERMINAL: Final = "控制台需要终端，而{stream}不是。程序请�
 DUMB_TERMINAL: Final = "控制台无法在此终端上绘制（TERM 为 {term}）。请换一个，或用只需文本行的 `sayso ask TEXT`。"
 
 # Line to the terminal
-LINK_DELAY: Final = "线路 {} ms"
+LINK_DELAY: Final = "线路 {}"
 LINK_SILENT: Final = "线路不报"
 LINK_RATES: Final = "{:.1f} kB/s · {:.1f}/s"
 FARES: Final = {
