@@ -154,6 +154,19 @@ async def test_plus_looks_closer_at_the_cursor_minus_back_and_zero_shows_everyth
         assert floor.viewport == Viewport()
 
 
+async def test_who_leaves_the_map_sees_what_was_shown_before_unless_it_follows_the_robot() -> None:
+    async with console() as desk:
+        floor = view(desk)
+        await desk.press("m", "tab", "tab", "plus", "plus", "plus", "plus")
+        assert floor._frame is not None
+        assert floor._frame.cell(-1.35, 0.05) is None, "the robot is out of sight"
+        await desk.press("m")
+        assert floor.viewport == Viewport()
+        await desk.press("m", "f", "plus", "slash")
+        assert floor.viewport.follows
+        assert floor.viewport.zoom > 1
+
+
 async def test_a_robot_that_is_nowhere_is_neither_followed_nor_pointed_at() -> None:
     async with console(ScriptedEngine(robot=robot_at(math.nan, math.nan, math.nan), floor=FLAT)) as desk:
         await desk.press("m", "f", "plus", "h", "f", "tab", "enter")

@@ -83,6 +83,7 @@ class FloorView(Widget, can_focus=True):
         self._moving = Moving()
         self._scan: Scan | None = None
         self._viewport = Viewport()
+        self._unpointed = self._viewport  # what was shown before somebody pointed
         self._whole: Frame | None = None
         self._frame: Frame | None = None
         self._cells: list[list[Cell]] = []
@@ -262,13 +263,17 @@ class FloorView(Widget, can_focus=True):
     def begin(self) -> None:
         """There is a cursor from now on, where the robot is; before the next key, which may be there already."""
         if self._cursor is None:
+            self._unpointed = self._viewport
             self._point(self._robot_spot or (0.0, 0.0))
 
     def on_focus(self) -> None:
         self.begin()
 
     def on_blur(self) -> None:
+        """Nobody points any more: what was looked at closely need not be where the robot is."""
         self._point(None)
+        if not self._viewport.follows:
+            self._look(self._unpointed)
 
     def on_key(self) -> None:
         """Before the key acts: any of them takes the question back, unless it is the answer."""
