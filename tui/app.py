@@ -267,9 +267,10 @@ class SaysoApp(Stage):
         if self.main.unzoom():
             self.redraw_later()
         self.main.set_focus(None)
-        self.redraw()
+        self._follow()
 
     def action_wake(self) -> None:
+        self._follow()
         self.send(Wake("key"))
 
     def action_end_task(self) -> None:
@@ -283,12 +284,19 @@ class SaysoApp(Stage):
         self._say(message.request)
 
     def _say(self, text: str) -> None:
+        self._follow()
         command = Say(text)
         if self.handle is not None:
             self.send(command)
             return
         self._asked_early.append(command)
         self.note("info", strings.ASKED_EARLY.format(printable(text)))
+
+    def _follow(self) -> None:
+        """Somebody asks for something, or stops it: the turn that they look at is the newest again, unless it is on a
+        page."""
+        if self.screen is self.main:
+            self.drawing.browse_to(None)
 
     # Keys that only change what is shown
 
@@ -419,8 +427,8 @@ class SaysoApp(Stage):
             self.main.toggle_timeline(on=True)
 
     def on_timeline_chosen(self, message: Timeline.Chosen) -> None:
-        kept = self.drawing.model.turns.kept
-        self.drawing.browsed = next((turn.id for turn in kept if turn.number == message.number), None)
+        older = self.drawing.model.turns.kept[:-1]  # the newest one is followed, as without a click
+        self.drawing.browse_to(next((turn.id for turn in older if turn.number == message.number), None))
         self.drawing.now()
         self.action_turn()
 

@@ -259,3 +259,42 @@ async def test_markup_in_a_turn_is_only_text() -> None:
         await desk.settled()
         await desk.press("enter", "j")
         assert desk.text.count(text) >= 5
+
+
+async def test_turns_that_begin_while_somebody_looks_at_another_one_are_counted() -> None:
+    async with console() as desk:
+        talk.play(desk.engine, talk.ALL[:3])
+        await desk.press(BACK)
+        assert "new ·" not in desk.text
+        talk.play(desk.engine, talk.ALL[3:5])
+        await desk.settled()
+        assert "2 new · [ ] browse" in desk.text
+        await desk.press(*[ON] * 3)
+        assert desk.app.shown.turn is None
+        assert "new ·" not in desk.text
+
+
+@pytest.mark.parametrize("keys", [("escape",), ("space",), ("slash", *"beep", "enter"), ("m", "tab", "enter", "enter")])
+async def test_who_asks_for_something_or_stops_follows_the_newest_turn_again(keys: tuple[str, ...]) -> None:
+    async with console() as desk:
+        talk.play(desk.engine, talk.ALL)
+        await desk.press(BACK)
+        assert desk.app.shown.turn is not None
+        await desk.press(*keys)
+        assert desk.app.shown.turn is None
+
+
+async def test_a_turn_on_a_page_stays_there_while_somebody_wakes_the_robot() -> None:
+    async with console() as desk:
+        talk.play(desk.engine, talk.ALL)
+        await desk.press(BACK, "enter", "space")
+        assert desk.app.shown.turn is not None
+
+
+async def test_a_click_on_the_newest_turn_follows_it() -> None:
+    async with console() as desk:
+        talk.play(desk.engine, talk.ALL)
+        await desk.settled()
+        await desk.pilot.click(Timeline, offset=(10, 1))
+        await desk.press("enter")
+        assert desk.app.shown.turn is None

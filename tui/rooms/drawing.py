@@ -55,6 +55,7 @@ class Drawing:
         """What moves by itself does so seldom."""
         self.browsed: str | None = None
         """The turn that somebody looks at; None: the newest."""
+        self._counted = 0  # turns that there were when somebody last chose one
         self.tour: Tour | None = None
         """What whoever sits here for the first time is told."""
         self._stage = stage
@@ -123,7 +124,11 @@ class Drawing:
         ids = [turn.id for turn in self.model.turns.kept]
         here = ids.index(self.browsed) if self.browsed in ids else len(ids) - 1
         there = max(0, here + step)
-        self.browsed = ids[there] if there < len(ids) - 1 else None
+        self.browse_to(ids[there] if there < len(ids) - 1 else None)
+
+    def browse_to(self, turn: str | None) -> None:
+        """Look at the turn of this id; None: at the newest from now on."""
+        self.browsed, self._counted = turn, self.model.turns.count
         self._frames.ask()
 
     def now(self) -> bool:
@@ -189,7 +194,8 @@ class Drawing:
             hints=self._hints(),
             parts=self._parts,
             floor_map=self._floor_map,
-            turn=next((turn for turn in model.turns.kept if turn.id == self.browsed), None),
+            turn=(turn := next((turn for turn in model.turns.kept if turn.id == self.browsed), None)),
+            fresh=model.turns.count - self._counted if turn is not None else 0,
             bare=bare,
             link=self._sending.figures(),
             touring=self.tour is not None and self.tour.due,

@@ -138,7 +138,7 @@ class ConsoleScreen(Screen[None]):
         self._queue.update_from(model, view.now, self._keys["interrupt"])
         self._figures.update_from(view.robot, view.parts, view.world.held if view.world is not None else None)
         self._figures.tell(view.link)
-        self._timeline.update_from(model.turns.kept, view.turn, view.now)
+        self._timeline.update_from(model.turns.kept, view.turn, view.now, view.fresh)
         self._mic.update_from(model.trace, notice=notice, trouble=trouble)
         if view.floor_map is not None:
             self._floor.show_map(view.floor_map, view.places)

@@ -52,6 +52,7 @@ class View(Struct, frozen=True):
     world: World | None = None
     scan: Scan | None = None
     turn: Turn | None = None  # that somebody browsed to; None: the newest
+    fresh: int = 0  # turns that have begun since then
     bare: bool = False  # the line bears no more than what one has to know
     touring: bool = False  # somebody sits here for the first time
     link: LinkFigures | None = None  # how good the line is; None: nobody wants to know

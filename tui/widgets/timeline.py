@@ -85,15 +85,21 @@ class Timeline(FromTop[Head | Bar | str]):
         super().__init__(classes=classes)
         self._hint = hint
         self._known: tuple[Sequence[Turn], Turn | None, float] = ((), None, 0.0)  # what it was told to show
+        self._fresh = 0
 
     def tell(self, hint: str) -> None:
         """Other keys are in use."""
         self._hint = hint
         if self.border_subtitle:
-            self.border_subtitle = Content(hint)
+            self._entitle()
 
-    def update_from(self, turns: Sequence[Turn], browsed: Turn | None, now: float) -> None:
-        """Show the turns as of event time ``now``; ``browsed`` is the one that somebody looks at."""
+    def _entitle(self) -> None:
+        news = f"{strings.NEW_TURNS.format(self._fresh)} · " if self._fresh else ""
+        self.border_subtitle = Content(f"{news}{self._hint}")
+
+    def update_from(self, turns: Sequence[Turn], browsed: Turn | None, now: float, fresh: int = 0) -> None:
+        """Show the turns as of event time ``now``; ``browsed`` is the one that somebody looks at, and ``fresh`` have
+        begun since."""
         self._known = turns, browsed, now
         first = turns.index(browsed) if browsed is not None else len(turns) - 1
         last = min(first + 3, len(turns) - 1)  # some newer ones above it, to go back to
@@ -106,13 +112,14 @@ class Timeline(FromTop[Head | Bar | str]):
             items += [head(turn, shown=number == first), *bars(turn, now)]
             if len(items) - matters > 2 * max(_LEAST_ROWS, self.size.height):
                 break
-        if items and not self.border_subtitle:
-            self.border_subtitle = Content(self._hint)
+        if items and (not self.border_subtitle or fresh != self._fresh):
+            self._fresh = fresh
+            self._entitle()
         self.show(items or [strings.NO_TURNS], matters=matters)
 
     def on_resize(self, event: events.Resize) -> None:
         """There may be room for more of them."""
-        self.update_from(*self._known)
+        self.update_from(*self._known, self._fresh)
         super().on_resize(event)
 
     def on_click(self, event: events.Click) -> None:

@@ -57,7 +57,7 @@ ABOUT_KEYS: Final = {
     "camera": "Show what the camera sees, or no longer.",
     "timeline": "Show the turns instead (small terminals).",
     "turn_back": "Look at the turn before.",
-    "turn_on": "Look at the next turn; the newest is followed.",
+    "turn_on": "Look at the next turn; the newest is followed, as after a new request or a stop.",
     "turn": "Show the whole turn, or leave it.",
     "palette": "Find everything that can be done: type a part of it.",
     "recall": "Search what was asked for before.",
@@ -299,6 +299,7 @@ RECOGNISES: Final = "recognising…"
 NOTHING_SAID: Final = "nothing was said yet"
 TO_MOTION: Final = "{milliseconds} to motion"
 TO_ANSWER: Final = "{milliseconds} to answer"
+NEW_TURNS: Final = "{} new"
 BROWSE: Final = "{turn_back} {turn_on} browse · {turn} opens"
 TURN_TITLE: Final = "Turn {number} of {count}"
 TURN_KEYS: Final = "{turn_back} {turn_on} browse · {unfold} {fold} details · {turn} back · {interrupt} stops everything"

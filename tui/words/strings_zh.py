@@ -53,7 +53,7 @@ ABOUT_KEYS: Final = {
     "camera": "显示或隐藏相机画面。",
     "timeline": "改为显示各轮对话（小终端）。",
     "turn_back": "看上一轮。",
-    "turn_on": "看下一轮；到最新一轮后自动跟随。",
+    "turn_on": "看下一轮；到最新一轮后自动跟随，提出新请求或停止后也一样。",
     "turn": "显示或离开整轮详情。",
     "palette": "查找所有能做的事：输入其中几个字即可。",
     "recall": "搜索以前提过的请求。",
@@ -290,6 +290,7 @@ RECOGNISES: Final = "识别中…"
 NOTHING_SAID: Final = "还没有说什么"
 TO_MOTION: Final = "{milliseconds} 到运动"
 TO_ANSWER: Final = "{milliseconds} 到回答"
+NEW_TURNS: Final = "{} 轮新的"
 BROWSE: Final = "{turn_back} {turn_on} 翻看 · {turn} 打开"
 TURN_TITLE: Final = "第 {number} 轮，共 {count} 轮"
 TURN_KEYS: Final = "{turn_back} {turn_on} 翻看 · {unfold} {fold}详情 · {turn} 返回 · {interrupt} 停止一切"
