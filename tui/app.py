@@ -278,19 +278,21 @@ class SaysoApp(Stage):
 
     def on_ask_asked(self, message: Ask.Asked) -> None:
         self.dressing.typed(message.text)
-        self._say(message.text)
+        self._say(*message.requests)
 
     def on_floor_view_chosen(self, message: FloorView.Chosen) -> None:
         self._say(message.request)
 
-    def _say(self, text: str) -> None:
+    def _say(self, text: str, *then: str) -> None:
+        """Ask for this, and for what is to be done after it."""
         self._follow()
-        command = Say(text)
+        command = Say(text, then=then)
         if self.handle is not None:
             self.send(command)
             return
         self._asked_early.append(command)
-        self.note("info", strings.ASKED_EARLY.format(printable(text)))
+        for request in (text, *then):
+            self.note("info", strings.ASKED_EARLY.format(printable(request)))
 
     def _follow(self) -> None:
         """Somebody asks for something, or stops it: the turn that they look at is the newest again, unless it is on a

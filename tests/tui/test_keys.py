@@ -13,7 +13,7 @@ from engine.commands import EndTask, Interrupt, Quit, Say, Wake
 from engine.errors import DeviceError, ExitCode, RobotError
 from engine.handle import EngineHandle
 from tests.tui import scripted
-from tests.tui.desk import console
+from tests.tui.desk import Desk, console
 from tests.tui.scripted import ScriptedEngine
 from tui.screens.console import ConsoleScreen
 from tui.screens.help import HelpScreen
@@ -100,6 +100,59 @@ async def test_enter_on_an_empty_line_leaves_without_stopping_the_robot() -> Non
     async with console() as desk:
         await desk.press("slash", "enter", "space")
         assert desk.engine.sent == [Wake("key")]
+
+
+async def paste(desk: Desk, text: str) -> None:
+    desk.app.query_one(Ask).post_message(events.Paste(text))
+    await desk.settled()
+
+
+async def test_every_line_that_is_pasted_is_a_request_and_they_are_done_one_after_the_other() -> None:
+    async with console() as desk:
+        await desk.press("slash")
+        await paste(desk, "go to the kitchen\r\n\n  beep \nturn left\n")
+        assert " 3›go to the kitchen ⏎ beep ⏎ turn left" in desk.text
+        await desk.press("enter")
+        assert desk.engine.sent == [Say("go to the kitchen", then=("beep", "turn left"))]
+        assert " › " in desk.text
+        await desk.press("up", "enter")
+        assert desk.engine.sent[1:] == desk.engine.sent[:1], "they are recalled as they were sent"
+
+
+async def test_one_line_that_is_pasted_goes_where_the_cursor_is() -> None:
+    async with console() as desk:
+        await desk.press("slash", *"go", "home")
+        await paste(desk, "please \n")
+        await paste(desk, "\n")
+        assert desk.app.query_one(Ask).value == "pleasego"
+        await desk.press("enter")
+        assert desk.engine.sent == [Say("pleasego")]
+
+
+async def test_what_is_too_long_to_be_pasted_says_so() -> None:
+    async with console() as desk:
+        await desk.press("slash")
+        await paste(desk, "beep\n" * 5000)
+        (told,) = desk.app._notifications
+        assert told.message.startswith("Too long to be pasted: the line holds 20000 characters.")
+        assert desk.app.query_one(Ask).value == ""
+
+
+async def test_lines_that_are_pasted_before_the_engine_is_there_wait_for_it() -> None:
+    there = threading.Event()
+    engine = ScriptedEngine()
+
+    def start() -> EngineHandle:
+        there.wait()
+        return engine
+
+    async with console(engine, start=start) as desk:
+        await desk.press("slash")
+        await paste(desk, "beep\nturn left")
+        await desk.press("enter")
+        there.set()
+        await desk.until(lambda: engine.sent)
+        assert engine.sent == [Say("beep", then=("turn left",))]
 
 
 async def test_question_mark_opens_help_and_keys_work_there() -> None:

@@ -16,7 +16,6 @@ from tui.keys.keys import KEYS, MAP_KEYS, SETTING_KEYS, TURN_KEYS, Key
 from tui.words import strings
 from tui.words.widths import right
 
-
 _GAP: Final = 2
 """Columns between a key and what it does."""
 _WIDEST: Final = 24

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from textual import events
 from textual.app import ComposeResult
@@ -18,11 +18,20 @@ from tui.words import strings
 from tui.words.hints import fitting
 
 _MAX_HISTORY = 200
+_MAX_LENGTH: Final = 20_000
+"""Characters of the line: ten of the longest requests."""
+_BREAK: Final = "⏎"
+"""Stands between requests that were pasted on lines of their own."""
+
+
+def requests_of(written: str) -> tuple[str, ...]:
+    """What is asked for by what stands in the line: one request, or several that were pasted."""
+    return tuple(part for part in map(str.strip, written.split(_BREAK)) if part)
 
 
 class Ask(Input):
     """Sends what was typed; up and down recall it, right and tab take what is suggested. Enter on an empty line
-    leaves."""
+    leaves. Of what is pasted, each line is a request of its own."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("up", "recall(-1)", show=False),
@@ -31,18 +40,19 @@ class Ask(Input):
     ]
 
     class Asked(Message):
-        """Somebody typed a request."""
+        """Somebody typed a request, or pasted several: ``text`` is what stood in the line."""
 
         def __init__(self, text: str) -> None:
             super().__init__()
             self.text = text
+            self.requests = requests_of(text)
 
     def __init__(self, keys: Mapping[str, str]) -> None:
         """``keys`` are the keys in use by action id, as they are shown to people."""
         super().__init__(
             placeholder=strings.PLACEHOLDER.format(**keys),
             compact=True,
-            max_length=1000,
+            max_length=_MAX_LENGTH,
             suggester=Guess(lambda text: self._completion.rest(text, self._history)),
         )
         self._keys = keys
@@ -103,6 +113,16 @@ class Ask(Input):
             return
         await super()._on_key(event)
 
+    def _on_paste(self, event: events.Paste) -> None:
+        """In place of Textual's, which takes the first line only."""
+        event.stop()
+        event.prevent_default()
+        pasted = f" {_BREAK} ".join(line.strip() for line in event.text.splitlines() if line.strip())
+        before = self.value
+        self.replace(pasted, *self.selection)
+        if pasted and self.value == before:
+            self.app.notify(strings.PASTED_TOO_LONG.format(_MAX_LENGTH), severity="warning", markup=False)
+
     def action_complete(self) -> None:
         """Take what is suggested; a line is not left by this key."""
         if self.cursor_at_end and self._suggestion:
@@ -110,7 +130,7 @@ class Ask(Input):
 
     async def action_submit(self) -> None:
         text = self.value.strip()
-        if not text:
+        if not requests_of(text):
             self.screen.set_focus(None)
             return
         if not self._history or self._history[-1] != text:
@@ -148,6 +168,9 @@ class Guess(Suggester):
         return value + rest if rest else None
 
 
+_PROMPT: Final = " › "
+
+
 class AskLine(Horizontal):
     """The prompt sign and the line."""
 
@@ -156,8 +179,13 @@ class AskLine(Horizontal):
         self._ask = Ask(keys)
 
     def compose(self) -> ComposeResult:
-        yield Static(" › ", id="prompt", markup=False)
+        yield Static(_PROMPT, id="prompt", markup=False)
         yield self._ask
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Say before the line how many requests it holds, where they are several."""
+        number = len(requests_of(event.value))
+        self.query_one("#prompt", Static).update(f"{min(number, 99):>2}›" if number > 1 else _PROMPT)
 
     @property
     def line(self) -> Ask:

@@ -33,8 +33,8 @@ _STYLES: Final = {
 
 
 class Conversation(Lines[tuple[str, str, str]]):
-    """The transcript, oldest first; what waits for its turn and words still being heard stand last, those that may still
-    change in italics."""
+    """The transcript, oldest first; what waits for its turn and words still being heard stand last, in italics where
+    they may still change."""
 
     def update_from(self, model: ConsoleModel, welcome: Sequence[str]) -> None:
         """Show the model's conversation, or the lines of ``welcome``, which say how to begin one."""

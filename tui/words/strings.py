@@ -362,6 +362,7 @@ RULE_QUIET: Final = "┄"
 PLACEHOLDER: Final = "Press {type} and type what the robot should do"
 PLACEHOLDER_EARLY: Final = "Press {type} and type; it waits for {parts} to load"
 PLACEHOLDER_TYPING: Final = "enter sends · up down recall · {recall} searches · tab completes · {interrupt} stops"
+PASTED_TOO_LONG: Final = "Too long to be pasted: the line holds {} characters. Nothing of it was taken."
 PHRASES: Final = (
     "go to the ", "turn left 90 degrees", "turn right 90 degrees", "turn around", "move forward 1 metre",
     "move back 1 metre", "where are you?", "what can you do?", "what do you see?", "look around", "pick up the ",

@@ -351,6 +351,7 @@ SOUND_FIGURES: Final = "聆听 {listened:.1f} 秒 · 人声 {speech:.1f} 秒 · 
 PLACEHOLDER: Final = "按 {type} 输入机器人要做的事"
 PLACEHOLDER_EARLY: Final = "按 {type} 输入；载入后才会执行：{parts}"
 PLACEHOLDER_TYPING: Final = "回车发送 · 上下找回 · {recall} 搜索 · tab 补全 · {interrupt} 停止"
+PASTED_TOO_LONG: Final = "粘贴的内容太长：输入行最多 {} 个字符，没有接受任何内容。"
 PHRASES: Final = (
     "去", "向左转90度", "向右转90度", "转身", "前进1米", "后退1米", "你在哪里？", "你会做什么？", "你看到什么？",
     "看看四周", "拿起", "把它放到", "找到", "跟着我", "回来", "打扫房间", "举起手臂", "等5秒", "结束任务",
