@@ -366,8 +366,9 @@ class SaysoApp(Stage):
             self.main.point()
 
     def action_camera(self) -> None:
-        if self.screen is self.main:
-            self.viewing.show(not self.main.camera_shown)
+        there = self.screen is self.main and self.main.camera_in_sight
+        self.come_back()
+        self.viewing.show(not there)
 
     def action_copy(self) -> None:
         self.keeping.copy()

@@ -66,6 +66,18 @@ async def test_c_shows_the_camera_with_names_on_what_is_recognised_and_c_hides_i
         assert len(desk.engine.looks) == asked, "nobody looks any more"
 
 
+@pytest.mark.parametrize("keys", [("enter",), ("question_mark",), ("t",), ("l",), ("m",), ("t", "z"), ("c", "t")])
+async def test_c_shows_the_camera_wherever_one_is(keys: tuple[str, ...]) -> None:
+    async with console(looking(), size=(80, 24)) as desk:
+        await desk.press(*keys)
+        assert "blue box" not in desk.text
+        await desk.press("c")
+        await desk.until(lambda: "blue box" in desk.text)
+        await desk.press("c")
+        await desk.until(lambda: "blue box" not in desk.text)
+        assert desk.engine.sent == []
+
+
 @pytest.mark.parametrize("graphics", [Graphics("kitty"), Graphics("sixel", CELL)])
 async def test_a_saved_picture_of_the_screen_has_the_camera_also_where_the_terminal_shows_it_in_pixels(
     graphics: Graphics,

@@ -219,6 +219,12 @@ class ConsoleScreen(Screen[None]):
         return self.has_class("-camera")
 
     @property
+    def camera_in_sight(self) -> bool:
+        """It is shown, and no pane stands in its place."""
+        frames = (self._camera_frame, *self._camera_frame.ancestors)
+        return self.camera_shown and all(frame.display for frame in frames if isinstance(frame, Widget))
+
+    @property
     def has_room_for_all(self) -> bool:
         """The camera takes nothing from others."""
         return self.has_class("-wide") and self.has_class("-tall")
@@ -227,7 +233,7 @@ class ConsoleScreen(Screen[None]):
         """Show what the camera sees: below the map, or in its place where there is no room for both."""
         self.set_class(shown, "-camera")
         zoomed, narrow = self._panes.zoomed, self.has_class("-narrow")
-        if shown and (zoomed is not None or narrow):
+        if shown and (zoomed is not None or narrow or self._panes.alone is not None or self.has_class("-map")):
             self._panes.reveal("camera")
         elif zoomed == "camera":
             self._panes.reveal("map")

@@ -70,10 +70,10 @@ class Panes:
     @property
     def meant(self) -> PaneName | None:
         """The one that keys without a pane of their own act on: it has the keyboard, or is all that one sees."""
-        return self.focused or self._zoomed or self._alone
+        return self.focused or self._zoomed or self.alone
 
     @property
-    def _alone(self) -> PaneName | None:
+    def alone(self) -> PaneName | None:
         """The one that stands in place of all others on a small terminal."""
         if not self._screen.has_class("-compact"):
             return None
@@ -202,4 +202,4 @@ class Panes:
         if screen.has_class("-wide"):
             return "below" if self.focused in ("log", "turns") else "wide"
         one_column = screen.has_class("-narrow") or screen.has_class("-map") or not screen.has_class("-compact")
-        return None if one_column or self._alone is not None else "compact"
+        return None if one_column or self.alone is not None else "compact"

@@ -54,7 +54,7 @@ ABOUT_KEYS: Final = {
         "Point at something on the map: arrows or tab, enter goes there (asks first). + − zoom, 0 whole, f follows the "
         "robot, shift and arrows or hjkl shift."
     ),
-    "camera": "Show what the camera sees, or no longer.",
+    "camera": "Show what the camera sees, or no longer; leaves any page.",
     "timeline": "Show the turns instead (small terminals).",
     "turn_back": "Look at the turn before.",
     "turn_on": "Look at the next turn; the newest is followed, as after a new request or a stop.",
@@ -486,6 +486,7 @@ KIND_RECENT: Final = "earlier"
 KIND_MAP: Final = "map"
 KIND_TURN: Final = "turn"
 KIND_SETTINGS: Final = "settings"
+SETTING_ENTRY: Final = "Setting: {}"
 KIND_FILE: Final = "file"
 SETTINGS_FILE: Final = "Settings are in {}"
 SETTINGS_ARE_IN: Final = "Settings are written in {}; `sayso config show` lists them, `sayso config check` tests them."

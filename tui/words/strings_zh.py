@@ -50,7 +50,7 @@ ABOUT_KEYS: Final = {
         "在地图上指一处：方向键或 tab，回车前往（会先问）。+ − 缩放，0 看全图，f 跟随机器人，"
         "shift 加方向键或 hjkl 平移。"
     ),
-    "camera": "显示或隐藏相机画面。",
+    "camera": "显示或隐藏相机画面，会离开其他页面。",
     "timeline": "改为显示各轮对话（小终端）。",
     "turn_back": "看上一轮。",
     "turn_on": "看下一轮；到最新一轮后自动跟随，提出新请求或停止后也一样。",
@@ -462,6 +462,7 @@ KIND_RECENT: Final = "以前"
 KIND_MAP: Final = "地图"
 KIND_TURN: Final = "轮"
 KIND_SETTINGS: Final = "设置"
+SETTING_ENTRY: Final = "设置：{}"
 KIND_FILE: Final = "文件"
 SETTINGS_FILE: Final = "设置在 {}"
 SETTINGS_ARE_IN: Final = "设置写在 {}；`sayso config show` 列出它们，`sayso config check` 检查它们。"
