@@ -120,7 +120,7 @@ class SaysoApp(Stage):
         self.changing = Changing(self, self.dressing)
         self.leaving.at_the_end(self.dressing.close)
         self.leaving.at_the_end(self.changing.close)
-        self._choosing = Choosing(self)
+        self._choosing = Choosing(self, self.changing.open)
         self._start_engine = start_engine
         self._asked_early: list[Say] = []  # typed before the engine was there
 

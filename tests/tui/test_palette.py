@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from textual import events
 
+from config.changing import Layers, described
 from engine.commands import EndTask, Interrupt, Quit, Say, Wake
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
 from tests.tui.house import offer
 from tests.tui.scripted import PLACES, ScriptedEngine, flat, robot_at
 from tui.keys.keys import ALL_KEYS, KEYS
-from tui.palette.entries import Entry, Fill, Write, entries, found
+from tui.options import SHOWN
+from tui.palette.entries import Change, Entry, Fill, Write, entries, found
 from tui.palette.form import Form
 from tui.palette.palette import Palette, PaletteLine
 from tui.screens.help import HelpScreen
+from tui.screens.settings import SettingsScreen
 from tui.screens.turn import TurnScreen
 from tui.widgets.ask import Ask
 from tui.widgets.floor_view import FloorView
+from tui.words import strings
 
 
 def engine_of_the_house() -> ScriptedEngine:
@@ -67,6 +72,13 @@ def test_every_action_place_and_skill_has_an_entry() -> None:
     assert filled == {skill.name for skill in offer().skills}
 
 
+def test_every_setting_is_found_by_its_name_its_key_and_what_it_means() -> None:
+    for key in SHOWN:
+        about = described(tuple(key.split(".")))
+        for typed in (key, strings.SETTING_NAMES[key], about):
+            assert Change(key) in [entry.choice for entry in found(listed(), typed)[:2]], typed
+
+
 def test_what_was_asked_for_comes_first_the_newest_once() -> None:
     first = [entry.title for entry in listed(("nod", "dance", "nod"))[:3]]
     assert first == ["nod", "dance", "go to the kitchen"]
@@ -82,8 +94,13 @@ def test_what_was_asked_for_comes_first_the_newest_once() -> None:
         ("move_left", "Turn left on the spot by an angle in degrees."),
         ("beep", "Sound the buzzer."),
         ("end_task", "Stop, reset arm and history, and begin a new task."),
-        ("camera", "Show what the camera sees, or no longer."),
+        ("camera", "Show what the camera sees, or no longer; leaves any page."),
         ("settings", "Settings: look at them and change them, or leave that page."),
+        ("theme", "Setting: Theme"),
+        ("wake words", "Setting: Wake words"),
+        ("volume", "Setting: Volume"),
+        ("audio.device", "Setting: Microphone"),
+        ("answers are spoken", "Setting: Voice"),
         ("settings are", "Settings are in /home/me/.config/sayso/config.yaml"),
     ],
 )
@@ -270,6 +287,22 @@ async def test_the_settings_entry_says_where_they_are() -> None:
     async with console(engine_of_the_house()) as desk:
         await chosen(desk, "settings file")
         await desk.until(lambda: any("config.yaml" in entry.message for entry in desk.app.shown.model.log))
+
+
+async def test_a_setting_opens_the_page_of_the_settings_at_it(tmp_path: Path) -> None:
+    async with console(engine_of_the_house()) as desk:
+        desk.app.dress("sayso-dark", 30, layers=Layers(environ={}, folder=tmp_path))
+        await chosen(desk, "volume")
+        page = desk.app.screen
+        assert isinstance(page, SettingsScreen)
+        await desk.until(lambda: page.meant is not None)
+        assert page.meant is not None
+        assert page.meant.key == "voice.volume"
+        await desk.press("down", "d")
+        assert page.meant.key == "audio.device", "where one goes from there is where one stays"
+        await desk.press("o")
+        assert desk.app.screen is desk.app.main
+        assert desk.engine.sent == []
 
 
 async def test_a_click_chooses() -> None:

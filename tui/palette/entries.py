@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
 from tui.keys.keys import KEYS, MAP_KEYS, SETTING_KEYS, TURN_KEYS, Key
+from tui.options import SHOWN
 from tui.shown.facts import printable
 from tui.words import strings
 from tui.words.language import told
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from engine.skills.registry import Skill
 
 Where = Literal["console", "map", "turn", "settings"]
-Kind = Literal["action", "place", "skill", "recent", "file"]
+Kind = Literal["action", "place", "skill", "recent", "setting", "file"]
 MAX_RECENT: Final = 50
 
 
@@ -53,7 +54,14 @@ class Tell:
     text: str
 
 
-Choice = Act | Write | Fill | Tell
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A setting by its dotted name, on the page where it is changed."""
+
+    setting: str
+
+
+Choice = Act | Write | Fill | Tell | Change
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +75,8 @@ class Entry:
     choice: Choice
     words: str = ""
     """What finds it besides its title."""
+    about: str = ""
+    """What finds it as well, but after whatever is called so."""
 
 
 def entries(
@@ -82,6 +92,7 @@ def entries(
         *_places(places),
         *_actions(keys),
         *_skills(skills),
+        *_settings(),
         Entry("file", strings.SETTINGS_FILE.format(settings_file), strings.KIND_FILE,
               Tell(strings.SETTINGS_ARE_IN.format(settings_file)), "file config yaml"),
     )  # fmt: skip
@@ -122,6 +133,16 @@ def _skills(skills: Sequence[Skill]) -> Iterator[Entry]:
         yield Entry("skill", about, strings.KIND_SKILL, Fill(skill), words)
 
 
+def _settings() -> Iterator[Entry]:
+    from config.changing import described
+
+    for key in SHOWN:
+        about = " ".join((strings.SETTING_ABOUTS[key], described(tuple(key.split(".")))))
+        words = " ".join((key, key.replace(".", " ").replace("_", " ")))
+        title = strings.SETTING_ENTRY.format(strings.SETTING_NAMES[key])
+        yield Entry("setting", title, key, Change(key), words, about)
+
+
 def about_skill(skill: Skill) -> str:
     """What a skill does, in one sentence; where there is none in the language of the console, with its word in it."""
     english, name = skill.summary.replace("`", ""), told(skill.name)
@@ -141,9 +162,12 @@ def found(listed: Sequence[Entry], typed: str) -> tuple[Entry, ...]:
 
 def _score(entry: Entry, wanted: Sequence[str]) -> float:
     """How well an entry fits: 0 for not at all."""
-    title, words = entry.title.casefold(), entry.words.casefold()
+    title, words, about = (text.casefold() for text in (entry.title, entry.words, entry.about))
     names = words.split()
-    scores = [max(_fit(title, word), 1.05 if word in names else 0.9 * _fit(words, word)) for word in wanted]
+    scores = [
+        max(_fit(title, word), 1.05 if word in names else 0.9 * _fit(words, word), 0.4 if word in about else 0.0)
+        for word in wanted
+    ]
     return 0.0 if min(scores) == 0 else sum(scores)
 
 

@@ -33,8 +33,9 @@ class Changing:
         self._jobs: queue.SimpleQueue[Callable[[], Settled] | None] = queue.SimpleQueue()
         self._worker: threading.Thread | None = None
 
-    def open(self) -> None:
-        """The page of the settings, whose module is read when somebody wants it; there already: leave it."""
+    def open(self, at: str = "") -> None:
+        """The page of the settings, whose module is read when somebody wants it, at the setting of this name; there
+        already: leave it."""
         from tui.screens.settings import SettingsScreen
 
         stage = self._stage
@@ -42,7 +43,7 @@ class Changing:
         stage.come_back()
         if leaving or stage.main.has_class("-tiny"):
             return
-        self._page = SettingsScreen(stage.shown_keys, self, stage.shown)
+        self._page = SettingsScreen(stage.shown_keys, self, stage.shown, at)
         stage.push_screen(self._page)
 
     def read(self) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from tui.shown.facts import printable
@@ -17,8 +17,10 @@ if TYPE_CHECKING:
 class Choosing:
     """Opens panels over the main screen and acts on their answers; their modules are read when one is opened."""
 
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, stage: Stage, change: Callable[[str], None]) -> None:
+        """``change`` opens the page of the settings at one of them."""
         self._stage = stage
+        self._change = change
 
     async def open(self) -> None:
         """Everything that can be done; once more: not that."""
@@ -46,7 +48,7 @@ class Choosing:
 
     async def chosen(self, choice: Choice) -> None:
         """Do what was chosen."""
-        from tui.palette.entries import Act, Fill, Tell, Write
+        from tui.palette.entries import Act, Change, Fill, Tell, Write
 
         stage = self._stage
         await stage.main.uncover()
@@ -58,6 +60,8 @@ class Choosing:
             case Tell(text):
                 stage.notify(text, title=strings.NAME, markup=False)
                 stage.note("info", printable(text))
+            case Change(setting):
+                self._change(setting)
             case Fill(skill):
                 await self._fill(skill)
 

@@ -82,8 +82,9 @@ class SettingsScreen(Screen[None]):
     AUTO_FOCUS = ""
     BINDINGS: ClassVar[list[BindingType]] = SETTING_BINDINGS
 
-    def __init__(self, keys: Mapping[str, str], wardrobe: Wardrobe, view: View) -> None:
-        """``keys`` are the keys in use by action id, as they are shown to people."""
+    def __init__(self, keys: Mapping[str, str], wardrobe: Wardrobe, view: View, at: str = "") -> None:
+        """``keys`` are the keys in use by action id, as they are shown to people; ``at`` is the setting, by its dotted
+        name, that is meant to begin with."""
         super().__init__()
         self._keys = keys
         self._wardrobe = wardrobe
@@ -94,6 +95,7 @@ class SettingsScreen(Screen[None]):
         self._line = Line(id="line", compact=True, max_length=500)
         self._line.cursor_blink = False
         self._options: tuple[Option, ...] = ()
+        self._begin_at = at
         self._at = 0
         self._tried: str | None = None  # a value that is looked at, but not taken
         self._told: Content = Content("")  # what came of the last change
@@ -125,6 +127,8 @@ class SettingsScreen(Screen[None]):
         if message.failed:
             self._told = Content.styled(f"✗ {message.failed}", "$text-error")
         else:
+            if not self._options:
+                self._at = next((n for n, option in enumerate(message.options) if option.key == self._begin_at), 0)
             self._options = message.options
             self._told = Content.assemble(*self._outcome(message))
         self._tried = None
