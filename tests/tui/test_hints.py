@@ -88,10 +88,10 @@ async def test_no_hint_on_a_page_or_in_the_line_is_cut(size: tuple[int, int], tm
         conversation.play(engine, conversation.ALL)
         desk.app.examining.know(lambda: _Nobody())  # type: ignore[arg-type, return-value]
         for keys, last in (
-            (("enter",), "enter back · esc stops everything"),
-            (("enter", "d"), "d back · esc stops everything"),
-            (("d", "o"), "o back · esc stops everything"),
-            (("o", "question_mark"), "? back · esc stops everything"),
+            (("enter",), "enter back · esc stops all"),
+            (("enter", "d"), "d back · esc stops all"),
+            (("d", "o"), "o back · esc stops all"),
+            (("o", "question_mark"), "? back · esc stops all"),
             (("question_mark", "ctrl+p"), "esc stops the robot and leaves"),
             (("ctrl+p", "slash"), "esc stops"),
         ):
@@ -111,7 +111,7 @@ async def test_a_page_names_the_key_that_leaves_it_and_esc_stops_there(key: str,
         name = {"question_mark": "?"}.get(key, key)
         await desk.press(key)
         assert desk.app.screen is not main
-        assert f"{name} back · esc stops everything" in desk.text
+        assert f"{name} back · esc stops all" in desk.text
         await desk.press(key)
         assert desk.app.screen is main
         await desk.press(key, "question_mark")

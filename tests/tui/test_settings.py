@@ -148,7 +148,7 @@ async def test_the_keys_of_the_page_can_be_others_and_the_page_says_which(tmp_pa
         await desk.until(lambda: "theme" not in written(tmp_path))
         await desk.press("o", "question_mark", *["pagedown"] * 6)
         assert "On the page of the settings" in desk.text
-        assert "ctrl+k   Keep the value that is looked at" in desk.text
+        assert "ctrl+k  Keep the value that is looked at" in desk.text
 
 
 async def test_the_palette_leads_to_the_page_and_changes_nothing_by_itself(tmp_path: Path) -> None:

@@ -42,7 +42,7 @@ KEY_WORDS: Final = {
 }
 """In the status line, by action."""
 ABOUT_KEYS: Final = {
-    "interrupt": "Stop everything at once, motion first. Works everywhere; leaves any page.",
+    "interrupt": "Stop everything at once, motion first; leaves any page.",
     "wake": "Listen now. A robot that speaks or acts stops first.",
     "end_task": "Stop, reset arm and history, and begin a new task.",
     "type": "Type a request. Up and down recall earlier ones.",
@@ -57,7 +57,7 @@ ABOUT_KEYS: Final = {
     "camera": "Show what the camera sees, or no longer; leaves any page.",
     "timeline": "Show the turns instead (small terminals).",
     "turn_back": "Look at the turn before.",
-    "turn_on": "Look at the next turn; the newest is followed, as after a new request or a stop.",
+    "turn_on": "Look at the next turn; the newest is followed.",
     "turn": "Show the whole turn, or leave it.",
     "palette": "Find everything that can be done: type a part of it.",
     "recall": "Search what was asked for before.",
@@ -302,7 +302,7 @@ TO_ANSWER: Final = "{milliseconds} to answer"
 NEW_TURNS: Final = "{} new"
 BROWSE: Final = "{turn_back} {turn_on} browse · {turn} opens"
 TURN_TITLE: Final = "Turn {number} of {count}"
-TURN_KEYS: Final = "{turn_back} {turn_on} browse · {unfold} {fold} details · {turn} back · {interrupt} stops everything"
+TURN_KEYS: Final = "{turn_back} {turn_on} browse · {unfold} {fold} details · {turn} back · {interrupt} stops all"
 FOLD: Final = "folds"
 UNFOLD: Final = "unfolds"
 NO_TURN: Final = "There has been no turn yet."
@@ -417,7 +417,7 @@ CRASH_HINT: Final = "This is a mistake in sayso. Please report it with the lines
 HELP_TITLE: Final = "Keys"
 HELP_BEGIN: Final = "To begin"
 HELP_SIGNS: Final = "Signs"
-HELP_LEAVE: Final = "{newer} {older} more · {help} back · {interrupt} stops everything"
+HELP_LEAVE: Final = "{newer} {older} more · {help} back · {interrupt} stops all"
 HELP_MAP: Final = "While the map has the keyboard"
 HELP_TURN: Final = "On the page of a turn"
 HELP_SETTINGS: Final = "On the page of the settings"
@@ -515,9 +515,7 @@ SAVED_PICTURE: Final = "only the picture is saved, as there is no log of this se
 
 # Doctor
 DOCTOR_TITLE: Final = "Doctor"
-DOCTOR_KEYS: Final = (
-    "{older} {newer} more · {examine} again · {copy} copies · {doctor} back · {interrupt} stops everything"
-)
+DOCTOR_KEYS: Final = "{older} {newer} more · {examine} again · {copy} copies · {doctor} back · {interrupt} stops all"
 EXAMINING: Final = "◌ {name} … {count} examined so far"
 NOTHING_TO_EXAMINE: Final = "There is nothing to examine before the settings are read."
 COPIED_PAGE: Final = "{lines} lines copied"
@@ -577,7 +575,7 @@ DID_YOU_MEAN_THEME: Final = "Did you mean {}?"
 SETTINGS_TITLE: Final = "Settings"
 SETTINGS_KEYS: Final = (
     "{setting_up}{setting_down} {setting_before}{setting_after} look · {setting_take} changes · "
-    "{setting_default} default · {settings} back · {interrupt} stops everything"
+    "{setting_default} default · {settings} back · {interrupt} stops all"
 )
 SETTINGS_LINE: Final = "enter keeps what is written · up and down leave it"
 SETTINGS_READING: Final = "reading the settings…"
