@@ -8,7 +8,6 @@ length the other side claims, and here nobody gets more of this machine's memory
 from __future__ import annotations
 
 import asyncio
-import json
 import os
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -21,6 +20,7 @@ import soxr
 from numpy.typing import NDArray
 
 from engine.errors import ModelError, SaysoError, one_line
+from engine.strict_json import read_json
 
 if TYPE_CHECKING:
     from wyoming.audio import AudioChunk
@@ -231,8 +231,8 @@ def _why(error: OSError | EOFError) -> str:
 
 def _decoded(data: bytes) -> dict[str, Any]:
     try:
-        told = json.loads(data)
-    except (ValueError, RecursionError) as error:
+        told = read_json(data)
+    except ValueError as error:
         raise NotWyoming("it is no JSON") from error
     if not isinstance(told, dict):
         raise NotWyoming("it is no event")

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Final, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, ValidationError, ValidatorFunctionWrapHandler, WrapValidator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidatorFunctionWrapHandler, WrapValidator
 
 from engine.asr.remote import RATE, Heard
 from engine.errors import ModelError, SaysoError
@@ -52,8 +52,8 @@ class _Segment(BaseModel):
     model_config = ConfigDict(allow_inf_nan=False)
 
     tokens: AsFarAsReadable[tuple[int, ...]] = None
-    avg_logprob: AsFarAsReadable[float] = None
-    no_speech_prob: AsFarAsReadable[float] = None
+    avg_logprob: AsFarAsReadable[Annotated[float, Field(ge=-100, le=0)]] = None
+    no_speech_prob: AsFarAsReadable[Annotated[float, Field(ge=0, le=1)]] = None
 
 
 class _Answer(BaseModel):

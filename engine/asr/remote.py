@@ -21,7 +21,8 @@ from config.languages import code_of
 from config.schema import Asr
 from engine.asr.gates import judge
 from engine.asr.recogniser import Decoding, Rejected, Transcript
-from engine.errors import ModelError
+from engine.commands import MAX_TEXT
+from engine.errors import ModelError, one_line
 from engine.han import is_chinese
 from engine.lead import Lead
 
@@ -98,7 +99,7 @@ class RemoteRecogniser:
             decode_s=time.perf_counter() - began,
             window_s=audio_s,
         )
-        return judge(heard.text, decoding, self._settings, vocabulary)
+        return judge(one_line(heard.text, MAX_TEXT + 1), decoding, self._settings, vocabulary)
 
     def likelihood(
         self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False

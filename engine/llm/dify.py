@@ -19,7 +19,7 @@ from pydantic import BaseModel, ValidationError
 
 from config.schema import Platform
 from engine.llm.chat import Ask, Hear, Message, Reply, _deaf
-from engine.llm.service import Failure, Service, media_type
+from engine.llm.service import Failure, Service, Tokens, media_type
 from engine.llm.sse import events
 from engine.llm.streamed import Streamed
 
@@ -217,8 +217,8 @@ class _Answer:
 
 
 class _Usage(BaseModel):
-    prompt_tokens: int = 0
-    completion_tokens: int = 0
+    prompt_tokens: Tokens = 0
+    completion_tokens: Tokens = 0
 
 
 class _Metadata(BaseModel):

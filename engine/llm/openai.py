@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from config.schema import Platform
 from engine.llm.chat import Ask, Hear, Message, Refused, Reply, _deaf
-from engine.llm.service import Failure, Service, media_type
+from engine.llm.service import Failure, Service, Tokens, media_type
 from engine.llm.streamed import Streamed
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _WISHES: Final = ("response_format", "grammar", "seed", "temperature", "stream_options", "max_tokens")
 """What an answer can do without. Newer models of OpenAI call the last one max_completion_tokens, and take no other."""
 _UNKNOWN_WISH: Final = frozenset((400, 422, 501))
+_NO_TEXT: Final = "there is half a character in it"
 _OURS: Final = frozenset(("grammar",))
 """Fields that are no part of OpenAI's protocol."""
 
@@ -141,7 +142,10 @@ class OpenAIChat:
                 usage = chunk.usage
             for choice in chunk.choices[:1]:
                 end = choice.finish_reason or end
-                streamed.add(choice.delta.text)
+                try:
+                    streamed.add(choice.delta.text)
+                except ValueError:
+                    return Failure(self._service.unreadable(_NO_TEXT))
         if end is None:
             if not streamed.begun:
                 return Failure(self._service.unreadable("there is nothing in it"))
@@ -162,7 +166,10 @@ class OpenAIChat:
         return self._reply(streamed, answer.usage or _Usage(), end or "stop")
 
     def _reply(self, streamed: Streamed, usage: _Usage, end: str) -> Reply | Failure:
-        text = streamed.whole()
+        try:
+            text = streamed.whole()
+        except ValueError:
+            return Failure(self._service.unreadable(_NO_TEXT))
         if not text:
             why = "it was cut off before it began; give it more tokens" if end == "length" else "there is nothing in it"
             return Failure(self._service.unreadable(why))
@@ -210,12 +217,12 @@ class _Choice(BaseModel):
 
 
 class _Details(BaseModel):
-    cached_tokens: int | None = None
+    cached_tokens: Tokens | None = None
 
 
 class _Usage(BaseModel):
-    prompt_tokens: int | None = None
-    completion_tokens: int | None = None
+    prompt_tokens: Tokens | None = None
+    completion_tokens: Tokens | None = None
     prompt_tokens_details: _Details | None = None
 
 
@@ -248,7 +255,7 @@ def _refused_wish(failure: Failure, body: Mapping[str, Any]) -> str | None:
 def _status(error: Any) -> int:
     """The status that a service gives an error in the midst of an answer, where it gives one."""
     code = str(error.body.get("code")) if isinstance(error.body, dict) else ""
-    return int(code) if code.isdecimal() and 400 <= int(code) < 600 else 200
+    return int(code) if len(code) == 3 and code.isdecimal() and 400 <= int(code) < 600 else 200
 
 
 def _said(error: Any) -> bytes:

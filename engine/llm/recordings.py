@@ -6,12 +6,12 @@ and the same names for whatever goes wrong.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from typing import Any
 
 from config.schema import Platform
 from engine.llm.service import Failure, Service
+from engine.strict_json import read_json
 
 
 class RecordingService:
@@ -42,6 +42,6 @@ class RecordingService:
         if response.status_code != httpx2.codes.OK:
             return self._service.refused(response.status_code, response.content, response.headers)
         try:
-            return json.loads(response.content)
-        except (ValueError, RecursionError):
+            return read_json(response.content)
+        except ValueError:
             return Failure(self._service.unreadable("it is no JSON"))

@@ -8,7 +8,7 @@ where a service repeats it, it is blotted out.
 from __future__ import annotations
 
 import asyncio
-import json
+import math
 import random
 import re
 from collections.abc import Awaitable, Callable, Mapping
@@ -16,15 +16,16 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import TYPE_CHECKING, Annotated, Final, TypeVar
 from urllib.parse import urlsplit
 
-from pydantic import SecretStr
+from pydantic import Field, SecretStr
 
 from config.schema import Platform
 from engine.errors import one_line
 from engine.llm.chat import ChatError, KeyWanted, Refused, TooSlow, Unreachable, Unreadable
 from engine.llm.streamed import MASK
+from engine.strict_json import read_json
 
 if TYPE_CHECKING:
     import httpx2
@@ -34,6 +35,8 @@ PAUSE_S: Final = 0.3
 """Before the second attempt, s; twice as long before each further one."""
 LONGEST_PAUSE_S: Final = 5.0
 """A service that wants to be left alone for longer is not asked again."""
+Tokens = Annotated[int, Field(ge=0, lt=1 << 53)]
+"""How a service counts them; a greater number is no count, and no reader of events could take it."""
 T = TypeVar("T")
 _TOLD: Final = 200  # characters of what a service says about its refusal
 _SENDABLE: Final = re.compile(r"[!-~]*")  # what a header can carry
@@ -205,6 +208,8 @@ def _wanted_pause(headers: Mapping[str, str]) -> float | None:
     except ValueError:
         try:
             seconds = (parsedate_to_datetime(text) - datetime.now(UTC)).total_seconds()
+        except OverflowError:  # a year that no calendar has
+            return math.inf
         except (ValueError, TypeError):
             return None
     return max(0.0, seconds) if seconds == seconds else None
@@ -212,8 +217,8 @@ def _wanted_pause(headers: Mapping[str, str]) -> float | None:
 
 def _code(body: bytes) -> str:
     try:
-        told = json.loads(body)
-    except (ValueError, RecursionError):
+        told = read_json(body)
+    except ValueError:
         return ""
     return str(told["code"]) if isinstance(told, dict) and "code" in told else ""
 
@@ -222,8 +227,8 @@ def _complaint(body: bytes) -> str:
     """What a refusal says, in whichever of the usual ways; else the beginning of it as it stands."""
     text = body.decode("utf-8", "replace")
     try:
-        told = json.loads(text)
-    except (ValueError, RecursionError):
+        told = read_json(text)
+    except ValueError:
         return text
     for key in ("error", "message", "detail"):
         while isinstance(told, dict) and key in told:

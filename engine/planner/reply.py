@@ -8,7 +8,6 @@ that an action exists: only the skill registry knows.
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from typing import Any, Final
 from engine.errors import PlanError
 from engine.plan import MAX_ACTIONS, ActionCall, Argument, Quantity, parse_call, parse_calls
 from engine.skills.registry import NOT_SAID
+from engine.strict_json import read_first_json
 
 MAX_REPLY: Final = 20_000
 """Longest answer that is read, characters."""
@@ -109,8 +109,8 @@ def _object(text: str) -> dict[str, Any]:
         raise UnreadableReply(f"The answer is {len(text)} characters long; {MAX_REPLY} are read at most.")
     start = text.find("{")
     try:
-        found, _ = json.JSONDecoder().raw_decode(text, start) if start >= 0 else (None, 0)
-    except (ValueError, RecursionError):
+        found = read_first_json(text[start:]) if start >= 0 else None
+    except ValueError:
         found = None
     if not isinstance(found, dict):
         raise UnreadableReply("The answer must be one JSON object and nothing else.")

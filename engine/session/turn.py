@@ -152,6 +152,7 @@ class Turn:
 
     def take(self, text: str, source: Literal["text", "overheard"]) -> None:
         """What was typed or overheard: on record at once, before the turn's task has begun."""
+        text = text.encode(errors="replace").decode()  # a terminal can send half a character, and no model takes one
         if source == "text":
             self._voice = self._needs.voice_for_typed or self._voice
         self.emit(

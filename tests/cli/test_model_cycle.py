@@ -233,6 +233,9 @@ def bad(platform: Platform, how: str) -> list[object]:
         "is busy": [reply(429, LEAVE_ME)],
         "is busy for long": [reply(429, LEAVE_ME, **{"Retry-After": "3600"})],
         "is broken": [reply(500, b"oh")],
+        "says half a character": [r"""{"action": ["say('\ud800')", "finishtask()"], "response": ""}"""],
+        "counts without end": [f'{{"action": [{{"name": "wait", "args": [{"9" * 400}]}}]}}'],
+        "is busy for ever": [reply(429, LEAVE_ME, **{"Retry-After": "Fri, 20 Nov 99999999999 08:00:00 GMT"})],
     }
     return answers[how]
 
@@ -248,6 +251,9 @@ def bad(platform: Platform, how: str) -> list[object]:
         ("is busy", ExitCode.FAILED, 3, "status 429: slow down"),
         ("is busy for long", ExitCode.FAILED, 1, "status 429: slow down"),
         ("is broken", ExitCode.FAILED, 3, "status 500: oh"),
+        ("says half a character", ExitCode.FAILED, 2, "no plan, twice"),
+        ("counts without end", ExitCode.FAILED, 2, "no plan, twice"),
+        ("is busy for ever", ExitCode.FAILED, 1, "status 429: slow down"),
     ],
 )
 def test_a_bad_platform_moves_nothing_and_says_why(

@@ -173,6 +173,10 @@ def test_what_may_pass_is_tried_again(first: bytes) -> None:
         (answer(None), 1, Unreadable, "there is nothing in it"),
         (answer("x" * MAX_BYTES), 1, Unreadable, "longer than 8 MB"),
         (b"SSH-2.0-somebody else\r\n", TRIES, Unreachable, "cannot be reached at 127.0.0.1"),
+        (answer("\ud800"), 1, Unreadable, "not what a chat completion looks like"),
+        (reply(200, b"[" * 100_000), 1, Unreadable, "not what a chat completion looks like"),
+        (reply(200, {"choices": [], "usage": {"prompt_tokens": 10**400}}), 1, Unreadable, "not what a chat completion"),
+        (reply(400, {"code": 10**400, "error": {"message": "\ud800"}}), 1, Refused, "status 400"),
     ],
 )
 def test_every_failure_says_what_happened_and_what_to_do(
@@ -315,6 +319,17 @@ def test_thoughts_without_an_answer_are_no_answer() -> None:
     assert "more tokens" in str(found)
 
 
+def halves(*pieces: str) -> bytes:
+    """A completion in pieces, with the halves of characters as JSON writes them."""
+    return b"".join(event(json.dumps({"choices": [{"delta": {"content": piece}}]})) for piece in pieces)
+
+
+def test_a_character_that_comes_in_two_halves_is_heard_as_one() -> None:
+    pieces, found = heard(STREAM + halves("A cup \ud83d", "\ude00!") + chunk({}, "stop"))
+    assert found == Reply("A cup 😀!", "cloud")
+    assert "".join(pieces) == "A cup 😀!"
+
+
 @pytest.mark.parametrize(
     ("told", "kind", "words"),
     [
@@ -336,6 +351,11 @@ def test_thoughts_without_an_answer_are_no_answer() -> None:
             "503: No memory",
         ),
         (STREAM + b"data: " + b"x" * MAX_BYTES, Unreadable, "longer than 8 MB"),
+        (STREAM + halves("\ud83d") + chunk({}, "stop"), Unreadable, "half a character"),
+        (STREAM + halves("\ude00", "\ud83d") + chunk({}, "stop"), Unreadable, "half a character"),
+        (STREAM + halves("\ud83d", "", "x"), Unreadable, "half a character"),
+        (streamed("A", usage={"completion_tokens": 10**400}), Unreadable, "not what a chat completion looks like"),
+        (STREAM + event({"error": {"message": "No", "code": "9" * 5000}}), Refused, "status 200: No"),
     ],
 )
 def test_an_answer_that_goes_wrong_on_the_way_is_not_asked_for_again(
@@ -442,6 +462,24 @@ def test_a_service_says_how_long_it_wants_to_be_left_alone(monkeypatch: pytest.M
     assert asked(soon, long_ago, answer("A cup."), requests=3) == CUP
     later = reply(429, {}, **{"Retry-After": f"{LONGEST_PAUSE_S + 1}"})
     assert type(asked(later, answer("A cup."), requests=1)) is Refused
+
+
+@pytest.mark.parametrize(
+    ("wish", "requests"),
+    [
+        ("Fri, 20 Nov 99999999999 08:00:00 GMT", 1),
+        ("Fri, 20 Nov 9999 08:00:00 -2359", 1),
+        ("9" * 5000, 1),
+        ("1e999", 1),
+        ("nan", TRIES),
+        ("-1", TRIES),
+        ("soon", TRIES),
+    ],
+)
+def test_a_wish_to_be_left_alone_that_makes_no_sense_is_only_a_refusal(wish: str, requests: int) -> None:
+    found = asked(reply(429, {"error": "busy"}, **{"Retry-After": wish}), requests=requests)
+    assert type(found) is Refused
+    assert "429: busy" in str(found)
 
 
 def test_no_pause_is_begun_that_goes_beyond_the_time_of_the_question(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -223,6 +223,7 @@ def test_a_language_that_is_named_in_the_settings_is_called_as_it_is_there() -> 
         {"segments": [None, 3, {"tokens": [1], "avg_logprob": -0.1}]},
         {"segments": "none"},
         {"segments": [{"avg_logprob": 1e300}]},
+        {"segments": [{"avg_logprob": -0.05, "tokens": [1]}, {"avg_logprob": 1e308, "no_speech_prob": 1e308}]},
         {"language": ["en"]},
         {"language": ""},
     ],
@@ -233,6 +234,18 @@ def test_what_cannot_be_read_beside_a_text_does_not_cost_the_text(more: dict[str
     assert isinstance(found, Transcript)
     assert 0.9 < found.confidence <= 1
     assert len(other.asked) == 1
+
+
+def test_half_a_character_is_no_transcription() -> None:
+    with service(reply(200, rb'{"text": "go \ud800"}')) as (made, _), pytest.raises(SaysoError, match="it is no JSON"):
+        made.transcribe(COMMAND)
+
+
+def test_no_control_character_of_a_service_gets_into_a_transcript() -> None:
+    with service({"text": "Go\x1b[31m to the\n kitchen.\x00"}) as (made, _):
+        found = made.transcribe(COMMAND)
+    assert isinstance(found, Transcript)
+    assert found.text == "Go [31m to the kitchen."
 
 
 def test_a_service_that_refuses_either_form_is_asked_for_figures_again() -> None:
@@ -347,6 +360,8 @@ def test_a_wyoming_server_is_sent_the_sound_and_its_words_are_a_transcript() -> 
         (b"HTTP/1.1 400 Bad Request\r\n\r\n", "does not speak Wyoming"),
         (b'{"type": "transcript", "data": {"words": 1}}\n', "does not speak Wyoming"),
         (b'{"type": "transcript", "data": {"text": null}}\n', "does not speak Wyoming"),
+        (b'{"type": "transcript", "data": {"text": "go \\ud800"}}\n', "does not speak Wyoming"),
+        (b'{"type": "transcript", "data": {"text": "go", "x": 1e400}}\n', "does not speak Wyoming"),
         (Error("a\x1b[2Jb\nc" + "d" * 300), r"reports an error: a \[2Jb cd{191}…"),
         (b'{"type": "transcript", "data_length": 100}\n{', "cannot be used"),
         (b"[1, 2]\n", "does not speak Wyoming"),

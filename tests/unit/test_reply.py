@@ -71,6 +71,12 @@ def test_what_a_model_leaves_open_is_read_as_not_said() -> None:
         json.dumps({"action": ["beep()"] * 10_000}),
         "[" * 100_000,
         '{"action": ' * 10_000,
+        f'{{"action": [{{"name": "wait", "args": [{"9" * 400}]}}]}}',
+        f'{{"action": [{{"name": "wait", "args": [{"9" * 5000}]}}]}}',
+        '{"action": [{"name": "wait", "args": [1e400]}]}',
+        '{"action": [{"name": "wait", "args": [NaN]}]}',
+        r"""{"action": ["say('\ud800')"], "response": ""}""",
+        r'{"action": [], "response": "Well \udc00."}',
     ],
 )
 def test_garbage_is_turned_down_with_a_reason(text: str) -> None:
@@ -92,7 +98,7 @@ def test_steps_are_read_from_json_or_lines() -> None:
         read_steps('{"steps": 3}')
 
 
-anything = st.recursive(st.none() | st.booleans() | st.floats() | st.text(), st.lists)
+anything = st.recursive(st.none() | st.booleans() | st.floats() | st.integers() | st.text(), st.lists)
 
 
 @given(st.text(max_size=300) | anything.map(json.dumps))

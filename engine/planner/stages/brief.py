@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from engine.skills.registry import Parameter, Skill
+from engine.strict_json import read_json
 
 MOST_CALLS: Final = 15
 """What a small model writes at most: one that repeats itself comes to an end."""
@@ -29,7 +30,7 @@ _RULES: Final = (
 def brief(answer: str) -> str:
     """An answer, which is an object of JSON, in the brief form; as it is, if it is none."""
     try:
-        found: Any = json.loads(answer)
+        found: Any = read_json(answer)
     except ValueError:
         return answer
     if not isinstance(found, dict):
