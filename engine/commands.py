@@ -6,6 +6,7 @@ carry an ``id`` of the sender's choice, which its acknowledgement (event ``ack``
 
 from __future__ import annotations
 
+import json
 from base64 import b64decode
 from typing import Annotated, Any, ClassVar
 
@@ -13,6 +14,7 @@ import msgspec
 
 from engine.errors import UsageError
 from engine.events import TranscriptFinal, WakeSource
+from engine.strict_json import is_text
 
 MAX_LINE = 4 * 1024 * 1024
 """Longest command line that is read, bytes: two minutes of base64 PCM."""
@@ -119,8 +121,36 @@ class Halted(Command, frozen=True):
 COMMANDS: dict[str, type[Command]] = {cls.do: cls for cls in (Say, Wake, Interrupt, EndTask, Audio, Snapshot, Quit)}
 
 
+class BadCommand(UsageError):
+    """A line is no command. ``do`` and ``id`` are those that it has nevertheless, for its acknowledgement."""
+
+    def __init__(self, error: UsageError, do: str, id: str | None) -> None:
+        super().__init__(error.message, hint=error.hint)
+        self.do = do
+        self.id = id
+
+
 def parse_command(line: bytes | str) -> Command:
-    """Read one command line. Raises :class:`UsageError` that says what is wrong and what is allowed."""
+    """Read one command line. Raises :class:`BadCommand` that says what is wrong and what is allowed."""
+    try:
+        return _parsed(line)
+    except UsageError as error:
+        raise BadCommand(error, *_name_and_id(line)) from error
+
+
+def _name_and_id(line: bytes | str) -> tuple[str, str | None]:
+    """What can be read of ``do`` and ``id``, also where something else in the line is wrong."""
+    try:
+        raw = json.loads(line)
+    except (ValueError, RecursionError):
+        return "", None
+    do, id = (raw.get("do"), raw.get("id")) if isinstance(raw, dict) else (None, None)
+    if isinstance(id, int) and not isinstance(id, bool):
+        id = str(id)
+    return (do if isinstance(do, str) and is_text(do) else ""), (id if isinstance(id, str) and is_text(id) else None)
+
+
+def _parsed(line: bytes | str) -> Command:
     if len(line) > MAX_LINE:
         raise UsageError(f"The command is {len(line)} bytes long; {MAX_LINE} are read at most.")
     try:
@@ -155,7 +185,9 @@ def parse_command(line: bytes | str) -> Command:
 
 
 def check_request(text: str) -> None:
-    """Raises :class:`UsageError` where a request is empty, or too long to be one."""
+    """Raises :class:`UsageError` where a request is empty, no text, or too long to be one."""
+    if not is_text(text):
+        raise UsageError("The request is no text: it is not UTF-8, or holds half a character.", hint="Write it anew.")
     if not text.strip():
         raise UsageError("The request is empty.", hint='Say what is to be done, for example "go to the kitchen".')
     if (why := too_long(text)) is not None:

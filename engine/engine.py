@@ -140,9 +140,9 @@ class Engine:
         """Get every event from now on, in the publishing thread."""
         return self._bus.subscribe(subscriber)
 
-    def reject(self, do: str, message: str) -> None:
-        """Acknowledge a command that could not even be read."""
-        self._bus.publish(events.Ack(do, False, message), epoch=self._epoch.current)
+    def reject(self, message: str, do: str = "", id: str | None = None) -> None:
+        """Acknowledge a command that cannot be carried out, with as much of it as could be read."""
+        self._bus.publish(events.Ack(do, False, message, id), epoch=self._epoch.current)
 
     def status(self) -> tuple[PartStatus, ...]:
         return tuple(part.status for part in self._parts.values())

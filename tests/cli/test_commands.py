@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import subprocess
@@ -14,7 +15,10 @@ import pytest
 
 from engine.errors import ExitCode
 from engine.events import from_json
+from engine.plan import Plan
+from engine.planner.planner import NoPlan, Planner, PlanRequest
 from tests.e2e.sayso import SHARED, command, environment, events, sayso
+from tui.cli import main
 
 needs_recordings = pytest.mark.skipif(not SHARED.is_dir(), reason="the recordings in ../shared/data are not here")
 
@@ -111,6 +115,50 @@ def test_plan_reads_one_request_a_line(tmp_path: Path) -> None:
     assert [event["kind"] for event in events(done)] == ["plan.made", "plan.rejected", "plan.made"]
 
 
+SPOILT = (b"\xff\xfe", b"\xed\xa0\x80", b"go " * 1000, b"move forward " + b"9" * 400 + b" metres")
+"""Lines that are no requests, or none that make sense."""
+
+
+def test_a_line_that_is_no_request_costs_a_batch_nothing_but_its_own_result(tmp_path: Path) -> None:
+    lines = b"\n".join((b"beep", *SPOILT, b"turn around\r\n"))
+    done = sayso("plan", "--json", "-", state=tmp_path, stdin=lines)
+    kinds = [event["kind"] for event in events(done)]
+    assert kinds == ["plan.made", *["plan.rejected"] * len(SPOILT), "plan.made"]
+    assert [event["body"]["code"] for event in events(done, "plan.rejected")][:3] == ["usage"] * 3
+    assert "Line 2" in events(done, "plan.rejected")[0]["body"]["reason"]
+    assert done.returncode == ExitCode.USAGE  # of the first line without a plan
+    assert done.stderr == b""
+
+
+def test_a_line_that_is_no_request_is_told_and_the_others_are_done(tmp_path: Path) -> None:
+    lines = b"\n".join((b"beep", *SPOILT, b"wait 1 s\n"))
+    done = sayso("ask", "--json", "-", state=tmp_path, stdin=lines)
+    assert [action["body"]["name"] for action in events(done, "action.finished")] == ["beep", "wait"]
+    refused = [ack["body"] for ack in events(done, "ack") if not ack["body"]["ok"]]
+    assert [ack["do"] for ack in refused] == ["say"] * 3
+    assert done.returncode == ExitCode.USAGE
+    told = sayso("ask", "-", state=tmp_path, stdin=lines)
+    assert told.stderr.count(b"sayso: Line ") == 3
+    assert told.stdout == b"Beeped.\nWaited 1 s.\n"
+
+
+def test_a_fault_over_one_line_is_its_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    good = Planner.plan
+
+    async def plan(planner: Planner, request: PlanRequest) -> Plan | NoPlan:
+        return [][0] if request.text == "nod" else await good(planner, request)
+
+    monkeypatch.setattr(Planner, "plan", plan)
+    monkeypatch.setenv("SAYSO_PLANNER__PROFILE", "phrases")
+    monkeypatch.setattr("sys.stdin", io.StringIO("beep\nnod\nwait 1 s\n"))
+    assert main(["plan", "--json", "-"]) == ExitCode.FAILED
+    found = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [event["kind"] for event in found] == ["plan.made", "plan.rejected", "plan.made"]
+    assert found[1]["body"]["code"] == "internal"
+
+
 def test_the_engine_does_what_stdin_says_and_ends_when_that_is_done(tmp_path: Path) -> None:
     lines = b'{"do":"say","text":"go to the bedroom","id":"a"}\n'
     done = sayso("engine", state=tmp_path, stdin=lines)
@@ -120,11 +168,12 @@ def test_the_engine_does_what_stdin_says_and_ends_when_that_is_done(tmp_path: Pa
 
 
 def test_the_engine_acknowledges_garbage_and_goes_on(tmp_path: Path) -> None:
-    lines = b'nonsense\n{"do":"fly"}\n{"do":"say"}\n\xff\xfe\n{"do":"snapshot","id":"s"}\n'
+    lines = b'nonsense\n{"do":"fly","id":"f"}\n{"do":"say"}\n\xff\xfe\n{"do":"snapshot","id":"s"}\n'
     done = sayso("engine", "--json", state=tmp_path, stdin=lines)
     assert done.returncode == ExitCode.DONE
     acks = [event["body"] for event in events(done, "ack")]
     assert [ack["ok"] for ack in acks[:4]] == [False] * 4
+    assert [(ack["do"], ack["id"]) for ack in acks[:4]] == [("", None), ("fly", "f"), ("say", None), ("", None)]
     assert next(ack for ack in acks if ack["id"] == "s")["snapshot"]["state"] == "IDLE"
 
 

@@ -16,6 +16,7 @@ from engine.commands import (
     MAX_LINE,
     MAX_TEXT,
     Audio,
+    BadCommand,
     Command,
     EndTask,
     Interrupt,
@@ -118,6 +119,28 @@ def test_what_is_too_long_is_neither_read_on_the_command_line_nor_planned() -> N
     assert isinstance(found, NoPlan)
     assert (found.code, found.exit_code) == ("too_long", ExitCode.FAILED)
     assert "2700 characters long" in found.answer
+
+
+@pytest.mark.parametrize(
+    ("line", "do", "id"),
+    [
+        ('{"do": "say", "id": "7"}', "say", "7"),
+        ('{"do": "say", "id": "7", "text": "x", "loud": true}', "say", "7"),
+        ('{"do": "say", "id": 7, "text": "x"}', "say", "7"),
+        ('{"do": "audio", "id": "7", "pcm": "!!"}', "audio", "7"),
+        ('{"do": "fly", "id": "7"}', "fly", "7"),
+        ('{"id": "7"}', "", "7"),
+        (r'{"do": "say", "id": "7", "text": "\ud800"}', "say", "7"),
+        (r'{"do": "\ud800", "id": "\udc00"}', "", None),
+        ('{"do": "wake", "id": ["7"]}', "wake", None),
+        ('{"do": "say", "id": "7"', "", None),
+        ("[7]", "", None),
+    ],
+)
+def test_of_a_bad_command_is_kept_what_its_sender_knows_it_by(line: str, do: str, id: str | None) -> None:
+    with pytest.raises(BadCommand) as raised:
+        parse_command(line)
+    assert (raised.value.do, raised.value.id) == (do, id)
 
 
 def test_an_unknown_command_is_answered_with_the_known_ones() -> None:

@@ -15,9 +15,9 @@ import threading
 from argparse import Namespace
 from collections.abc import Iterator
 
-from engine.commands import MAX_LINE, Quit, parse_command
+from engine.commands import MAX_LINE, BadCommand, Quit, parse_command
 from engine.engine import Engine
-from engine.errors import ExitCode, UsageError
+from engine.errors import ExitCode
 from engine.parts.loading import Sound
 from engine.scheduling import raise_priority
 from tui.commands.headless import LOOK_S, Printer, Pulse, Signals, Terminated, end
@@ -78,8 +78,8 @@ def _read_commands(engine: Engine, fd: int, prompt: bool) -> None:
                 continue
             try:
                 engine.send(parse_command(line))
-            except UsageError as error:
-                engine.reject("", str(error))
+            except BadCommand as error:
+                engine.reject(str(error), error.do, error.id)
     except OSError as error:  # a terminal that has gone, a folder: nobody could stop the robot any more
         say(f"sayso: commands cannot be read from stdin: {error.strerror or error}; the robot was stopped.")
         engine.send(Quit())

@@ -16,7 +16,7 @@ from ulid import ULID
 
 from engine import events
 from engine.commands import Interrupt, Quit, Say, Wake
-from engine.errors import ExitCode
+from engine.errors import ExitCode, UsageError
 from engine.events import Event, TurnResult, to_json
 from tui.output import LineWriter, data, said_in_background, say
 
@@ -213,6 +213,13 @@ class Headless:
         elif result.message not in self._printer.told:
             say(result.message)
         self._printer.told.clear()
+
+    def refuse(self, error: UsageError) -> None:
+        """Tell that something is no request, and is not asked of the engine: programs as of a bad command."""
+        if self._printer.json:
+            self._engine.reject(str(error), Say.do)
+        else:
+            say(f"sayso: {error}")
 
     def perform(self, command: Say | Wake, timeout_s: float | None) -> TurnResult:
         """Send ``command`` and wait for the result of its turn; after ``timeout_s`` stop the robot and say so.

@@ -13,8 +13,9 @@ from config.schema import Settings
 from engine import events
 from engine.bus import Bus, Emit
 from engine.clock import SystemClock
-from engine.errors import ExitCode
+from engine.errors import ExitCode, UsageError
 from engine.parts.loading import at_home, make_models
+from engine.plan import Plan
 from engine.planner.build import build_planner
 from engine.planner.intent import with_intent
 from engine.planner.planner import NoPlan, Planner, PlanRequest
@@ -49,7 +50,7 @@ def _plan_all(settings: Settings, world: World | None, arguments: Namespace) -> 
     with asyncio.Runner() as loop:
         try:
             for text in requests(arguments.text):  # outside of the loop, which would hold an interrupt back meanwhile
-                planned = int(loop.run(_plan(planner, bus, text, names, wording, json=arguments.json)))
+                planned = int(loop.run(_told(planner, bus, text, names, wording, json=arguments.json)))
                 for event in made:
                     data(events.to_json(event).decode())
                 made.clear()
@@ -60,16 +61,17 @@ def _plan_all(settings: Settings, world: World | None, arguments: Namespace) -> 
     return code
 
 
-async def _plan(
-    planner: Planner, bus: Bus, text: str, names: Mapping[str, str], wording: Wording, *, json: bool
+async def _told(
+    planner: Planner, bus: Bus, text: str | UsageError, names: Mapping[str, str], wording: Wording, *, json: bool
 ) -> ExitCode:
+    """Tell the plan for one request, or why there is none."""
     emit = bus.bound(turn=str(ULID()), epoch=0)
-    request = PlanRequest(
-        text, decide=lambda steps, source: _decided(emit, steps, source, json=json), warn=say, record=emit
-    )
-    plan = await planner.plan(request)
+    if isinstance(text, UsageError):
+        plan: Plan | NoPlan = NoPlan("", text.code, str(text), text.exit_code)
+    else:
+        plan = await _plan(planner, emit, text, json=json)
     if isinstance(plan, NoPlan):
-        plan = replace(plan, answer=wording.worded(plan.answer, language_of(text)))
+        plan = replace(plan, answer=wording.worded(plan.answer, language_of(plan.text)))
     emit(with_intent(plan, names))
     if isinstance(plan, NoPlan):
         if not json:
@@ -81,6 +83,16 @@ async def _plan(
         if not plan.actions:
             data(plan.response)
     return ExitCode.DONE
+
+
+async def _plan(planner: Planner, emit: Emit, text: str, *, json: bool) -> Plan | NoPlan:
+    request = PlanRequest(
+        text, decide=lambda steps, source: _decided(emit, steps, source, json=json), warn=say, record=emit
+    )
+    try:
+        return await planner.plan(request)
+    except Exception as error:  # noqa: BLE001 - a fault over one line must not take the others with it
+        return NoPlan(text, "internal", f"A fault in sayso itself: {error!r}.")
 
 
 def _decided(emit: Emit, steps: tuple[str, ...], source: events.PlanSource, *, json: bool) -> None:
