@@ -12,23 +12,28 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from config.errors import ConfigError, Problem
     from config.folders import Paths, paths
-    from config.loader import Explained, check, explain, load, show
+    from config.loader import Examined, Explained, check, examine, explain, load, show
     from config.schema import Settings
 
 _HOMES = {
     "ConfigError": "config.errors",
+    "Examined": "config.loader",
     "Explained": "config.loader",
     "Paths": "config.folders",
     "Problem": "config.errors",
     "Settings": "config.schema",
     "check": "config.loader",
+    "examine": "config.loader",
     "explain": "config.loader",
     "load": "config.loader",
     "paths": "config.folders",
     "show": "config.loader",
 }
 
-__all__ = ["ConfigError", "Explained", "Paths", "Problem", "Settings", "check", "explain", "load", "paths", "show"]
+__all__ = [
+    "ConfigError", "Examined", "Explained", "Paths", "Problem", "Settings", "check", "examine", "explain", "load",
+    "paths", "show",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:

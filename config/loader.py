@@ -11,7 +11,8 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from copy import deepcopy
+from dataclasses import dataclass, replace
 from importlib import resources
 from itertools import islice
 from pathlib import Path
@@ -22,8 +23,8 @@ from pydantic import BaseModel, SecretStr, ValidationError
 from config import allowed
 from config.errors import ConfigError, Problem, Where
 from config.folders import FILES, RESERVED, paths
-from config.merge import Filled, assignment, merge, node_at, spelled
-from config.mistakes import PACKAGED, as_written, explained, misplaced, readable_secrets, wrong_booleans
+from config.merge import Filled, assignment, leave_out, merge, node_at, spelled
+from config.mistakes import PACKAGED, Mistake, as_written, explained, misplaced, readable_secrets, wrong_booleans
 from config.schema import Settings
 from config.source import Node, SourceError, parse, parse_value, read
 
@@ -33,6 +34,8 @@ FLAG = "--set"
 MASK = "********"
 MAX_TOLD = 50
 """Wrong keys and values that one run explains; whoever has more will come back."""
+MAX_ROUNDS = 10
+"""How often mistakes are left out to find what they hide."""
 _PASSWORD_IN_URL = re.compile(r"(?<=://)[^/@:\s]*:[^/@\s]*(?=@)")
 
 Plain = str | int | float | bool | list[Any] | dict[str, Any] | None
@@ -53,6 +56,23 @@ class Explained:
     def key(self) -> str:
         """Dotted name."""
         return ".".join(self.path)
+
+
+@dataclass(frozen=True, slots=True)
+class Examined:
+    """Everything that is wrong, and what there is without that."""
+
+    problems: tuple[Problem, ...]
+    settings: Settings | None
+    """Those in force where nothing is wrong; else with packaged ones for those that are wrong. None: there is no way
+    to mend them."""
+    explained: tuple[Explained, ...]
+    layers: Mapping[str, int]
+    """Files, variables and flags by their places in the reading order."""
+
+    def in_order(self, problems: Iterable[Problem]) -> tuple[Problem, ...]:
+        """As a person reads: layer by layer, line by line."""
+        return tuple(sorted(problems, key=lambda it: (self.layers.get(it.where.name, -1), it.where.line)))
 
 
 def load(
@@ -77,11 +97,17 @@ def check(
     user_folder: Path | None = None,
 ) -> tuple[Problem, ...]:
     """Everything that is wrong; empty when :func:`load` would succeed."""
-    try:
-        load(files, overrides, environ, user_folder)
-    except ConfigError as error:
-        return error.problems
-    return ()
+    return examine(files, overrides, environ, user_folder).problems
+
+
+def examine(
+    files: Sequence[Path] = (),
+    overrides: Sequence[str] = (),
+    environ: Mapping[str, str] | None = None,
+    user_folder: Path | None = None,
+) -> Examined:
+    """Everything that is wrong, and the settings without it, of which other things may be wrong."""
+    return _Load(files, overrides, environ, user_folder).examined()
 
 
 def explain(
@@ -114,6 +140,7 @@ class _Load:
         for name in DEFAULTS:
             data = resources.files("config").joinpath(name).read_bytes()
             self._lay(parse(data, f"{PACKAGED}{name}"))
+        self._packaged = Filled(self.tree, self.environ).data
         self._user_files(folder or paths(self.environ).config)
         for path in files:
             self._file(path, required=True)
@@ -128,24 +155,38 @@ class _Load:
         self.filled = Filled(self.tree, self.environ)
 
     def settings(self) -> Settings:
-        """Validate; raise all problems in the order in which a person reads: layer by layer, line by line."""
-        found = [*self.problems, *self.filled.problems, *wrong_booleans(self.tree)]
-        try:
-            settings = Settings.model_validate(self.filled.data)
-        except ValidationError as error:
-            told = {(problem.where, problem.key) for problem in found}
-            news = (item for item in explained(error, self.tree, self.filled.raw) if (item.where, item.key) not in told)
-            found += islice(news, MAX_TOLD)
-        else:
-            if not found:
-                return settings
-        raise ConfigError(sorted(dict.fromkeys(found), key=self._reading_order))
+        """Raises ConfigError with all problems."""
+        examined = self.examined()
+        if examined.problems:
+            raise ConfigError(examined.problems)
+        assert examined.settings is not None
+        return examined.settings
 
-    def _reading_order(self, problem: Problem) -> tuple[int, int]:
-        return self._order.get(problem.where.name, -1), problem.where.line
+    def examined(self) -> Examined:
+        """Validate, and go on without what is wrong, which may hide more."""
+        found = [*self.problems, *self.filled.problems, *wrong_booleans(self.tree)]
+        data, settings, mistakes = deepcopy(self.filled.data), None, list[Mistake]()
+        for _ in range(MAX_ROUNDS):
+            try:
+                settings = Settings.model_validate(data)
+                break
+            except ValidationError as error:
+                told = {(problem.where, problem.key) for problem in found}
+                new = tuple(explained(error, self.tree, self.filled.raw))
+                news = (mistake.problem for mistake in new if not mistake.follows_from(mistakes))
+                found += islice((item for item in news if (item.where, item.key) not in told), MAX_TOLD)
+                mistakes += new
+                changes = [leave_out(data, mistake.path, self._packaged) for mistake in new]
+                if not any(changes):
+                    break
+        chosen = () if settings is None else self._of(settings)
+        examined = Examined((), settings, chosen, self._order)
+        return replace(examined, problems=examined.in_order(dict.fromkeys(found)))
 
     def explained(self) -> tuple[Explained, ...]:
-        settings = self.settings()
+        return self._of(self.settings())
+
+    def _of(self, settings: Settings) -> tuple[Explained, ...]:
         return tuple(self._explained(path, value) for path, value in _flat(show(settings)))
 
     def _explained(self, path: tuple[str, ...], value: Plain) -> Explained:

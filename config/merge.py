@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from copy import deepcopy
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -97,6 +98,24 @@ def node_at(tree: Node, path: Path) -> tuple[Node, int]:
             case _:
                 return node, depth
     return node, len(path)
+
+
+def leave_out(data: Any, path: Path, instead: Any) -> bool:
+    """Put in plain ``data`` what stands at ``path`` in ``instead`` there, or nothing; whether that changed anything. Of
+    a list, all is left out."""
+    for key in path[:-1]:
+        if not isinstance(data, dict) or not isinstance(data.get(key), dict | list):
+            return False
+        if isinstance(data[key], list):
+            path = path[: path.index(key) + 1]
+            break
+        data, instead = data[key], instead.get(key) if isinstance(instead, dict) else None
+    if not path or not isinstance(data, dict) or path[-1] not in data:
+        return False
+    before = data.pop(path[-1])
+    if isinstance(instead, dict) and path[-1] in instead:
+        data[path[-1]] = deepcopy(instead[path[-1]])
+    return path[-1] not in data or data[path[-1]] != before
 
 
 class Filled:

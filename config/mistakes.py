@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import stat
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, Final, Literal
 
 from pydantic import ValidationError
 
@@ -20,18 +21,52 @@ PACKAGED = "packaged "
 """How the names of sayso's own files begin; a mistake is hardly there."""
 
 
-def explained(error: ValidationError, tree: Node, raw: Mapping[Path, str]) -> Iterator[Problem]:
-    """One problem for each place that is wrong, however many alternatives pydantic tried there."""
+_PROFILE: Final = ("planner", "profile")
+
+
+@dataclass(frozen=True, slots=True)
+class Mistake:
+    """A problem that validation found, and the setting without which it would not be there."""
+
+    problem: Problem
+    path: Path
+    kind: Literal["unknown", "missing", "value", "together"]
+    """``together``: several settings do not fit each other."""
+    rests_on: frozenset[str] = frozenset()
+    """Whole sections that have to fit each other."""
+
+    def follows_from(self, earlier: Collection[Mistake]) -> bool:
+        """Whether it may be there only because settings with mistakes of their own were left out."""
+        match self.kind:
+            case "missing":
+                return any(".".join(mistake.path) == self.problem.key for mistake in earlier)
+            case "together" if self.rests_on:
+                return any(mistake.path[0] in self.rests_on for mistake in earlier if mistake.kind != "unknown")
+            case "together":
+                values = (mistake.path for mistake in earlier if mistake.kind == "value")
+                return any(path[: len(self.path)] == self.path for path in values)
+        return False
+
+
+def explained(error: ValidationError, tree: Node, raw: Mapping[Path, str]) -> Iterator[Mistake]:
+    """One mistake for each place that is wrong, however many alternatives pydantic tried there."""
     told: set[Path] = set()
     for item in error.errors(include_url=False, include_input=False):
         location = tuple(map(str, item["loc"]))
         if item["type"] == "missing":
             path = location
-            found = _missing(path, tree)
+            found = Mistake(_missing(path, tree), path[:-1], "missing")
         else:
             node, depth = node_at(tree, location)
             path = location[:depth]
-            found = _rejected(path, node, item, tree, raw)
+            reason = item.get("ctx", {}).get("error")
+            together = isinstance(reason, Unfit) or (reason is not None and isinstance(node.value, dict))
+            kind: Literal["unknown", "value", "together"] = "together" if together else "value"
+            kind = "unknown" if item["type"] == "extra_forbidden" else kind
+            found = Mistake(_rejected(path, node, item, tree, raw), path, kind)
+            if isinstance(reason, Unfit):
+                services = set() if reason.path == _PROFILE else {"platforms", reason.path[0]}
+                found = replace(found, path=reason.path, rests_on=frozenset({"planner", "profiles"} | services))
         if path not in told:
             told.add(path)
             yield found

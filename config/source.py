@@ -21,6 +21,8 @@ from config.errors import Problem, Where
 MAX_BYTES = 1 << 20
 MAX_DEPTH = 16
 """The settings are four deep."""
+_BREAKS = re.compile("[\x85\u2028\u2029]")
+"""Ends of lines for libyaml, and for no editor: what follows would be on a line that nobody finds."""
 MAX_EVENTS = 50_000
 """About as many values; a map of a thousand places has a fifth of that."""
 
@@ -67,7 +69,7 @@ def parse(data: bytes, name: str) -> Node:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise _error(name, line, "is not UTF-8 text; save the file as UTF-8") from error
-    root = _tree(text, name)
+    root = _tree(_BREAKS.sub(" ", text), name)
     if root is None or root.value is None:
         return Node({}, Where(name, 1))
     if not isinstance(root.value, dict):
@@ -130,14 +132,15 @@ def _events(text: str, name: str) -> Iterator[yaml.Event]:
 
 
 def _mistake(text: str, error: yaml.MarkedYAMLError) -> tuple[int, str]:
-    """Line and description. libyaml finds an unclosed bracket at the end of the file; people look where it opens."""
-    lines = text.splitlines()
+    """Line and description. libyaml finds an unclosed bracket behind the end of the file; people look where it opens,
+    or at what they wrote last."""
+    lines = text.rstrip().splitlines()
     mark, message = error.problem_mark or error.context_mark, f"YAML cannot be read: {error.problem or 'syntax error'}"
     if error.context:
         message += f" ({error.context})"
     if error.context_mark and mark and mark.line >= len(lines):
         mark = error.context_mark
-    number = mark.line if mark else -1
+    number = min(mark.line, len(lines) - 1) if mark else -1
     written = lines[number] if 0 <= number < len(lines) else ""
     if "\t" in written[: len(written) - len(written.lstrip())]:
         message += "; indent with spaces, not tabs"

@@ -176,10 +176,61 @@ def test_all_mistakes_are_told_at_once_and_in_reading_order(problems: Callable[.
     ]
 
 
+def test_no_mistake_hides_another_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("SAYSO_CONFIG_DIR", str(tmp_path))
+    lines = {
+        "asr:": "",
+        "  modle: x": "asr.modle: modle is not a key",
+        "  model: nope": "asr.model: There is no model 'nope'",
+        "endpoint:": "",
+        "  silence_s: 9": "endpoint.silence_s: 9 is not allowed",
+        "voice:": "voice: the backend wyoming needs voice.server",
+        "  backend: wyoming": "",
+        "  foo: 1": "voice.foo: foo is not a key",
+        "planner:": "",
+        "  profile: nope": "planner.profile: there is no profile called nope",
+        "robot:": "",
+        "  scene: nowhere": "robot.scene: There is no scene called 'nowhere'",
+        "console: {theme: pink, keys: {wake: zz9}}": "console.keys.wake: zz9 is no key",
+        "places:": "",
+        "  zero: {name: q, position: {x: 1, y: 1, z: 0}}": "places: zero is the pose",
+        "  shed: {position: {x: 1, y: 1, z: 0}}": "places.shed.name: is missing",
+        "platforms:": "",
+        "  openai: {kind: nope}": "platforms.openai.kind: this value is not allowed",
+    }
+    (tmp_path / "config.yaml").write_text("\n".join(lines))
+    assert config_check() == 2
+    told = [line.partition("config.yaml:")[2] for line in capsys.readouterr().out.splitlines()]
+    for number, message in enumerate(lines.values(), 1):
+        assert not message or [line for line in told if line.startswith(f"{number}: {message}")], (message, told)
+    assert len(told) == len([message for message in lines.values() if message]) + 1  # the theme
+    assert told == sorted(told, key=lambda line: int(line.partition(":")[0]))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "platforms:\n  openai: {kind: nope}\nplanner: {profile: international}\nvoice: {backend: openai}",
+        "places:\n  A: {name: 5, position: {x: 1, y: 1, z: 0}}",
+        "profiles:\n  mine: {execution: [5]}\nplanner: {profile: mine}",
+        "places:\n  shed: {name: q, position: 5}",
+        "asr: {backend: wyoming, server: somewhere}",
+    ],
+)
+def test_what_only_follows_from_a_mistake_is_not_told(problems: Callable[..., list[str]], text: str) -> None:
+    assert len(problems(text)) == 1
+
+
 @pytest.mark.parametrize(
     ("text", "place", "reason"),
     [
         ("a: [1", "config.yaml:1", "YAML cannot be read"),
+        ("asr: [\n", "config.yaml:1", "YAML cannot be read"),
+        ("asr:\n  model: {\n\n\n", "config.yaml:2", "YAML cannot be read"),
+        ("# a comment\u2028 of one line\nfoo: 1", "config.yaml:2", "foo is not a section"),
+        ("asr:\n  model: 'a\x85b'\n  foo: 1", "config.yaml:3", "foo is not a key of asr"),
         ("asr:\n\tmodel: x", "config.yaml:2", "not tabs"),
         ("asr:\n  model: a\n  model: b", "config.yaml:3", "'model' is given twice, first on line 2"),
         ("asr: {}\naudio: {}\nasr: {}", "config.yaml:3", "given twice"),

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import yaml
 
-from config import ConfigError, Explained, Problem, check, explain, load, paths
+from config import ConfigError, Explained, Problem, examine, explain, load, paths
 from config.errors import Where
 from config.schema import Settings
 from engine.errors import ExitCode, SaysoError, UsageError
@@ -70,7 +70,12 @@ def config_path(files: Sequence[Path] = (), flags: Sequence[str] = (), *, json: 
 
 def config_check(files: Sequence[Path] = (), flags: Sequence[str] = (), *, json: bool = False) -> int:
     """One problem a line, like a compiler. Exit code 2 when there is one."""
-    problems = check(files, flags) or tuple(sorted(_wrong_names(files, flags), key=lambda problem: problem.where.line))
+    examined = examine(files, flags)
+    problems = [*examined.problems]
+    if (settings := examined.settings) is not None:
+        told = {problem.key for problem in problems}
+        names = (problem for problem in _wrong_names(settings, examined.explained) if problem.key not in told)
+        problems = [*examined.in_order((*problems, *names))]
     for problem in problems:
         if json:
             json_line(
@@ -92,12 +97,10 @@ def config_check(files: Sequence[Path] = (), flags: Sequence[str] = (), *, json:
     return int(ExitCode.DONE)
 
 
-def _wrong_names(files: Sequence[Path], flags: Sequence[str]) -> Iterator[Problem]:
+def _wrong_names(settings: Settings, found: Sequence[Explained]) -> Iterator[Problem]:
     """What stands for something that there is not, or cannot be: beyond the schema, by whoever it is a name for."""
     from engine.skills.library import LIBRARY
 
-    found = explain(files, flags)
-    settings = load(files, flags)
     by_key = {setting.key: setting for setting in found}
     yield from _wrong_keys([setting for setting in found if setting.path[:2] == _KEYS != setting.path])
     for key, look in (("robot.scene", _scene), ("asr.model", _recogniser), ("console.theme", _theme)):
