@@ -130,7 +130,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_timeout(ask)
 
     hear = command("hear", "tui.commands.hear:run", "do what a recording says and report")
-    _file(hear, "file", "a WAV file, or - for raw PCM on stdin (16 kHz, 16-bit, mono)")
+    _file(hear, "file", "a recording (WAV, FLAC, Ogg, MP3, …), or - for raw PCM on stdin (16 kHz, 16-bit, mono)")
     hear.add_argument("--pace", choices=["fast", "real"], default="fast", help="how fast the file is heard")
     _add_timeout(hear)
 
@@ -142,7 +142,7 @@ def build_parser() -> argparse.ArgumentParser:
     world.complete = COMPLETE_FILE  # type: ignore[attr-defined]
 
     transcribe = command("transcribe", "tui.commands.transcribe:run", "print what is said in recordings")
-    _file(transcribe, "files", "WAV files", nargs="+")
+    _file(transcribe, "files", "recordings: WAV, FLAC, Ogg, MP3, …", nargs="+")
 
     command("skills", "tui.commands.skills:run", "list what the robot can do")
     mic = command(

@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -21,6 +21,7 @@ from config.languages import code_of
 from config.schema import Asr
 from engine.asr.gates import judge
 from engine.asr.recogniser import Decoding, Rejected, Transcript
+from engine.asr.whole import Stretch
 from engine.commands import MAX_TEXT
 from engine.errors import ModelError, one_line
 from engine.han import is_chinese
@@ -100,6 +101,10 @@ class RemoteRecogniser:
             window_s=audio_s,
         )
         return judge(one_line(heard.text, MAX_TEXT + 1), decoding, self._settings, vocabulary)
+
+    def stretches(self, samples: NDArray[np.float32], vocabulary: Sequence[str] = ()) -> Iterator[Stretch]:
+        """All of it in one question; see ``WholeRecogniser``."""
+        yield Stretch(0.0, len(samples) / RATE, self.transcribe(samples, vocabulary))
 
     def likelihood(
         self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False

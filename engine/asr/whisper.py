@@ -17,7 +17,7 @@ import math
 import os
 import re
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ from config.schema import Asr
 from engine.asr.gates import judge
 from engine.asr.recogniser import Decoding, Rejected, Transcript
 from engine.asr.sizes import title
+from engine.asr.whole import Stretch
 from engine.errors import ModelError
 from engine.han import is_chinese
 from engine.lead import Lead
@@ -157,6 +158,40 @@ class WhisperRecogniser:
             return found
         others = self._others(sound, vocabulary, found, cancelled)
         return replace(found, decoding=replace(decoding, decode_s=time.perf_counter() - began), others=others)
+
+    def stretches(self, samples: NDArray[np.float32], vocabulary: Sequence[str] = ()) -> Iterator[Stretch]:
+        """Decode a whole recording in Whisper's own way, 30 s after 30 s; see ``WholeRecogniser``."""
+        self.load()
+        language = self._language_of(samples[: round(FULL_WINDOW_S * RATE)])
+        self._model.window_frames = math.ceil(FULL_WINDOW_S * self._model.frames_per_second)
+        self._model.compares = False
+        self._model.cancelled = lambda: False
+        began = time.perf_counter()
+        segments, info = self._model.transcribe(
+            samples,
+            language=language,
+            beam_size=READINGS,
+            temperature=0.0,
+            condition_on_previous_text=False,  # what is misheard once would be written on and on
+            no_speech_threshold=None,
+            log_prob_threshold=None,
+            compression_ratio_threshold=None,
+        )
+        for segment in segments:
+            unsure = segment.avg_logprob < DOUBTFUL_LOGPROB  # where it is sure, only the window began with silence
+            decoding = Decoding(
+                language=info.language,
+                avg_logprob=segment.avg_logprob,
+                no_speech_probability=segment.no_speech_prob if unsure else 0.0,
+                audio_s=segment.end - segment.start,
+                decode_s=time.perf_counter() - began,
+                window_s=FULL_WINDOW_S,
+            )
+            found = judge(segment.text.strip(), decoding, self._settings, vocabulary)
+            if isinstance(found, Transcript) and segment.compression_ratio > REPETITIVE:
+                found = Rejected("low_confidence", "It says the same again and again.", found.text, decoding)
+            yield Stretch(segment.start, segment.end, found)
+            began = time.perf_counter()
 
     def likelihood(
         self, samples: NDArray[np.float32], texts: Sequence[str], cancelled: Callable[[], bool] = lambda: False

@@ -1,8 +1,8 @@
-"""Sound from a WAV file: any rate, any number of channels, 8 to 32 bits or float, paced in real time or as fast as it
-can be read.
+"""Sound from a file: WAV, FLAC, Ogg, MP3, AIFF and whatever else libsndfile reads, at any rate, with any number of
+channels, paced in real time or as fast as it can be read.
 
 libsndfile reads the file and soxr resamples it, both block by block, so that the length of a file does not matter. A
-file that is cut short is read as far as it goes, with a warning; what is no WAV file at all is called by its name.
+WAV file that is cut short is read as far as it goes, with a warning; what cannot be read is called by its name.
 """
 
 from __future__ import annotations
@@ -23,6 +23,9 @@ from engine.errors import AudioFormatError
 BLOCK_S = 0.5  # s of sound per read: small enough to keep the loop's pauses short (a block costs about 1 ms)
 
 MAGIC: tuple[tuple[bytes, str], ...] = (
+    (b"RIFF", "a WAV file"),
+    (b"RIFX", "a WAV file"),
+    (b"RF64", "a WAV file"),
     (b"ID3", "an MP3 file"),
     (b"\xff\xf1", "an AAC file"),
     (b"\xff\xf9", "an AAC file"),
@@ -40,10 +43,10 @@ MAGIC: tuple[tuple[bytes, str], ...] = (
 
 
 class WavSource:
-    """The sound of a WAV file.
+    """The sound of a file.
 
     ``pace`` "real" delivers frames as they would sound; "fast" as soon as they are asked for. Opening raises
-    ``AudioFormatError`` (exit code 2) when the file cannot be read as WAV or holds no sound.
+    ``AudioFormatError`` (exit code 2) when the file cannot be read or holds no sound.
     """
 
     live = False
@@ -110,8 +113,13 @@ class WavSource:
             self._file = None
 
 
+def check_sound(path: Path) -> None:
+    """Raises ``AudioFormatError`` where there is nothing to hear in a file."""
+    _open(path).close()
+
+
 def read_wav(path: Path) -> Samples:
-    """The whole sound of a short WAV file. Raises ``AudioFormatError``."""
+    """The whole sound of a file, for which there must be memory. Raises ``AudioFormatError``."""
     with _open(path) as file:
         sound = file.read(dtype="float32", always_2d=True).mean(axis=1, dtype=np.float32)
         return to_int16(soxr.resample(sound, file.samplerate, RATE) if file.samplerate != RATE else sound)
@@ -124,24 +132,27 @@ def _open(path: Path) -> Any:
     hint = f"Convert it with: ffmpeg -i '{path}' -ac 1 -ar {RATE} speech.wav"
     if not path.is_file():
         what = f"{path} is no regular file." if path.exists() else f"There is no file {path}."
-        raise AudioFormatError(what, hint="Give the path of a WAV file.")
+        raise AudioFormatError(what, hint="Give the path of a recording.")
     try:
         with path.open("rb") as file:
             head = file.read(64)
     except OSError as error:
         raise AudioFormatError(f"{path} cannot be read: {error.strerror}.", hint="Check its permissions.") from error
     if not head:
-        raise AudioFormatError(f"There is no sound in {path}: the file is empty.", hint="Record it again.")
-    if head[:4] not in (b"RIFF", b"RIFX", b"RF64") or head[8:12] != b"WAVE":
-        raise AudioFormatError(f"{path} is not a WAV file but {_kind(head)}.", hint=hint)
+        raise AudioFormatError(f"There is nothing to hear in {path}: the file is empty.", hint="Record it again.")
     try:
         file_ = soundfile.SoundFile(str(path))
-    except RuntimeError as error:
+    except TypeError as error:  # soundfile wants to be told what is in a file called .raw
+        told = f"{path} is raw sound, whose rate nobody knows."
+        raise AudioFormatError(told, hint=f"Where it is 16 kHz, 16-bit, mono: sayso hear - < '{path}'") from error
+    except RuntimeError as error:  # soundfile.LibsndfileError
         reason = str(error).rpartition(": ")[2].strip()
-        raise AudioFormatError(f"{path} is a damaged or unusual WAV file: {reason}", hint=hint) from error
+        told = f"{path} cannot be read as sound: it looks like {_kind(head)} ({reason.rstrip('.')})."
+        raise AudioFormatError(told, hint=hint) from error
     if not file_.frames:
         file_.close()
-        raise AudioFormatError(f"There is no sound in {path}: it has a header and no samples.", hint="Record it again.")
+        told = f"There is nothing to hear in {path}: it has a header and no samples."
+        raise AudioFormatError(told, hint="Record it again.")
     return file_
 
 

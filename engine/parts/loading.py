@@ -16,6 +16,7 @@ from config.schema import WYOMING, Settings
 from config.schema import Robot as RobotSettings
 from config.schema import Voice as VoiceSettings
 from engine.asr.recogniser import Recogniser
+from engine.asr.whole import WholeRecogniser
 from engine.audio.microphone import Microphone
 from engine.audio.player import Player
 from engine.audio.satellite import Satellite
@@ -258,7 +259,7 @@ def model_store(settings: Settings) -> ModelStore:
     return ModelStore(settings.models.folder or paths().models)
 
 
-def make_recogniser(settings: Settings) -> Recogniser:
+def make_recogniser(settings: Settings) -> WholeRecogniser:
     """The configured recogniser, in this process and not loaded yet. Raises ``ModelError`` with the command that
     fetches what it lacks."""
     if settings.asr.backend != "whisper":
@@ -278,7 +279,7 @@ def make_isolated_recogniser(settings: Settings) -> Recogniser:
     return IsolatedRecogniser(_speech_model(settings), settings.asr)
 
 
-def _recogniser_elsewhere(settings: Settings) -> Recogniser:
+def _recogniser_elsewhere(settings: Settings) -> WholeRecogniser:
     from engine.asr.remote import RemoteRecogniser
 
     if settings.asr.backend == "wyoming":

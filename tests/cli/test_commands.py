@@ -5,13 +5,17 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 import wave
 from base64 import b64encode
 from pathlib import Path
 
+import numpy as np
 import pytest
+import soundfile
+import soxr
 
 from engine.errors import ExitCode
 from engine.events import from_json
@@ -321,6 +325,49 @@ def test_bad_sound_files_are_clear_errors(tmp_path: Path) -> None:
         assert done.returncode == ExitCode.USAGE, (verb, given, done.stderr)
         assert all(name.encode() in done.stderr for name in given), (verb, given, done.stderr)
         assert b"Traceback" not in done.stderr
+        lines = done.stderr.splitlines()
+        assert len(lines) == len(given)
+        assert all(line.startswith(b"sayso: ") for line in lines)
+    done = sayso("hear", str(tmp_path / "empty.wav"), state=tmp_path)
+    assert done.stderr.decode() == (
+        f"sayso: There is nothing to hear in {tmp_path}/empty.wav: the file is empty. Record it again.\n"
+    )
+
+
+@pytest.mark.model
+def test_a_recording_without_speech_is_told_and_nothing_is_made_up(tmp_path: Path) -> None:
+    random = np.random.default_rng(0)
+    for name, level in (("silence.wav", 0.0), ("hiss.wav", 0.002), ("noise.wav", 0.05)):
+        soundfile.write(tmp_path / name, random.normal(0, level, 35 * 16000) if level else np.zeros(35 * 16000), 16000)
+        file = str(tmp_path / name)
+        done = sayso("transcribe", file, state=tmp_path)
+        assert (done.returncode, done.stdout) == (ExitCode.FAILED, b"")
+        assert done.stderr.decode() == f"sayso: no speech was found in {file}.\n"
+    done = sayso("transcribe", "--json", file, state=tmp_path)
+    assert done.returncode == ExitCode.FAILED
+    assert [json.loads(line)["text"] for line in done.stdout.splitlines()] == [""]
+
+
+@pytest.mark.model
+@needs_recordings
+def test_a_long_recording_is_read_as_one_whatever_its_kind(tmp_path: Path) -> None:
+    files = ["speech_real/lv0870", *(f"speech_synth/joe_0{number}_clean" for number in (1, 4, 2))]
+    pause = np.random.default_rng(1).normal(0, 1e-4, round(0.9 * 16000))
+    parts = [part for name in files for part in (soundfile.read(SHARED / f"{name}.wav")[0], pause)]
+    sound = soxr.resample(np.concatenate([*parts, np.zeros(8 * 16000), *parts[2:]]), 16000, 44100)
+    soundfile.write(tmp_path / "long.flac", np.stack([sound, sound / 2], axis=1), 44100)
+    done = sayso("transcribe", "--json", str(tmp_path / "long.flac"), state=tmp_path)
+    assert done.returncode == ExitCode.DONE
+    found = json.loads(done.stdout)
+    read = (
+        "and mr john dashwood had then leisure to consider how much there might be prudently in his power to do "
+        "for them"
+    )
+    commands = "turn left 90 degrees navigate to the kitchen turn right 45 degrees"
+    assert re.findall(r"\w+", found["text"].lower()) == f"{read} {commands} {commands}".split()
+    times = [(part["start_s"], part["end_s"]) for part in found["utterances"]]
+    assert times == sorted(times)
+    assert times[-1][1] == pytest.approx(len(sound) / 44100, abs=1.5)
 
 
 @pytest.mark.model

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from engine.audio.pipe import PcmSource, PushSource
 from engine.audio.simulated import SimulatedMicrophone
 from engine.audio.source import FRAME_S, FRAME_SAMPLES, RATE, Frame, FrameQueue, Framer, Samples, Source
-from engine.audio.wav import WavSource
+from engine.audio.wav import WavSource, read_wav
 from engine.errors import AudioFormatError, ExitCode
 from tests.virtual_time import run
 
@@ -150,15 +150,15 @@ def _header_only(path: Path) -> None:
 BAD: list[tuple[Callable[[Path], object], str]] = [
     (lambda path: None, "There is no file"),
     (lambda path: path.mkdir(), "no regular file"),
-    (lambda path: path.write_bytes(b""), "There is no sound in .*: the file is empty"),
-    (_header_only, "There is no sound in .*: it has a header and no samples"),
-    (lambda path: path.write_bytes(b"ID3\x04" + bytes(500)), "not a WAV file but an MP3 file"),
-    (lambda path: path.write_bytes(b"\xff\xfb\x90\x64" + bytes(500)), "not a WAV file but an MP3 file"),
-    (lambda path: path.write_bytes(b"OggS" + bytes(500)), "not a WAV file but an Ogg file"),
-    (lambda path: path.write_bytes(bytes(4) + b"ftypM4A " + bytes(500)), "not a WAV file but an MP4"),
-    (lambda path: path.write_text("turn left " * 30), "not a WAV file but text"),
+    (lambda path: path.write_bytes(b""), "There is nothing to hear in .*: the file is empty"),
+    (_header_only, "There is nothing to hear in .*: it has a header and no samples"),
+    (lambda path: path.write_bytes(b"ID3\x04" + bytes(500)), "looks like an MP3 file"),
+    (lambda path: path.write_bytes(b"\xff\xfb\x90\x64" + bytes(500)), "looks like an MP3 file"),
+    (lambda path: path.write_bytes(b"OggS" + bytes(500)), "looks like an Ogg file"),
+    (lambda path: path.write_bytes(bytes(4) + b"ftypM4A " + bytes(500)), "looks like an MP4"),
+    (lambda path: path.write_text("turn left " * 30), "looks like text"),
     (lambda path: path.write_bytes(bytes(range(1, 256))), "something unknown"),
-    (lambda path: path.write_bytes(b"RIFF\x10\x00\x00\x00WAVEjunk"), "damaged or unusual WAV file"),
+    (lambda path: path.write_bytes(b"RIFF\x10\x00\x00\x00WAVEjunk"), "looks like a WAV file"),
 ]
 
 
@@ -173,11 +173,33 @@ def test_what_is_no_sound_is_refused_by_its_name(tmp_path: Path, make: Callable[
     assert caught.value.hint
 
 
-def test_a_real_mp3_named_wav_is_called_an_mp3(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("kind", "channels", "rate"),
+    [
+        ("FLAC", 2, 44100),
+        ("FLAC", 1, 44100),
+        ("FLAC", 6, 48000),
+        ("OGG", 2, 44100),
+        ("MP3", 2, 44100),
+        ("AIFF", 1, 8000),
+    ],
+)
+def test_other_kinds_of_sound_are_read_whatever_they_are_called(
+    tmp_path: Path, kind: str, channels: int, rate: int
+) -> None:
     path = tmp_path / "song.wav"
-    soundfile.write(path, tone(1, 44100), 44100, format="MP3")
-    with pytest.raises(AudioFormatError, match="not a WAV file but an MP3 file"):
+    soundfile.write(path, np.tile(tone(1.5, rate)[:, None], channels), rate, format=kind)
+    for sound in (joined(asyncio.run(collected(WavSource(path, "fast")))), read_wav(path)):
+        assert len(sound) == pytest.approx(1.5 * RATE, abs=0.1 * RATE)
+        assert dominant(sound[:RATE]) == pytest.approx(440, abs=2)
+
+
+def test_raw_sound_is_not_guessed_at(tmp_path: Path) -> None:
+    path = tmp_path / "speech.raw"
+    path.write_bytes(bytes(32000))
+    with pytest.raises(AudioFormatError, match="raw sound") as caught:
         asyncio.run(collected(WavSource(path, "fast")))
+    assert "sayso hear - <" in caught.value.hint
 
 
 @given(st.binary(max_size=200))

@@ -10,8 +10,6 @@ from engine.wake.training.trial import Point
 
 WIDTH: Final = 38
 """Cells of a bar: all of it fits into 80 columns."""
-NONE_YET: Final = 3.0
-"""Who saw nothing happen for an hour can be 95 % sure that it happens less than three times an hour."""
 
 
 def plot(trained: Trained) -> str:
@@ -32,13 +30,11 @@ def figures(trial: Trial) -> str:
 
 
 def alarms(trial: Trial) -> str:
-    """How often it would wake by itself, and how much is known of that."""
-    minutes = f"{trial.hours * 60:.0f} min of other sound"
+    """How often it woke by itself while it was tried, and in how much. A figure an hour would pretend to know more."""
+    minutes = f"{trial.hours * 60:.0f} min of other talk"
     if not trial.hours:
         return "false alarms were not looked for"
-    if not trial.alarms:
-        return f"fewer than {NONE_YET / trial.hours:.0f} false alarms an hour (none in {minutes})"
-    return f"about {trial.alarms_an_hour:.0f} false alarms an hour ({trial.alarms} in {minutes})"
+    return f"{trial.alarms or 'no'} false alarm{'s' if trial.alarms != 1 else ''} in {minutes}"
 
 
 def described(head: Head) -> str:

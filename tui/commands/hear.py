@@ -7,7 +7,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from engine.audio.pipe import PcmSource
-from engine.audio.wav import WavSource
+from engine.audio.wav import WavSource, check_sound
 from engine.commands import Wake
 from engine.parts.loading import Sound
 from tui.commands.headless import headless
@@ -20,6 +20,7 @@ def run(arguments: Namespace) -> int:
     if arguments.file == "-":
         sound = Sound("source", PcmSource(sys.stdin.buffer, live=False))
     else:
+        check_sound(Path(arguments.file))  # before an engine is started for nothing
         sound = Sound("source", WavSource(Path(arguments.file), pace=arguments.pace))
     with headless(settings, mode="hear", json=arguments.json, sound=sound) as engine:
         result = engine.perform(Wake("file"), arguments.timeout)
