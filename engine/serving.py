@@ -31,6 +31,8 @@ from engine.visit import Offer, Unacceptable, Visit
 
 VISITORS: Final = 16
 """Connections at a time."""
+IDLE_S: Final = 5.0
+"""Who has asked nothing for so long gives way to somebody who comes when every seat is taken, s."""
 GOODBYE_S: Final = 5.0
 """How long somebody who is shown out may take to leave, s."""
 
@@ -47,6 +49,7 @@ class Server:
         self._speaking = asyncio.Lock()
         self._server: asyncio.Server | None = None
         self._visits: set[asyncio.Task[None]] = set()
+        self._seated: list[Visit] = []
 
     async def __aenter__(self) -> Server:
         """Raises ``DeviceError`` where nothing can be served at that address."""
@@ -87,9 +90,14 @@ class Server:
 
         try:
             try:
-                if len(self._visits) > VISITORS:
-                    raise Unacceptable("busy", f"{VISITORS} others are served already.")
-                await Visit(self, reader, writer).stay()
+                visit = Visit(self, reader, writer)
+                self._make_room()
+                self._seated.append(visit)
+                try:
+                    await visit.stay()
+                finally:
+                    if visit in self._seated:
+                        self._seated.remove(visit)
             except (Unacceptable, wyoming.NotWyoming) as error:
                 code = error.code if isinstance(error, Unacceptable) else "not-wyoming"
                 self.tell(f"A visitor was shown out: {error}")
@@ -104,6 +112,17 @@ class Server:
             pass  # gone
         finally:
             writer.close()
+
+    def _make_room(self) -> None:
+        """Have the visitor leave who has asked nothing for longest, where every seat is taken. Raises
+        ``Unacceptable``."""
+        if len(self._seated) < VISITORS:
+            return
+        idlest = max(self._seated, key=lambda visit: visit.idle_s)
+        if idlest.idle_s < IDLE_S:
+            raise Unacceptable("busy", f"{VISITORS} others are served already.")
+        self._seated.remove(idlest)
+        idlest.give_way()
 
     async def recognise(self, samples: NDArray[np.int16], names: Sequence[str]) -> Transcript | Rejected:
         """Raises ``SaysoError``. Visitors are served one after the other; one who leaves is not waited for."""

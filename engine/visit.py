@@ -94,27 +94,43 @@ class Visit:
         self._reader = reader
         self._writer = writer
         self._requests: asyncio.Queue[Request] = asyncio.Queue(REQUESTS)
+        self._unfinished = 0  # requests
         self._wish: Transcribe | None = None
         self._sound: Recording | None = None
+        self._since = asyncio.get_running_loop().time()  # when something was asked or sent last
+        self._wanted = asyncio.Event()  # by somebody else: the seat
+
+    @property
+    def idle_s(self) -> float:
+        """For how long nothing was asked; 0 while something is sent or done."""
+        busy = self._sound is not None or self._unfinished > 0
+        return 0.0 if busy else asyncio.get_running_loop().time() - self._since
+
+    def give_way(self) -> None:
+        """Somebody else needs the seat: end the visit."""
+        self._wanted.set()
 
     async def stay(self) -> None:
         """Listen and do what is asked, until the visitor leaves. Raises :class:`Unacceptable`, ``NotWyoming``,
         ``OSError``, ``EOFError`` and ``TimeoutError``."""
-        both = [asyncio.create_task(self._listen()), asyncio.create_task(self._work())]
+        all_ = [asyncio.create_task(work) for work in (self._listen(), self._work(), self._leave())]
         try:
-            done, _ = await asyncio.wait(both, return_when=asyncio.FIRST_COMPLETED)
+            done, _ = await asyncio.wait(all_, return_when=asyncio.FIRST_COMPLETED)
         finally:
-            for task in both:
+            for task in all_:
                 task.cancel()
-            await asyncio.gather(*both, return_exceptions=True)
+            await asyncio.gather(*all_, return_exceptions=True)
         for task in done:
             task.result()
 
+    async def _leave(self) -> None:
+        await self._wanted.wait()
+        raise Unacceptable("idle", "Nothing was asked here, and somebody else needs the connection.")
+
     async def _listen(self) -> None:
         now = asyncio.get_running_loop().time
-        since = now()
         while True:
-            async with asyncio.timeout_at(since + (PATIENCE_S if self._sound is not None else IDLE_S)):
+            async with asyncio.timeout_at(self._since + (PATIENCE_S if self._sound is not None else IDLE_S)):
                 event = await wyoming.read(self._reader)
             if event is None:  # they may have closed only their side, and wait for what they asked for
                 async with asyncio.timeout(PATIENCE_S):
@@ -126,15 +142,17 @@ class Visit:
             except (KeyError, TypeError, ValueError, AttributeError) as error:
                 raise Unacceptable("not-wyoming", f"This {event.type[:40]!r} lacks what belongs to it.") from error
             if request is not None:
+                self._unfinished += 1
                 await self._requests.put(request)
             if self._sound is not before or not _is_empty(event):
-                since = now()
+                self._since = now()
 
     async def _work(self) -> None:
         while True:
             request = await self._requests.get()
             await request()
             self._requests.task_done()
+            self._unfinished -= 1
 
     def _request(self, event: Event) -> Request | None:
         """What an event asks for; nothing where it only prepares that, or is none that we know (servers drop those)."""

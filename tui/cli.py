@@ -10,14 +10,16 @@ import argparse
 import importlib
 import math
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from types import FrameType
 from typing import Any, NoReturn
 
 from engine import __version__
 from engine.errors import ExitCode, SaysoError
-from tui.output import data, say, silence_stdout
+from tui.output import ENDING, data, say, silence_stdout
 
 DESCRIPTION = """\
 Say it, and a robot does it. Without a command: the console, with a robot in a simulated flat.
@@ -38,13 +40,28 @@ COMPLETE_FILE = {
     "fish": "(__fish_complete_path (commandline -ct))",
 }
 """What shtab calls ``FILE``: complete the names of files."""
+ENDLESS = frozenset(f"tui.commands.{name}" for name in ("engine", "web", "wyoming"))
+"""Commands that run until they are told to end: to be told so is no failure."""
 LATER = "later_"
 """How the options that stand for settings are named after the command, until they are joined to those before it."""
 
 
+class EndedEarly(KeyboardInterrupt):
+    """The process was asked to end before the command had said what that means for it."""
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code. The entry point of ``sayso``."""
-    arguments = build_parser().parse_args(argv)
+    endless = False
+    try:
+        arguments = build_parser().parse_args(argv)
+        endless = arguments.run.partition(":")[0] in ENDLESS
+        return _performed(arguments)
+    except EndedEarly:
+        return int(ExitCode.DONE if endless else ExitCode.INTERRUPTED)
+
+
+def _performed(arguments: argparse.Namespace) -> int:
     module, _, function = arguments.run.partition(":")
     from config import ConfigError
 
@@ -55,6 +72,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except (SaysoError, ConfigError) as error:
         say(f"sayso: {error}")
         return int(error.exit_code)
+    except EndedEarly:
+        raise
     except KeyboardInterrupt:
         say("sayso: interrupted.")
         return int(ExitCode.INTERRUPTED)
@@ -66,7 +85,16 @@ def main(argv: Sequence[str] | None = None) -> int:
 def entry() -> None:
     """The console script."""
     open_missing_streams()
+    for number in ENDING:
+        if signal.getsignal(number) is signal.SIG_DFL:  # and not ignored, as nohup leaves it
+            signal.signal(number, _end_early)
     sys.exit(main())
+
+
+def _end_early(number: int, frame: FrameType | None) -> NoReturn:
+    for other in ENDING:
+        signal.signal(other, signal.SIG_IGN)  # the end is under way
+    raise EndedEarly
 
 
 def open_missing_streams() -> None:

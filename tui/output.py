@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import os
 import select
+import signal
 import sys
 import threading
 from collections import deque
@@ -19,6 +20,8 @@ import msgspec
 
 from engine.errors import StorageError
 
+ENDING: Final = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+"""Signals by which a process is asked to end, besides Ctrl-C; each of them would leave what it runs behind."""
 HELD_BYTES: Final = 4 << 20
 """How much is kept for a reader of stdout who does not read; then it counts as one who has gone."""
 HELD_WORDS: Final = 1 << 16

@@ -6,28 +6,47 @@ The heartbeat runs in the engine's own loop on purpose: a loop that hangs stops 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import math
 from collections.abc import Callable
 
 from engine.bus import Emit
+from engine.errors import RobotError
 from engine.events import PoseView, RobotStateView, TwistView
 from engine.robot.robot import Robot, RobotState
 
 HEARTBEAT_S = 0.05  # three beats before the robot brakes, five before it halts; twice as many cost 0.5 % of a core
 PUBLISH_S = 0.1
+SETTLE_S = 0.5  # longer than any robot of ours needs to come to rest
 _MOVED = 0.001  # m or rad; less is not worth an event
 
 
 async def company(robot: Robot, emit: Emit, halted: Callable[[str, int], None] = lambda reason, epoch: None) -> None:
     """Beat, and publish the robot's state while it changes. Ends by :class:`RobotError` when the robot is gone.
 
-    ``halted`` is told why and in which epoch when the robot has halted by itself, once each time.
+    ``halted`` is told why and in which epoch when the robot has halted by itself, once each time. Whoever cancels this
+    has stopped the robot; its last state is published when it rests.
     """
     beating = asyncio.create_task(_beat(robot))
     try:
         await _publish(robot, emit, halted)
+    except asyncio.CancelledError:
+        beating.cancel()  # a robot that nobody has stopped halts by itself now
+        with contextlib.suppress(RobotError):
+            emit(view(await _at_rest(robot)))
+        raise
     finally:
         beating.cancel()
+
+
+async def _at_rest(robot: Robot) -> RobotState:
+    """The state in which the robot rests, or is after ``SETTLE_S``. Raises :class:`RobotError`."""
+    state = robot.state()
+    with contextlib.suppress(TimeoutError):
+        async with asyncio.timeout(SETTLE_S):
+            while view(state).twist != TwistView(0.0, 0.0, 0.0):
+                state = await robot.tick()
+    return state
 
 
 async def _beat(robot: Robot) -> None:

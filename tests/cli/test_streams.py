@@ -116,6 +116,26 @@ def test_to_be_ended_during_the_start_and_more_than_once_is_an_end_as_usual(
     assert b"Traceback" not in words
 
 
+ENDED_WHILE_LOADING = """
+import os, signal, tui.cli
+load = tui.cli.importlib.import_module
+tui.cli.importlib.import_module = lambda name: os.kill(os.getpid(), signal.{}) or load(name)
+"""
+
+
+@pytest.mark.parametrize("number", ["SIGTERM", "SIGHUP", "SIGQUIT"])
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [(ENGINE, ExitCode.DONE), (("wyoming",), ExitCode.DONE), (("ask", "beep"), ExitCode.INTERRUPTED)],
+)
+def test_to_be_ended_before_anything_is_loaded_is_an_end_as_well(
+    tmp_path: Path, arguments: tuple[str, ...], code: ExitCode, number: str
+) -> None:
+    started = command(*arguments, before=ENDED_WHILE_LOADING.format(number))
+    done = subprocess.run(started, env=environment(tmp_path), capture_output=True, timeout=LIMIT_S, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (code, b"", b"")
+
+
 def test_an_interrupt_ends_a_plan_that_waits_for_a_request(tmp_path: Path) -> None:
     with running("plan", "-", state=tmp_path) as process:
         process.stdin.write(b"beep\n")

@@ -109,7 +109,7 @@ def test_a_killed_engine_leaves_a_robot_that_stands_and_then_nothing(tmp_path: P
         assert body.halted == "engine gone"
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT, signal.SIGQUIT])
 def test_an_engine_that_is_told_to_end_stops_the_robot_and_keeps_its_books(
     tmp_path: Path, number: signal.Signals
 ) -> None:
@@ -121,6 +121,7 @@ def test_an_engine_that_is_told_to_end_stops_the_robot_and_keeps_its_books(
         events = running.rest()
         assert [end["outcome"] for end in kinds(events, "action.finished")] == ["interrupted"]
         assert events[-1]["kind"] == "session.ended"
+        assert set(kinds(events, "robot.state")[-1]["twist"].values()) == {0}, "it is told how the robot rests"
         assert running.process.wait(10) == (ExitCode.INTERRUPTED if number == signal.SIGINT else ExitCode.DONE)
         assert gone(body.process)
 
@@ -273,6 +274,7 @@ BLOWS: dict[str, tuple[Callable[[Terminal], None], int]] = {
     "terminal closed": (lambda terminal: terminal.hang_up(), ExitCode.INTERRUPTED),
     "SIGHUP": (lambda terminal: os.kill(terminal.pid, signal.SIGHUP), ExitCode.INTERRUPTED),
     "SIGTERM": (lambda terminal: os.kill(terminal.pid, signal.SIGTERM), ExitCode.INTERRUPTED),
+    "SIGQUIT": (lambda terminal: os.kill(terminal.pid, signal.SIGQUIT), ExitCode.INTERRUPTED),
 }
 
 

@@ -175,7 +175,7 @@ def test_an_escape_right_behind_a_report_acts_as_early_as_one_by_itself() -> Non
     assert len(done) == 6
 
 
-@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGTERM, signal.SIGQUIT])
 def test_a_terminal_that_goes_away_ends_the_session(number: signal.Signals) -> None:
     with session() as console:
         console.read_until(b"READY")

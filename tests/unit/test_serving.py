@@ -8,7 +8,7 @@ import asyncio
 import json
 import threading
 from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Sequence
-from contextlib import aclosing, asynccontextmanager, suppress
+from contextlib import AsyncExitStack, aclosing, asynccontextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -502,6 +502,37 @@ def test_one_too_many_is_told_that_it_is_busy(monkeypatch: pytest.MonkeyPatch) -
             async with place.visitor() as another:
                 assert Error.from_event(await another.ask(Describe())).code == "busy"
             await visitor.ask(Describe())
+
+    served(scenario, Counting())
+
+
+def test_who_asks_nothing_gives_way_to_somebody_who_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(serving, "IDLE_S", 0)
+
+    async def scenario(place: Place) -> None:
+        async with AsyncExitStack() as opened:
+            idle = [await opened.enter_async_context(place.visitor()) for _ in range(serving.VISITORS)]
+            for visitor in idle:
+                await visitor.ask(Describe())
+            newcomer = await opened.enter_async_context(place.visitor())
+            assert Info.is_type((await newcomer.ask(Describe())).type)
+            assert Error.from_event(await idle[0].hear()).code == "idle"  # who has been idle for longest
+            await idle[1].ask(Describe())
+
+    served(scenario, Counting())
+
+
+def test_who_sends_sound_does_not_give_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(serving, "VISITORS", 1)
+    monkeypatch.setattr(serving, "IDLE_S", 0.001)
+
+    async def scenario(place: Place) -> None:
+        async with place.visitor() as visitor:
+            await visitor.ask(Describe())
+            await visitor.say(*sound()[:3], Ping())
+            assert Pong.is_type((await visitor.hear()).type)
+            async with place.visitor() as another:
+                assert Error.from_event(await another.ask(Describe())).code == "busy"
 
     served(scenario, Counting())
 

@@ -18,7 +18,7 @@ from engine import events
 from engine.commands import Interrupt, Quit, Say, Wake
 from engine.errors import ExitCode, UsageError
 from engine.events import Event, TurnResult, to_json
-from tui.output import LineWriter, data, said_in_background, say
+from tui.output import ENDING, LineWriter, data, said_in_background, say
 
 if TYPE_CHECKING:
     from config.schema import Settings
@@ -36,7 +36,7 @@ _ENDED = TurnResult(ExitCode.INTERRUPTED, "interrupted", "The session ended befo
 
 
 class Terminated(KeyboardInterrupt):
-    """The process was asked to end (SIGTERM, SIGHUP)."""
+    """The process was asked to end (``ENDING``)."""
 
 
 @contextmanager
@@ -71,7 +71,7 @@ class Signals:
         self._kept: dict[int, Any] = {}
 
     def __enter__(self) -> Signals:
-        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+        for number in (*ENDING, signal.SIGINT):
             if (kept := signal.getsignal(number)) is not signal.SIG_IGN:  # as nohup and a shell's & leave it
                 self._kept[number] = kept
                 signal.signal(number, self._note)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import ipaddress
-import signal
 import socket
 import sys
 from argparse import Namespace
@@ -18,7 +17,7 @@ from typing import Final
 
 from engine.errors import DeviceError, ExitCode, ModelError
 from tui.commands.settings import load_settings
-from tui.output import data, say
+from tui.output import ENDING, data, say
 
 INSTALL: Final = "pip install 'sayso[web]'"
 
@@ -78,7 +77,7 @@ async def _serve(listener: socket.socket, url: str, arguments: Namespace) -> Non
     from tui.web.tab import LEAVE_LIMIT_S
 
     ended = asyncio.Event()
-    for number in (signal.SIGTERM, signal.SIGHUP):
+    for number in ENDING:
         asyncio.get_running_loop().add_signal_handler(number, ended.set)
     server = ConsoleServer(console_arguments(arguments), arguments.web_host)
     runner = web.AppRunner(await server.application(), access_log=None, shutdown_timeout=LEAVE_LIMIT_S + 2)

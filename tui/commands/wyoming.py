@@ -7,7 +7,6 @@ exit code 0 by SIGTERM or SIGHUP, 130 by Ctrl-C.
 from __future__ import annotations
 
 import asyncio
-import signal
 from argparse import Namespace
 from contextlib import AsyncExitStack, closing
 
@@ -20,7 +19,7 @@ from engine.serving import Server, is_private
 from engine.tts.synthesis import Synthesiser
 from engine.visit import Offer
 from tui.commands.settings import load_settings
-from tui.output import json_line, say
+from tui.output import ENDING, json_line, say
 
 
 def run(arguments: Namespace) -> int:
@@ -39,7 +38,7 @@ def run(arguments: Namespace) -> int:
 
 async def _serve(settings: Settings, uri: str, *, only: str | None, json: bool) -> None:
     ended = asyncio.Event()
-    for number in (signal.SIGTERM, signal.SIGHUP):
+    for number in ENDING:
         asyncio.get_running_loop().add_signal_handler(number, ended.set)
     async with AsyncExitStack() as opened:
         recogniser = await _recogniser(settings, opened, needed=only == "asr") if only != "tts" else None

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Final
 from engine.commands import Quit
 from engine.errors import ExitCode
 from tui.messages import HungUp
+from tui.output import ENDING
 from tui.words import strings
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class Leaving:
 
     def watch(self) -> None:
         """From now on, signals that end other programs end this one in order."""
-        for number in (signal.SIGHUP, signal.SIGTERM):
+        for number in ENDING:
             signal.signal(number, self._signalled)
 
     def at_the_end(self, close: Callable[[], None]) -> None:
@@ -70,7 +71,7 @@ class Leaving:
         stage.exit(return_code=int(self._exit_code))
 
     def hang_up(self) -> None:
-        """The terminal is gone, or somebody ended us (SIGHUP, SIGTERM). In any thread: the robot stops first."""
+        """The terminal is gone, or somebody ended us (``ENDING``). In any thread: the robot stops first."""
         self._exit_code = ExitCode.INTERRUPTED
         self._stage.send(Quit())
         self._stage.post_message(HungUp())
