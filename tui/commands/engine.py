@@ -1,9 +1,9 @@
 """``sayso engine``: no screen. JSON lines out on stdout, JSON commands in on stdin, one a line.
 
-The end of stdin means "no more commands": what was asked for is done, then the engine ends. SIGTERM, SIGHUP and
-SIGINT stop the robot and end it at once, and so does a reader of stdout who goes away, or does not read any more, and
-a full disk. All of them exit with 0 but SIGINT and the reader, which exit with 130, and the full disk with 3. An engine
-that dies by a fault, or does not answer for ten seconds, exits with 1.
+The end of stdin means "no more commands": what was asked for is done, then the engine ends. SIGTERM, SIGHUP,
+SIGQUIT and SIGINT stop the robot and end it at once, and so does a reader of stdout who goes away, or does not read any
+more, and a full disk. All of them exit with 0 but SIGINT and the reader, which exit with 130, and the full disk with 3.
+An engine that dies by a fault, or does not answer for ten seconds, exits with 1.
 """
 
 from __future__ import annotations

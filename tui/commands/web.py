@@ -1,7 +1,7 @@
 """``sayso --web``: the console in a browser, by textual-serve.
 
 It listens on loopback unless ``--web-host`` says otherwise: whoever reaches it can drive the robot. stdout is where it
-is. Runs until it is ended; exit code 0 by SIGTERM or SIGHUP, 130 by Ctrl-C.
+is. Runs until it is ended; exit code 0 by SIGTERM, SIGHUP or SIGQUIT, 130 by Ctrl-C.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """``sayso wyoming``: this machine's recogniser and voice for other programs, such as Home Assistant; no robot runs.
 
 It listens on loopback unless ``--uri`` says otherwise: the protocol asks nobody who they are. Runs until it is ended;
-exit code 0 by SIGTERM or SIGHUP, 130 by Ctrl-C.
+exit code 0 by SIGTERM, SIGHUP or SIGQUIT, 130 by Ctrl-C.
 """
 
 from __future__ import annotations
