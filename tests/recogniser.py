@@ -51,7 +51,9 @@ class Scripted:
         self.answers = answers
         self.passes: list[Given] = []
         self.likely: float | None = None
-        """What it says of every text."""
+        """What it says of every text…"""
+        self.likelier: dict[str, float] = {}
+        """…but of these."""
         self.weighed: list[tuple[str, ...]] = []
         self.cancelled: list[bool] = []
         """Of each answer, whether nobody needed it any more when it was given."""
@@ -87,6 +89,6 @@ class Scripted:
     ) -> float | None:
         """None, as of those that cannot tell, unless something was chosen."""
         self.weighed.append(tuple(texts))
-        return self.likely
+        return max((self.likelier[text] for text in texts if text in self.likelier), default=self.likely)
 
     def close(self) -> None: ...

@@ -8,15 +8,17 @@ import threading
 import numpy as np
 import pytest
 
+from engine.asr.whisper import WhisperRecogniser
 from engine.audio.endpoint import Utterance
 from engine.audio.pipe import PushSource
 from engine.audio.source import FRAME_SAMPLES, RATE
 from engine.audio.wav import read_wav
 from engine.errors import ModelError
-from engine.hearing.transcriber import LIKELY_SAID, SAID
+from engine.hearing.transcriber import LESS_FITS, LIKELY_SAID, SAID, ends_with
 from tests.bench.speech import mixed as in_noise
 from tests.bench.speech import speech_bounds
 from tests.unit.hears import COMMAND, SPEECH, Scripted, all_read, an_utterance, ears, quiet
+from tests.unit.test_whisper import SETTINGS, model_folder
 
 # What was said right before a request
 
@@ -141,9 +143,39 @@ def test_a_phrase_was_said_where_the_recogniser_finds_it_likely(
         assert answers == [(said, True)]
         assert {"hey jarvis", "Hey Jarvis"} <= set(it.recogniser.weighed[0])
         it.hearing.ask("hey jarvis", COMMAND, answer, likely=likely)  # after the end, and nothing comes of it
-        assert len(it.recogniser.weighed) == len(answers) == 1
+        assert len(answers) == 1
 
     asyncio.run(scenario())
+
+
+@pytest.mark.parametrize(
+    ("phrase", "instead", "less", "said"),
+    [
+        ("hey jarvis", "Jarvis", LESS_FITS + 0.1, False),
+        ("hey jarvis", "Jarvis", LESS_FITS - 0.1, True),
+        ("okay computer please", "Computer, Please", LESS_FITS + 0.1, False),
+        ("okay computer please", "please", LESS_FITS + 0.1, False),
+        ("alexa", "Alexa", LESS_FITS + 0.1, True),
+    ],
+)
+@pytest.mark.parametrize("likely", [True, False])
+def test_a_phrase_was_not_said_where_its_last_words_alone_are_much_likelier(
+    phrase: str, instead: str, less: float, said: bool, likely: bool
+) -> None:
+    made = Scripted()
+    made.likely = SAID + 1
+    made.likelier[instead] = SAID + 1 + less
+    assert ends_with(made, phrase, COMMAND, likely=likely) is said
+
+
+@pytest.mark.model
+@pytest.mark.parametrize("likely", [True, False])
+def test_who_says_the_last_words_of_a_phrase_alone_has_not_said_the_phrase(likely: bool) -> None:
+    whisper, stop = WhisperRecogniser(model_folder(), SETTINGS), read_wav(SPEECH / "stop.wav")
+    for sound, phrase in ((COMMAND, "hey go to the kitchen"), (COMMAND, "okay hey kitchen"), (stop, "hey stop")):
+        assert not ends_with(whisper, phrase, sound, likely=likely), phrase
+    for sound, phrase in ((COMMAND, "go to the kitchen"), (stop, "stop")):
+        assert ends_with(whisper, phrase, sound, likely=likely), phrase
 
 
 def test_nobody_is_asked_about_a_phrase_before_the_recogniser_is_there_nor_while_somebody_is_listened_to() -> None:
