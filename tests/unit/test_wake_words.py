@@ -25,13 +25,13 @@ from engine.audio.wav import read_wav
 from engine.commands import Wake
 from engine.errors import ModelError
 from engine.parts.loading import model_store
-from engine.wake.choice import MODEL, SHIPPED, make_spotters
+from engine.wake.choice import DOUBTED, MODEL, SHIPPED, make_spotters
 from engine.wake.embedding import RATE, SPAN, STEP, Embedding, Stream
 from engine.wake.head import Head
-from engine.wake.micro import SOONER, MicroSpotter, is_installed
+from engine.wake.micro import CUTOFF, DELAY, SOONER, MicroSpotter, is_installed
 from engine.wake.trained import TrainedSpotter
 from engine.wake.training.voices import Espeak, Sound, trimmed
-from engine.wake.words import ASKED_S, Answer, Doubts, Spotted, Spotter, WordListener
+from engine.wake.words import ASKED_S, Answer, Detections, Doubts, Spotted, Spotter, WordListener
 
 SPEECH = Path(__file__).parents[2] / "assets" / "speech"
 LIMIT_S = 20
@@ -178,6 +178,17 @@ def told(probabilities: tuple[float, ...], doubts: Doubts) -> Sequence[Spotted]:
 def test_what_is_likely_need_not_be_sure() -> None:
     found = told((0.4, 0.6, 0.91, 0.93, 0.99), Doubts(0.5, 0.98))
     assert [(spotted.likely, spotted.sure) for spotted in found] == [(False, False), (True, False), (True, True)]
+
+
+@pytest.mark.skipif(not is_installed(), reason="pymicro-wakeword is not installed")
+def test_what_its_makers_would_not_take_for_hey_jarvis_is_not_sure() -> None:
+    import pymicro_wakeword as library
+
+    makers = library.MicroWakeWord.from_builtin(library.Model.HEY_JARVIS).probability_cutoff
+    for probability, sure in ((CUTOFF["hey jarvis"], False), (makers - 0.01, False), (makers + 0.01, True)):
+        told = Detections("hey jarvis", CUTOFF["hey jarvis"], DELAY, DOUBTED["hey jarvis"]).take(RATE, probability)
+        assert told is not None
+        assert (told.likely, told.sure) == (True, sure), probability
 
 
 # Listening
