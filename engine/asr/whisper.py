@@ -47,6 +47,10 @@ SHORTEST_S = 0.2
 DOUBTFUL_LOGPROB = -0.6
 """A mean log-probability below this is worth a second try with the full window."""
 
+UNCLEAR_LOGPROB = -0.25
+"""A mean log-probability below this is worth it, too, for whoever wants to look twice: in noise the short window costs
+words that the full one hears."""
+
 REPETITIVE = 2.4
 """Compression ratio from which a text counts as a loop (Whisper's own threshold)."""
 
@@ -135,11 +139,13 @@ class WhisperRecogniser:
         short = needed_s <= self._settings.window_s  # as commands are
         window_s = min(FULL_WINDOW_S, max(self._settings.window_s, needed_s))
         result = self._first_look(sound, tuple(vocabulary), window_s, cancelled)
-        doubtful = result.doubtful and not self._is_hopeless(result) and window_s < FULL_WINDOW_S
-        if doubtful and not quick and not cancelled():
-            second = self._decode(sound, vocabulary, FULL_WINDOW_S, cancelled)
+        may_gain = not self._is_hopeless(result) and window_s < FULL_WINDOW_S
+        doubtful = result.doubtful and may_gain
+        looks = [result]
+        if may_gain and (doubtful or result.avg_logprob < UNCLEAR_LOGPROB) and not quick and not cancelled():
+            looks.append(second := self._decode(sound, vocabulary, FULL_WINDOW_S, cancelled))
             window_s = FULL_WINDOW_S
-            if second.avg_logprob > result.avg_logprob:
+            if second.avg_logprob > result.avg_logprob and (doubtful or not self._is_hopeless(second)):
                 result = second
         decoding = Decoding(
             language=result.language,
@@ -156,7 +162,7 @@ class WhisperRecogniser:
             return replace(found, reason="no_speech", detail=f"Nothing was said after “{lead.text}”.")
         if isinstance(found, Rejected) or quick or cancelled() or not short:
             return found
-        others = self._others(sound, vocabulary, found, cancelled)
+        others = self._others(sound, vocabulary, found, looks, window_s, cancelled)
         return replace(found, decoding=replace(decoding, decode_s=time.perf_counter() - began), others=others)
 
     def stretches(self, samples: NDArray[np.float32], vocabulary: Sequence[str] = ()) -> Iterator[Stretch]:
@@ -229,18 +235,25 @@ class WhisperRecogniser:
         return result
 
     def _others(
-        self, sound: _Sound, vocabulary: Sequence[str], found: Transcript, cancelled: Callable[[], bool]
+        self,
+        sound: _Sound,
+        vocabulary: Sequence[str],
+        found: Transcript,
+        looks: Sequence[_Result],
+        window_s: float,
+        cancelled: Callable[[], bool],
     ) -> tuple[str, ...]:
-        """Other readings of a short sound, which pass the same gates: the right one is often the second or third."""
+        """Other readings of a short sound, which pass the same gates: the right one is often the second or third. What
+        the ``looks`` at it saw is among them."""
         self._model.readings = []
-        self._decode(sound, vocabulary, self._settings.window_s, cancelled, readings=READINGS)
+        self._decode(sound, vocabulary, window_s, cancelled, readings=READINGS)
         readings: list[tuple[str, float]] = self._model.readings
         least = max(found.decoding.avg_logprob, readings[0][1]) - NEARLY if readings else 0.0
-        others = []
-        for text, logprob in readings:
+        others: list[str] = []
+        for text, logprob in (*readings, *((look.text, look.avg_logprob) for look in looks)):
             decoding = replace(found.decoding, avg_logprob=logprob)
             passed = judge(text, decoding, self._settings, vocabulary)
-            if logprob >= least and isinstance(passed, Transcript) and text != found.text:
+            if logprob >= least and isinstance(passed, Transcript) and text not in (found.text, *others):
                 others.append(text)
         return tuple(others)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,12 +17,13 @@ from numpy.typing import NDArray
 from config.folders import paths
 from config.schema import Asr
 from engine.asr.recogniser import Decoding, Rejected, RejectReason, Transcript
-from engine.asr.whisper import FILES, WhisperRecogniser, after, judge
+from engine.asr.whisper import FILES, NEARLY, UNCLEAR_LOGPROB, WhisperRecogniser, after, judge
 from engine.audio.source import RATE
 from engine.audio.wav import read_wav
 from engine.errors import ExitCode, ModelError
 from engine.lead import Lead
 from engine.models import ModelStore
+from tests.bench.speech import hum, mixed
 from tests.bench.wer import errors, normalised
 
 SPEECH = Path(__file__).parents[2] / "assets" / "speech"
@@ -67,6 +69,21 @@ def test_the_demo_commands_are_understood() -> None:
         wrong += errors(normalised(row["text"]), normalised(heard.text))
         words += len(normalised(row["text"]))
     assert wrong / words <= 0.1
+
+
+@pytest.mark.model
+@pytest.mark.parametrize("name", ["go_to_the_kitchen.wav", "raise_your_arm.wav", "end_the_current_task.wav"])
+def test_what_noise_makes_unclear_is_looked_at_in_the_full_window_but_not_by_a_quick_look(name: str) -> None:
+    words = read_wav(SPEECH / name)
+    sound = mixed(words, np.resize(hum(len(words) / RATE, 1), len(words)), 5.0) * np.float32(1 / 32768)
+    quick, found = (recogniser().transcribe(sound, NOUNS, quick=quick) for quick in (True, False))
+    assert isinstance(quick, Transcript)
+    assert isinstance(found, Transcript)
+    assert quick.decoding.avg_logprob < UNCLEAR_LOGPROB
+    assert (quick.decoding.window_s, found.decoding.window_s) == (10.0, 30.0)
+    assert found.confidence >= quick.confidence
+    if quick.confidence > found.confidence * math.exp(-NEARLY / 2):
+        assert quick.text in (found.text, *found.others), "what was nearly as likely is not forgotten"
 
 
 @pytest.mark.model
