@@ -389,7 +389,6 @@ def _prompt(vocabulary: Sequence[str]) -> str | None:
 
 def _open_model(folder: Path, threads: int) -> Any:
     """A ``faster_whisper.WhisperModel`` whose encoder window is ``window_frames`` long (10 ms each)."""
-    os.environ["HF_HUB_OFFLINE"] = "1"  # before the import: huggingface_hub reads it once
     import ctranslate2
     from faster_whisper import WhisperModel
     from faster_whisper.audio import pad_or_trim

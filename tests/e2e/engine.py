@@ -60,9 +60,17 @@ class Engine:
 
 
 @contextmanager
-def engine(state: Path, before: str = "", *options: str, environ: Mapping[str, str] | None = None) -> Iterator[Engine]:
-    """A running engine, of which nothing is left afterwards; ``options`` go before the verb."""
-    argv = command(*options, "engine", "--json", "--source", "none", before=before)
+def engine(
+    state: Path,
+    before: str = "",
+    *options: str,
+    environ: Mapping[str, str] | None = None,
+    source: str = "none",
+    below: Callable[[list[str]], list[str]] = list,
+) -> Iterator[Engine]:
+    """A running engine, of which nothing is left afterwards; ``options`` go before the verb. ``below`` makes its
+    command line one that runs it below something else."""
+    argv = below(command(*options, "engine", "--json", "--source", source, before=before))
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     with subprocess.Popen(argv, env=environment(state, environ), **pipes) as process:  # type: ignore[call-overload]
         children: list[psutil.Process] = []

@@ -11,7 +11,7 @@ import signal
 import struct
 import termios
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -81,12 +81,22 @@ class Terminal:
 
 
 @contextmanager
-def console(*arguments: str, state: Path, columns: int = 120, rows: int = 40, before: str = "") -> Iterator[Terminal]:
-    """Start ``sayso`` in a pseudo-terminal of this size; afterwards it is gone."""
-    argv = command(*arguments, before=before)
+def console(
+    *arguments: str,
+    state: Path,
+    columns: int = 120,
+    rows: int = 40,
+    before: str = "",
+    below: Callable[[list[str]], list[str]] = list,
+    environ: Mapping[str, str] | None = None,
+) -> Iterator[Terminal]:
+    """Start ``sayso`` in a pseudo-terminal of this size; afterwards it is gone. ``below`` makes its command line one
+    that runs it below something else."""
+    argv = below(command(*arguments, before=before))
+    variables = environment(state, {"TERM": "xterm-256color", "LANG": "C.UTF-8", **(environ or {})})
     pid, fd = pty.fork()
     if pid == 0:  # the child: nothing of pytest may run in it
-        os.execve(argv[0], argv, environment(state, {"TERM": "xterm-256color", "LANG": "C.UTF-8"}))
+        os.execve(argv[0], argv, variables)
     fcntl.ioctl(fd, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
     terminal = Terminal(fd, pid, columns, rows, state)
     try:
