@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 from urllib.parse import urlsplit
 
-from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
 
 from config.languages import CODES, code_of
 
@@ -413,6 +413,15 @@ class ExternalParameter(Section):
         return self
 
 
+def _variable(name: str) -> str:
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
+        raise ValueError(f"{name!r} is no name of a variable of the environment")
+    return name
+
+
+Variable = Annotated[str, AfterValidator(_variable)]
+
+
 class ExternalSkill(Section):
     """A skill that is a program of its own (the protocol is in engine/skills/external/protocol.py)."""
 
@@ -422,6 +431,9 @@ class ExternalSkill(Section):
     )
     occupies: tuple[Literal["base", "arm", "camera", "voice"], ...] = Field(
         default=(), description="What it may use, and nobody else meanwhile."
+    )
+    environment: tuple[Variable, ...] = Field(
+        default=(), description="Variables that it sees beside PATH, HOME, LANG and the like, by their names."
     )
     parameters: dict[str, ExternalParameter] = {}
     silence_s: float | None = Field(

@@ -17,7 +17,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import AsyncIterator, Coroutine, Mapping, Sequence
+from collections.abc import AsyncIterator, Collection, Coroutine, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -26,6 +26,7 @@ from typing import Any, Self, TypeVar
 from ulid import ULID
 
 from engine import supervisor
+from engine.environment import clean_environment
 from engine.errors import ProcessError
 
 GRACE_S = 0.15
@@ -35,7 +36,6 @@ MAX_LINE = 1 << 20
 MARKER = "SAYSO_TREE"
 """Environment variable by which the processes of a tree are known."""
 
-_SECRET = ("KEY", "TOKEN", "SECRET", "PASSWORD", "PASSWD", "CREDENTIAL", "SAYSO_PLATFORMS")
 _START_LIMIT_S = 10.0
 _ANSWER_LIMIT_S = 0.5  # for a supervisor, beyond the grace; one that somebody paused has been woken up
 _SWEEP_LIMIT_S = 2.0
@@ -51,17 +51,12 @@ class Killed:
     survivors: tuple[int, ...]  # processes that could not be ended; another user's, for instance
 
 
-def clean_environment(environ: Mapping[str, str] | None = None) -> dict[str, str]:
-    """The engine's own environment (or ``environ``) without what a program that we merely run should not know."""
-    variables = os.environ if environ is None else environ
-    return {name: value for name, value in variables.items() if not any(word in name.upper() for word in _SECRET)}
-
-
 class ProcessTree:
     """One program and everything that it starts, alive within ``async with``. For use in one asyncio loop.
 
-    ``env`` is added to :func:`clean_environment`; ``grace`` is the time between SIGTERM and SIGKILL, s. Entering
-    raises :class:`ProcessError` when the program cannot be started.
+    ``inherits`` names variables that it sees beside those of :func:`engine.environment.clean_environment`, and ``env``
+    is added to them; ``grace`` is the time between SIGTERM and SIGKILL, s. Entering raises :class:`ProcessError` when
+    the program cannot be started.
     """
 
     def __init__(
@@ -69,13 +64,14 @@ class ProcessTree:
         argv: Sequence[str],
         *,
         env: Mapping[str, str] | None = None,
+        inherits: Collection[str] = (),
         cwd: str | Path | None = None,
         grace: float = GRACE_S,
     ) -> None:
         self._argv = tuple(argv)
         self._grace = grace
         self._marker = str(ULID())
-        self._env = {**clean_environment(), **(env or {}), MARKER: self._marker}
+        self._env = {**clean_environment(inherits), **(env or {}), MARKER: self._marker}
         self._cwd = cwd
         self._guard: subprocess.Popen[bytes] | None = None
         self._control = _Control()

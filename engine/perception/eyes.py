@@ -44,6 +44,8 @@ class Eyes:
             picture = await self._robot.look()
             facing, seen = _around(self._robot.scan(), self._robot.state(), picture, house)
             sight, fix = await asyncio.to_thread(_understand, picture, house)
+            if fix is not None and not house.holds(fix.pose.x, fix.pose.y):
+                fix = None  # a tag hangs where it is not on the map, or something only looks like one
             pose = self._localiser.update(picture.t, picture.pose, fix, facing, seen)
             if pose != picture.pose:
                 self._robot.relocate(picture.pose, pose)

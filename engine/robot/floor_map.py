@@ -25,6 +25,11 @@ class FloorMap:
     tags: tuple[Landmark, ...] = ()
     walls: tuple[Wall, ...] = ()
 
+    def holds(self, x: float, y: float) -> bool:
+        """Whether the point lies on the map, border included."""
+        (rows, columns), (x_min, y_min) = self.occupied.shape, self.origin
+        return bool(0 <= x - x_min <= columns * self.resolution and 0 <= y - y_min <= rows * self.resolution)
+
 
 @dataclass(frozen=True, slots=True)
 class Room:

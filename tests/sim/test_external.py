@@ -12,13 +12,16 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
 import psutil
 import pytest
 
 from config import load
 from config.schema import ExternalSkill, Place, Position
 from engine.epoch import Epoch
+from engine.perception import eyes
 from engine.perception.eyes import Eyes
+from engine.perception.landmarks import Fix
 from engine.perception.memory import WorldMemory
 from engine.plan import parse_call
 from engine.planner.build import build_registry
@@ -266,6 +269,67 @@ say(result={"outcome": "ok", "data": {"x": x, "y": y}})
     async def test(rig: Rig) -> None:
         result = await rig.run(program, occupies=["base"])
         assert (result.data["x"], result.data["y"]) == pytest.approx((0.5, 0.2), abs=0.001)
+
+    on_the_robot(test)
+
+
+@pytest.mark.parametrize(
+    ("believed", "true", "why"),
+    [
+        ((0, 0, 0), (1e308, 0, 0), "what I do not understand"),
+        ((0, 0, 0), (0, 0, float("nan")), "what I do not understand"),
+        ((1e5, 1e5, 0), (1e5, 1e5 + 1, 0), "not believed to be at 1e+05, 1e+05 lately"),
+        ((0, 0, 0), (1e5, 0, 0), "not on the map"),
+        ((0, 0, 0), (0, 2.2, 0), "wrong by more than 2 m"),
+        ((0, 0, 0), (0.1, 0, 3), "wrong by more than 2 m or 90°"),
+    ],
+)
+def test_a_program_cannot_put_the_robot_where_it_cannot_be(
+    believed: tuple[float, ...], true: tuple[float, ...], why: str
+) -> None:
+    program = f"""
+nan, inf = float("nan"), float("inf")
+say(relocate={{"believed": {list(believed)}, "true": {list(true)}}})
+say(tick=True)
+x, y, yaw = hear("state")["pose"]
+say(result={{"outcome": "ok", "data": {{"x": x, "y": y, "yaw": yaw}}}})
+"""
+
+    async def test(rig: Rig) -> None:
+        result = await rig.run(program, occupies=["base"])
+        assert result.data["not_understood"] == 1
+        assert [result.data[number] for number in ("x", "y", "yaw")] == pytest.approx([0, 0, 0], abs=0.01)
+        assert why in rig.told[0]
+        assert (await rig.do("move_forward(0.2)")).ok, "it still knows where it is"
+
+    on_the_robot(test)
+
+
+def test_a_landmark_that_hangs_where_it_cannot_is_not_believed() -> None:
+    """Its fix is off the map; two pictures agree on it."""
+
+    async def test(rig: Rig) -> None:
+        fix = Fix(Pose(40.0, 0.0, 0.0), np.diag([1e-4] * 3), 1)
+        see = rig.context().see
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(eyes, "where", lambda *_: fix)
+            for _ in range(3):
+                await see()
+        assert rig.pose.distance_to(Pose(0, 0, 0)) < 0.05
+
+    on_the_robot(test)
+
+
+def test_a_program_sees_the_variables_that_its_declaration_names(monkeypatch: pytest.MonkeyPatch) -> None:
+    program = """
+say(result={"outcome": "ok", "message": " ".join(sorted(set(os.environ) & {"PATH", "BASE_URL", "GH_PAT"}))})
+"""
+
+    async def test(rig: Rig) -> None:
+        monkeypatch.setenv("BASE_URL", "http://127.0.0.1")
+        monkeypatch.setenv("GH_PAT", "s3cret")
+        assert (await rig.run(program)).message == "PATH"
+        assert (await rig.run(program, environment=["BASE_URL"])).message == "BASE_URL PATH"
 
     on_the_robot(test)
 

@@ -246,3 +246,9 @@ def test_an_external_skill_cannot_take_the_name_of_a_built_in_one() -> None:
 )
 def test_a_list_of_places_is_read_with_names_that_hold_an_and(words: str, symbols: tuple[str, ...]) -> None:
     assert PLACES.symbols(words) == symbols
+
+
+@pytest.mark.parametrize("name", ["", "A B", "A=B", "9A", "A-B", "A\n"])
+def test_a_declaration_names_variables_of_the_environment_and_nothing_else(name: str) -> None:
+    with pytest.raises(ValueError, match="no name of a variable"):
+        ExternalSkill(does="Look.", external=("look",), environment=("ROS_DOMAIN_ID", name))

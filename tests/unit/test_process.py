@@ -16,8 +16,9 @@ from pathlib import Path
 import psutil
 import pytest
 
+from engine.environment import KNOWN
 from engine.errors import ExitCode, ProcessError
-from engine.process import MAX_LINE, ProcessTree, clean_environment
+from engine.process import MARKER, MAX_LINE, ProcessTree
 from tests.rollcall import DEADLINE_S, RollCall, roll_call
 
 Attack = Callable[[ProcessTree], None]
@@ -252,21 +253,25 @@ def test_a_folder_that_does_not_exist_is_named(tmp_path: Path) -> None:
     asyncio.run(test())
 
 
-def test_a_program_knows_its_folder_and_its_variables_but_no_secrets(
+def test_a_program_knows_its_folder_and_the_variables_that_are_named_and_no_others(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in ("OPENAI_API_KEY", "github_token", "SAYSO_PLATFORMS__CLOUD__MODEL", "DB_PASSWORD", "HARMLESS"):
+    ours = ("OPENAI_API_KEY", "github_token", "SAYSO_PLATFORMS__CLOUD__MODEL", "DATABASE_URL", "GH_PAT", "LC_PAT")
+    doors = ("SSH_AUTH_SOCK", "DBUS_SESSION_BUS_ADDRESS", "HTTPS_PROXY", "XAUTHORITY", "LD_PRELOAD_", "path")
+    for name in (*ours, *doors, "LC_TIME", "ROS_DOMAIN_ID"):
         monkeypatch.setenv(name, "s3cret")
 
     async def test() -> None:
         program = "import os; print(os.getcwd()); print(*sorted(os.environ), sep=chr(10))"
-        async with ProcessTree(python(program), env={"COLOUR": "red"}, cwd=tmp_path) as tree:
+        async with ProcessTree(
+            python(program), env={"COLOUR": "red"}, inherits=["ROS_DOMAIN_ID", "ABSENT"], cwd=tmp_path
+        ) as tree:
             folder, *names = [line async for line in tree.lines()]
             assert await tree.wait() == 0
         assert folder == str(tmp_path)
-        assert {"COLOUR", "HARMLESS", "PATH"} <= set(names)
-        assert "s3cret" not in {clean_environment().get(name) for name in names if name != "HARMLESS"}
-        assert not {"OPENAI_API_KEY", "github_token", "SAYSO_PLATFORMS__CLOUD__MODEL", "DB_PASSWORD"} & set(names)
+        assert {"COLOUR", "PATH", "LC_TIME", "ROS_DOMAIN_ID", "ORT_DISABLE_TELEMETRY"} <= set(names)
+        assert set(names) <= KNOWN | {"COLOUR", "ROS_DOMAIN_ID", MARKER}
+        assert not set(names) & {*ours, *doors}
 
     asyncio.run(test())
 

@@ -23,7 +23,8 @@ from config.schema import ExternalParameter, ExternalSkill
 from engine.errors import ProcessError, RobotError
 from engine.events import Value
 from engine.process import ProcessTree
-from engine.robot.geometry import ZERO
+from engine.robot.geometry import ZERO, Pose
+from engine.robot.relocation import impossible
 from engine.skills.context import SkillContext
 from engine.skills.external.facts import picture_facts, scan_facts, start_facts, state_facts
 from engine.skills.external.protocol import (
@@ -72,7 +73,8 @@ async def _host(name: str, declaration: ExternalSkill, context: SkillContext, ar
     program, *arguments = declaration.external
     argv = [sys.executable if program == "python" else program, *arguments]
     try:
-        async with ProcessTree(argv, env={"PYTHONPATH": _python_path()}) as tree:
+        python_path = {"PYTHONPATH": _python_path()}
+        async with ProcessTree(argv, env=python_path, inherits=declaration.environment) as tree:
             host = _Host(name, declaration, context, tree)
             try:
                 return await host.run(args)
@@ -148,7 +150,7 @@ class _Host:
         try:
             messages = read(line)
         except NotUnderstood:
-            self._puzzled(line)
+            self._puzzled(f"{self._name} wrote what I do not understand: {plain(line)[:80]}")
             return None
         for message in messages:
             need = NEEDS.get(type(message))
@@ -170,7 +172,7 @@ class _Host:
             case Look():
                 await self._send({"picture": picture_facts(await robot.look())})
             case Relocate(believed, true):
-                robot.relocate(believed, true)
+                self._relocate(believed, true)
             case Drive(twist):
                 context.drive(twist)
             case Arm(joints, speed):
@@ -189,6 +191,14 @@ class _Host:
                 return result
         return None
 
+    def _relocate(self, believed: Pose, true: Pose) -> None:
+        """Believe it, if it can be; a pose that cannot be would stay wrong until the next start."""
+        robot = self._context.robot
+        if why := impossible(believed, true, robot.state().pose, robot.floor_map):
+            self._puzzled(f"{self._name} does not know where the robot is: {why}.")
+        else:
+            robot.relocate(believed, true)
+
     def _say(self, text: str) -> None:
         """In order, and beside whatever the program does meanwhile: a drive must not wait for a sentence."""
         if len(self._unspoken) >= MAX_UNSPOKEN:
@@ -202,10 +212,11 @@ class _Host:
         while self._unspoken:
             await self._context.say(self._unspoken.popleft())
 
-    def _puzzled(self, line: str) -> None:
+    def _puzzled(self, why: str) -> None:
+        """Something that it said does nothing: told once, and counted."""
         self._not_understood += 1
         if self._not_understood == 1:
-            self._context.progress(None, f"{self._name} wrote what I do not understand: {plain(line)[:80]}")
+            self._context.progress(None, why)
 
     def _epitaph(self, code: int) -> Result:
         """It ended without a result."""

@@ -32,7 +32,8 @@ The program may say, one or several in an object:
 ``{"scan": true}``                                      answered at once
 ``{"look": true}``                                      needs ``camera``; answered by a picture of now
 ``{"relocate": {"believed": [x, y, yaw],                needs ``base``: when it believed to be here, it was there;
-"true": [x, y, yaw]}}``                                 poses go on from that, and nothing moves
+"true": [x, y, yaw]}}``                                 poses go on from that, and nothing moves; on the map, and 2 m
+                                                        and 90° off at most
 ``{"say": "…"}``                                        needs ``voice``; spoken while the program goes on
 ``{"progress": {"fraction", "message", "path"}}``       any of them; ``path`` is the way ahead as [[x, y], …]
 ``{"result": {"outcome", "error_code", "message",       the end: ``ok``, or ``failed`` with a code of
@@ -46,7 +47,6 @@ then. What it needs must be declared in ``occupies``. What cannot be read is cou
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
@@ -59,6 +59,8 @@ from engine.skills.outcome import ErrorCode, Result, fail
 MAX_WORDS = 1000
 """Longest text that a program may have shown or spoken, characters."""
 MAX_PATH = 10_000
+MAX_NUMBER = 1e6
+"""Largest number that a program may say, in m, rad or s: a larger one is a fault, and its square may overflow."""
 
 
 class NotUnderstood(Exception):
@@ -203,7 +205,7 @@ def _numbers(value: object, count: int) -> list[float]:
     if not all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in value):
         raise TypeError(value)
     numbers = [float(item) for item in value]
-    if not all(map(math.isfinite, numbers)):
+    if not all(abs(number) <= MAX_NUMBER for number in numbers):  # nor what is no number
         raise ValueError(value)
     return numbers
 

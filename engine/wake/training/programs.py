@@ -12,6 +12,7 @@ import soundfile
 import soxr
 from numpy.typing import NDArray
 
+from engine.environment import clean_environment
 from engine.errors import ModelError
 from engine.wake.embedding import RATE
 
@@ -21,7 +22,7 @@ PATIENCE_S: Final = 60.0
 def output(command: Sequence[str]) -> bytes:
     """What it prints. Raises ``ModelError``."""
     try:
-        done = subprocess.run(command, capture_output=True, timeout=PATIENCE_S, check=True)
+        done = subprocess.run(command, capture_output=True, timeout=PATIENCE_S, check=True, env=clean_environment())
     except (OSError, subprocess.SubprocessError) as error:
         raise ModelError(f"{command[0]} cannot be used: {error}.", hint="apt install espeak-ng") from error
     return done.stdout
