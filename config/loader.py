@@ -9,7 +9,6 @@ Any file may hold any section. Every value keeps the file and line it came from,
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
@@ -26,17 +25,16 @@ from config.folders import FILES, RESERVED, paths
 from config.merge import Filled, assignment, leave_out, merge, node_at, spelled
 from config.mistakes import PACKAGED, Mistake, as_written, explained, misplaced, readable_secrets, wrong_booleans
 from config.schema import Settings
+from config.secrets import MASK, remember, without_secrets
 from config.source import Node, SourceError, parse, parse_value, read
 
 DEFAULTS = ("engine.yaml", "robot.yaml", "map.yaml", "skills.yaml", "platforms.yaml", "profiles.yaml")
 PREFIX = "SAYSO_"
 FLAG = "--set"
-MASK = "********"
 MAX_TOLD = 50
 """Wrong keys and values that one run explains; whoever has more will come back."""
 MAX_ROUNDS = 10
 """How often mistakes are left out to find what they hide."""
-_PASSWORD_IN_URL = re.compile(r"(?<=://)[^/@:\s]*:[^/@\s]*(?=@)")
 
 Plain = str | int | float | bool | list[Any] | dict[str, Any] | None
 
@@ -160,6 +158,7 @@ class _Load:
         if examined.problems:
             raise ConfigError(examined.problems)
         assert examined.settings is not None
+        remember(examined.settings)
         return examined.settings
 
     def examined(self) -> Examined:
@@ -195,7 +194,7 @@ class _Load:
         if isinstance(value, list):
             value = [raw.get((*path, str(index)), item) for index, item in enumerate(value)]
         elif path in raw and value != MASK:
-            value = _PASSWORD_IN_URL.sub(MASK, raw[path])
+            value = without_secrets(raw[path])
         return Explained(path, value, str(node.where) if depth == len(path) else "default")
 
     def _user_files(self, folder: Path) -> None:
@@ -270,7 +269,7 @@ def _plain(value: Any) -> Any:
         case Path():
             return str(value)
         case str():
-            return _PASSWORD_IN_URL.sub(MASK, value)
+            return without_secrets(value)
     return value
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import stat
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -15,10 +16,13 @@ from config.allowed import Path
 from config.errors import Problem, Where
 from config.merge import leaves, node_at
 from config.schema import Unfit
+from config.secrets import secrets_of_url
 from config.source import Node
 
 PACKAGED = "packaged "
 """How the names of sayso's own files begin; a mistake is hardly there."""
+
+_VARIABLE = re.compile(r"(?<!\$)\$\{[A-Za-z_][A-Za-z0-9_]*\}")
 
 
 _PROFILE: Final = ("planner", "profile")
@@ -94,7 +98,11 @@ def readable_secrets(layer: Node, file: FilePath) -> Iterator[Problem]:
     if not file.stat().st_mode & (stat.S_IRWXG | stat.S_IRWXO):
         return
     for path, node in leaves(layer):
-        if isinstance(node.value, str) and "${" not in node.value and "password" in allowed.types_at(path):
+        if not isinstance(node.value, str):
+            continue
+        written = _VARIABLE.sub("", node.value)  # what a variable holds does not stand here
+        literal = written.strip() if "password" in allowed.types_at(path) else next(secrets_of_url(written), "")
+        if literal:
             message = "a key stands here, and others may read this file; write ${VARIABLE}, or `chmod 600` the file"
             yield Problem(node.where, ".".join(path), message)
 

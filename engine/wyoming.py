@@ -203,7 +203,9 @@ async def talking(server: str, fault: Fault, limit_s: float) -> AsyncIterator[Ta
         raise fault(f"cannot be used: {kind}") from kind
     except (OSError, EOFError) as error:  # IncompleteReadError is an EOFError
         raise fault(f"cannot be used: {_why(error)}") from error
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except SaysoError:
+        raise
+    except Exception as error:  # whatever its events bring about, also in the package that reads them
         raise fault("does not speak Wyoming") from error
 
 

@@ -12,6 +12,7 @@ import math
 import os
 import signal
 import sys
+import threading
 from collections.abc import Sequence
 from pathlib import Path
 from types import FrameType
@@ -88,6 +89,8 @@ def entry() -> None:
     for number in ENDING:
         if signal.getsignal(number) is signal.SIG_DFL:  # and not ignored, as nohup leaves it
             signal.signal(number, _end_early)
+    sys.excepthook = lambda kind, error, trace: _show(error)
+    threading.excepthook = lambda fault: _show(fault.exc_value)
     sys.exit(main())
 
 
@@ -95,6 +98,13 @@ def _end_early(number: int, frame: FrameType | None) -> NoReturn:
     for other in ENDING:
         signal.signal(other, signal.SIG_IGN)  # the end is under way
     raise EndedEarly
+
+
+def _show(fault: BaseException | None) -> None:
+    """A fault of sayso itself, without anybody's secrets."""
+    from config.secrets import show_fault
+
+    show_fault(fault)
 
 
 def open_missing_streams() -> None:

@@ -23,7 +23,7 @@ from engine.asr.gates import judge
 from engine.asr.recogniser import Decoding, Rejected, Transcript
 from engine.asr.whole import Stretch
 from engine.commands import MAX_TEXT
-from engine.errors import ModelError, one_line
+from engine.errors import ModelError, SaysoError, one_line
 from engine.han import is_chinese
 from engine.lead import Lead
 
@@ -146,12 +146,21 @@ class RemoteRecogniser:
             await self._elsewhere.close()
 
     async def _ask(self, sound: NDArray[np.int16], vocabulary: Sequence[str]) -> Heard:
-        """One answer, in a language that is spoken here."""
+        """One answer, in a language that is spoken here. Whatever the other side brings about is a ``SaysoError``."""
         wanted = None if self._settings.language == "auto" else self._settings.language
-        heard = await self._elsewhere.ask(sound, vocabulary, wanted)
-        if wanted is None and heard.language and self._among(heard.language) is None:
-            return await self._elsewhere.ask(sound, vocabulary, self._settings.languages[0])
-        return heard
+        try:
+            heard = await self._elsewhere.ask(sound, vocabulary, wanted)
+            if wanted is None and heard.language and self._among(heard.language) is None:
+                return await self._elsewhere.ask(sound, vocabulary, self._settings.languages[0])
+            return heard
+        except SaysoError:
+            raise
+        except Exception as error:  # noqa: BLE001 - what it says may hold what the other side sent
+            fault = type(error).__name__
+        raise ModelError(
+            f"The answer of {self.name} is nothing that was expected ({fault}).",
+            hint="Check the settings of asr.",
+        )
 
     def _among(self, language: str | None) -> str | None:
         """The code of a language, if it is one that is spoken here."""

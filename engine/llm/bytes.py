@@ -78,6 +78,9 @@ class ByteService:
                 except (httpx2.HTTPError, OSError, TimeoutError) as error:
                     failure = self._service.broken(error, begun=True)
                     break
+                except Exception as error:  # noqa: BLE001 - whatever else the service brings about is its failure
+                    failure = Failure(self._service.unreadable(f"it breaks off ({type(error).__name__})"))
+                    break
                 yield piece
         if failure is not None:
             raise failure.error  # here, where no exception is being handled whose request has the key in it

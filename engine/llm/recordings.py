@@ -42,6 +42,6 @@ class RecordingService:
         if response.status_code != httpx2.codes.OK:
             return self._service.refused(response.status_code, response.content, response.headers)
         try:
-            return read_json(response.content)
+            return read_json(self._service.blotted(response.content.decode("utf-8", "replace")))
         except ValueError:
             return Failure(self._service.unreadable("it is no JSON"))

@@ -22,7 +22,8 @@ from urllib.parse import urlsplit
 from pydantic import Field, SecretStr
 
 from config.schema import Platform
-from engine.errors import one_line
+from config.secrets import secrets_of_url
+from engine.errors import SaysoError, one_line
 from engine.llm.chat import ChatError, KeyWanted, Refused, TooSlow, Unreachable, Unreadable
 from engine.llm.streamed import MASK
 from engine.strict_json import read_json
@@ -39,6 +40,7 @@ Tokens = Annotated[int, Field(ge=0, lt=1 << 53)]
 """How a service counts them; a greater number is no count, and no reader of events could take it."""
 T = TypeVar("T")
 _TOLD: Final = 200  # characters of what a service says about its refusal
+_LONGEST: Final = 500  # characters of a message as a whole
 _SENDABLE: Final = re.compile(r"[!-~]*")  # what a header can carry
 _JPEG: Final = b"\xff\xd8"
 _PNG: Final = b"\x89PNG"
@@ -112,12 +114,14 @@ class Service:
                 hint=f"Give it longer with {self.where}.timeout_s, or take a faster model.",
             )
         if isinstance(found, ChatError):
+            found.message = one_line(self.blotted(found.message), _LONGEST)
+            found.args = (found.message,)
             raise found  # here, where no exception is being handled whose request has the key in it
         return found
 
     async def _patiently(self, attempt: Callable[[], Awaitable[T | Failure]], limit: asyncio.Timeout) -> T | ChatError:
         for count in range(TRIES):
-            found = await attempt()
+            found = await self._attempted(attempt)
             if not isinstance(found, Failure):
                 return found
             pause = back_off(count, found.wait_s, random.random())
@@ -127,6 +131,16 @@ class Service:
                 return found.error
             await asyncio.sleep(pause)
         raise AssertionError("the last attempt returns")
+
+    async def _attempted(self, attempt: Callable[[], Awaitable[T | Failure]]) -> T | Failure:
+        """What came of one attempt. Whatever a service does to make our reading of it fail is a failure of its own."""
+        try:
+            return await attempt()
+        except SaysoError:
+            raise
+        except Exception as error:  # noqa: BLE001 - what it says may hold what the service sent: only its kind is told
+            fault = type(error).__name__
+        return Failure(self.unreadable(f"it is nothing that was expected ({fault})"))
 
     def broken(self, error: Exception, begun: bool = False) -> Failure:
         """The connection did not come about, or it broke; ``begun``: in the middle of an answer."""
@@ -176,7 +190,9 @@ class Service:
         return Unreadable(f"The answer of the platform {self.name} cannot be read: {why}.", hint=hint)
 
     def blotted(self, text: str) -> str:
-        return text.replace(self.secret, MASK) if self.secret else text
+        for secret in (self.secret, *secrets_of_url(self.base_url)):
+            text = text.replace(secret, MASK) if secret else text
+        return text
 
     def _short(self, text: str) -> str:
         """What a service said, fit to be shown: one line, without the key, not too long."""

@@ -88,6 +88,8 @@ class ServiceVoice:
                     piece = sound.add(data)
                 except ValueError as error:
                     raise self._unreadable(str(error)) from error
+                except Exception as error:  # noqa: BLE001 - whatever the service sent
+                    raise self._unreadable(f"it is nothing that was expected ({type(error).__name__})") from None
                 if len(piece.samples):
                     heard = True
                     yield piece

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import stat
+import subprocess
 from pathlib import Path
 
 import pytest
 
 import tui.app
 from config import load
+from config.secrets import MASK, masked, secrets_in, told
 from engine.commands import Quit
 from engine.handle import EngineHandle
+from tests.e2e.sayso import command, environment
 from tests.tui.scripted import ScriptedEngine
 from tui.app import SaysoApp
-from tui.kept.crash import MASK, masked, secrets_in, told
 from tui.messages import Failed, Started
 from tui.words import strings
 
@@ -104,6 +106,44 @@ def test_an_engine_that_fails_unexpectedly_is_written_down_as_well(
     (file,) = state.glob("crash-*.txt")
     assert f"LookupError: no answer to {MASK}" in file.read_text()
     assert str(file) in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("where", ["", "threading.Thread(target=fail).start()", "asyncio.run(forgotten())"])
+def test_a_fault_of_any_command_is_told_without_secrets_and_not_at_length(tmp_path: Path, where: str) -> None:
+    """Also where it ends a thread alone, or a task that nobody waits for."""
+    before = f"""
+import asyncio, gc, threading, config
+from tui.commands import skills
+def fail(*_):
+    config.load()
+    raise RuntimeError("sent with {KEY} and {OTHER} " + "9" * 5000)
+async def failing(): fail()
+async def forgotten():
+    task = asyncio.ensure_future(failing())
+    await asyncio.sleep(0)
+    await asyncio.sleep(0)
+    del task
+    gc.collect()
+def run(_):
+    {where or "fail()"}
+    return 0
+skills.run = run
+"""
+    file = tmp_path / "config" / "platforms.yaml"
+    file.parent.mkdir()
+    file.write_text(f"platforms:\n  cloud: {{kind: openai, api_key: {KEY}}}\n")
+    file.chmod(0o600)
+    done = subprocess.run(
+        command("skills", before=before),
+        env=environment(tmp_path, {"MY_TOKEN": OTHER}),
+        capture_output=True,
+        check=False,
+    )
+    told = done.stderr.decode()
+    assert "RuntimeError: sent with ******** and ******** 999" in told
+    assert KEY not in told
+    assert OTHER not in told
+    assert len(told) < 4000
 
 
 def test_values_of_local_variables_are_not_told() -> None:

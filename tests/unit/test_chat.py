@@ -17,9 +17,12 @@ from typing import Any
 import pytest
 from pydantic import SecretStr
 
+import engine.llm.openai
+from config.schema import Platform
 from engine.llm.chat import Ask, ChatError, KeyWanted, Message, Refused, Reply, TooSlow, Unreachable, Unreadable
 from engine.llm.openai import OpenAIChat
 from engine.llm.service import LONGEST_PAUSE_S, PAUSE_S, TRIES, back_off
+from engine.llm.service import Service as PlatformService
 from engine.llm.transport import MAX_BYTES
 from tests.model_service import (
     HANGS_UP,
@@ -527,7 +530,11 @@ def test_cancelling_closes_the_connection_before_anything_else_happens(told: Unf
         streamed("It is ", SECRET),
         STREAM + event({"error": {"message": SECRET}}),
         STREAM + event(SECRET),
+        STREAM + event({"error": {"message": SECRET, "code": "9" * 5000}}),
+        STREAM + event({"error": {"message": SECRET, "code": "\u0669" * 5000}}),
+        STREAM + event({"error": {"message": SECRET, "code": [[SECRET]]}}),
         reply(401, {"error": SECRET}),
+        reply(429, {"error": SECRET}, **{"Retry-After": "Mon, 01 Jan 999999999 00:00:00 GMT"}),
         reply(500, SECRET.encode()),
         HANGS_UP,
         SILENCE,
@@ -555,6 +562,27 @@ def test_the_key_is_in_nothing_that_can_be_shown(told: Answer, caplog: pytest.Lo
     assert caplog.text
     assert SECRET not in shown
     assert SECRET not in caplog.text
+
+
+def test_whatever_a_service_brings_about_is_an_error_of_the_platform_and_short(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also a fault in reading what it sent; a library's, for instance."""
+
+    def faulty(*_: object) -> bytes:
+        raise LookupError(f"{SECRET} {'9' * 5000}")
+
+    monkeypatch.setattr(engine.llm.openai, "_said", faulty)
+    found = asked(STREAM + event({"error": {"message": SECRET}}))
+    assert isinstance(found, Unreadable)
+    assert "LookupError" in found.message
+    assert len(str(found)) < 800
+    assert SECRET not in "".join(traceback.format_exception(found))
+
+
+def test_credentials_in_an_address_are_in_no_message() -> None:
+    url = "http://me:hunter22@127.0.0.1/v1?api_key=t%6fken99"
+    service = PlatformService("cloud", Platform(kind="openai", base_url=url, model="m"), "a service", "Look at it.")
+    failure = service.refused(400, b"no: hunter22, t%6fken99, token99", {})
+    assert "no: ********, ********, ********" in str(failure.error)
 
 
 @pytest.mark.parametrize("key", [f"{SECRET}\r\nX: y", f"{SECRET} {SECRET}", f"{SECRET}é"])

@@ -510,10 +510,12 @@ def test_a_key_that_is_not_set_does_not_keep_other_platforms_from_working(tmp_pa
 
 
 def test_secrets_are_never_shown(tmp_path: Path) -> None:
-    (tmp_path / "platforms.yaml").write_text(
+    file = tmp_path / "platforms.yaml"
+    file.write_text(
         "platforms:\n  cloud:\n    kind: openai\n    api_key: ${CLOUD_KEY}\n"
         '    model: "m-${CLOUD_KEY}"\n    base_url: https://user:s3cret@models.invalid/v1\n'
     )
+    file.chmod(0o600)
     environ = {"CLOUD_KEY": "s3cret"}
     shown = {setting.key: setting.value for setting in explain(environ=environ, user_folder=tmp_path)}
     assert "s3cret" not in str(shown)
@@ -560,6 +562,45 @@ def test_a_key_in_a_file_that_others_may_read_is_told(tmp_path: Path, mode: int)
     key = load(environ={}, user_folder=tmp_path).platforms["cloud"].api_key
     assert key is not None
     assert key.get_secret_value() == "s3cret"
+
+
+@pytest.mark.parametrize(
+    ("url", "refused"),
+    [
+        ("https://me:s3cret@example.org/v1", True),
+        ("https://s3cret@example.org/v1", True),
+        ("https://me:s3cret@${HOST}/v1", True),
+        ("https://example.org/v1?key=s3cret", True),
+        ("https://example.org/v1?a=b&ACCESS%5fToken=s3cret", True),
+        ("https://example.org/v1?a=b;sig=s3cret", True),
+        ("https://example.org/v1#api-key=s3cret", True),
+        ("https://${USER}:${PASS}@example.org/v1?key=${KEY}", False),
+        ("https://me:${PASS}@example.org/v1", False),
+        ("https://example.org/v1?api-version=2026-01", False),
+    ],
+)
+def test_credentials_in_an_address_are_told_where_others_may_read_the_file(
+    tmp_path: Path, url: str, refused: bool
+) -> None:
+    file = tmp_path / "platforms.yaml"
+    file.write_text(f"platforms:\n  cloud:\n    kind: openai\n    base_url: {url}\n")
+    environ = {"HOST": "example.org", "USER": "me", "PASS": "s3cret", "KEY": "s3cret"}
+    file.chmod(0o644)
+    told = check(environ=environ, user_folder=tmp_path)
+    assert [(problem.where.line, problem.key) for problem in told] == [(4, "platforms.cloud.base_url")] * refused
+    assert "s3cret" not in str(told)
+    file.chmod(0o600)
+    settings = load(environ=environ, user_folder=tmp_path)
+    assert "s3cret" not in str(show(settings))
+    assert "s3cret" not in str(explain(environ=environ, user_folder=tmp_path))
+
+
+def test_a_key_beside_a_variable_is_still_a_key(tmp_path: Path) -> None:
+    file = tmp_path / "platforms.yaml"
+    file.write_text("platforms:\n  cloud:\n    kind: openai\n    api_key: s3cret${NOTHING}")
+    file.chmod(0o644)
+    [problem] = check(environ={"NOTHING": ""}, user_folder=tmp_path)
+    assert (problem.where.line, problem.key) == (4, "platforms.cloud.api_key")
 
 
 # Where settings come from

@@ -337,7 +337,9 @@ def test_an_answer_that_does_not_come_is_given_up_in_time() -> None:
 
 
 @pytest.mark.parametrize(
-    "told", [(f"It is {SECRET}",), failing(500, "x", SECRET), no(400, "x", SECRET), STREAM + event(SECRET), HANGS_UP]
+    "told",
+    [(f"It is {SECRET}",), failing(500, "x", SECRET), no(400, "x", SECRET), STREAM + event(SECRET), HANGS_UP]
+    + [STREAM + event({"event": "error", "status": code, "message": SECRET}) for code in (int("9" * 4000), "9" * 5000)],
 )
 def test_the_key_is_in_nothing_that_can_be_shown(
     told: bytes | tuple[str, ...], caplog: pytest.LogCaptureFixture

@@ -6,6 +6,7 @@ import asyncio
 import email
 import socket
 import threading
+import traceback
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import ExitStack, asynccontextmanager, contextmanager
 from pathlib import Path
@@ -26,7 +27,7 @@ from config.errors import ConfigError
 from config.schema import Asr, Platform
 from engine.asr.openai import OpenAITranscription
 from engine.asr.recogniser import Recogniser, Rejected, Transcript
-from engine.asr.remote import RATE, RemoteRecogniser
+from engine.asr.remote import RATE, Heard, RemoteRecogniser
 from engine.asr.wyoming import WyomingTranscription
 from engine.audio.wav import read_wav
 from engine.errors import SaysoError
@@ -371,6 +372,21 @@ def test_a_wyoming_server_that_fails_is_one_error(answer: Any, message: str) -> 
     with wyoming(answer) as (made, _), pytest.raises(SaysoError, match=message) as caught:
         made.transcribe(COMMAND)
     assert "asr.server" in caught.value.hint
+
+
+def test_whatever_the_other_side_brings_about_is_one_error_that_tells_nothing_of_it() -> None:
+    class Faulty:
+        name = "faulty"
+
+        async def ask(self, *_: object) -> Heard:
+            raise LookupError(SECRET)
+
+        async def close(self) -> None:
+            pass
+
+    with pytest.raises(SaysoError, match="LookupError") as caught:
+        RemoteRecogniser(Faulty(), load(environ={}).asr).transcribe(COMMAND)
+    assert SECRET not in "".join(traceback.format_exception(caught.value))
 
 
 def test_a_wyoming_server_that_hangs_is_given_up_in_time() -> None:

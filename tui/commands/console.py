@@ -36,7 +36,7 @@ def run(arguments: Namespace) -> int:
         """Everything that takes long: behind the first picture."""
         settings = load_settings(arguments)
         from config.changing import Layers
-        from tui.kept.crash import secrets_in
+        from config.secrets import secrets_in
         from tui.kept.history import RequestHistory
         from tui.kept.sizes import SizeFile
         from tui.kept.tour import Tour

@@ -86,7 +86,7 @@ class Leaving:
 
     def noted(self, error: BaseException) -> str:
         """A fault of the engine's start: written down at the end as well; gives what can be shown of it."""
-        from tui.kept.crash import masked
+        from config.secrets import masked
 
         self._fault = self._fault or error
         return masked(repr(error), self.secrets, os.environ)
@@ -95,7 +95,7 @@ class Leaving:
         """Without the values of local variables and other secrets."""
         from rich.text import Text
 
-        from tui.kept.crash import told
+        from config.secrets import told
 
         return Text(told(error, self.secrets))
 
@@ -123,7 +123,8 @@ class Leaving:
     def _write_down(self, error: BaseException) -> None:
         """The fault, where it can be found, and on stderr where that is."""
         from config.folders import paths
-        from tui.kept.crash import told, write
+        from config.secrets import told
+        from tui.kept.crash import write
         from tui.output import say
 
         try:
