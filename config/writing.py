@@ -6,11 +6,13 @@ import contextlib
 import os
 from pathlib import Path
 
+from config.private import make_folders
+
 
 def write_whole(path: Path, data: bytes, *, mode: int = 0o600) -> None:
     """Write a file anew, and its folder where that is missing. The old one stands until the new one is whole, and if it
     cannot be written. Raises ``OSError``."""
-    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    make_folders(path.parent)
     new = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as file:

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+from config.private import private_folder
 from engine.errors import StorageError
 from engine.events import Event, to_json
 
@@ -36,7 +37,7 @@ class EventLog:
     def open(self) -> Path:
         """Create the first file. Raises :class:`StorageError`."""
         try:
-            self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            private_folder(self._folder)
             return self._next_file()
         except OSError as error:
             self.close()
@@ -70,7 +71,7 @@ class EventLog:
         self._part += 1
         name = self._session if self._part == 1 else f"{self._session}.{self._part}"
         path = self._folder / f"{name}{SUFFIX}"
-        self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o600)
+        self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
         self._size = 0
         self._prune(path)
         return path

@@ -10,16 +10,19 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import errno
 import fcntl
 import os
 import select
 import socket
+import struct
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import TracebackType
 
 import msgspec
 
+from config.private import private_folder
 from engine.audio.pipe import READ_BYTES, GuestSource
 from engine.errors import AudioFormatError, DeviceError, SaysoError, StorageError
 
@@ -70,7 +73,7 @@ class Door:
     async def __aenter__(self) -> Door:
         with contextlib.ExitStack() as opened:
             try:
-                self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+                private_folder(self._path.parent)
                 opened.enter_context(_locked(self._path.with_suffix(".lock")))
                 self._path.unlink(missing_ok=True)  # of a sayso that was killed: its lock went with it
                 opened.callback(self._path.unlink, missing_ok=True)
@@ -101,6 +104,8 @@ class Door:
         """One guest, from the first word to the last."""
         guest: GuestSource | None = None
         try:
+            if not _is_ours(writer.get_extra_info("socket")):
+                raise OSError("it is of another user")
             async with asyncio.timeout(GREETING_S):
                 greeting = msgspec.json.decode(await reader.readline(), type=Greeting)
             refusal = self._refusal()
@@ -181,6 +186,8 @@ def _connected(path: Path) -> socket.socket:
     try:
         with _address(path) as address:
             link.connect(address)
+        if not _is_ours(link):
+            raise PermissionError(errno.EPERM, "another user takes the sound there", str(path))
     except OSError as error:
         link.close()
         if isinstance(error, FileNotFoundError | ConnectionRefusedError):
@@ -235,6 +242,21 @@ def _listening(path: Path) -> socket.socket:
     return made
 
 
+def peer_uid(link: socket.socket) -> int:
+    """The user at the other end of a local socket, as the kernel knows it. Raises ``OSError``."""
+    if hasattr(socket, "SO_PEERCRED"):  # Linux
+        user: int = struct.unpack("3i", link.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12))[1]  # pid, uid, gid
+        return user
+    # struct xucred (sys/ucred.h): version, uid, groups; level SOL_LOCAL, option LOCAL_PEERCRED (sys/un.h)
+    _, user = struct.unpack_from("2I", link.getsockopt(0, 1, 76))
+    return user
+
+
+def _is_ours(link: socket.socket) -> bool:
+    """Whether the other end is this user's, or root's, who may do anything."""
+    return peer_uid(link) in (os.geteuid(), 0)
+
+
 @contextlib.contextmanager
 def _born_private(made: socket.socket) -> Iterator[None]:
     """Within this the file of a socket is its owner's alone from its first moment."""
@@ -266,7 +288,7 @@ def _address(path: Path) -> Iterator[str]:
 @contextlib.contextmanager
 def _locked(path: Path) -> Iterator[None]:
     """Hold a lock that ends with this process, however that ends. Raises ``BlockingIOError`` when somebody holds it."""
-    lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         yield

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from engine.audio import feed as f
-from engine.audio.feed import Door, feed
+from engine.audio.feed import Door, feed, peer_uid
 from engine.audio.pipe import GuestSource
 from engine.audio.source import FRAME_SAMPLES
 from engine.errors import AudioFormatError, DeviceError, SaysoError, StorageError
@@ -80,6 +80,44 @@ def at(path: Path, scenario: Callable[[Guests], Awaitable[None]]) -> None:
             await scenario(guests)
 
     asyncio.run(run())
+
+
+def test_the_kernel_tells_whose_the_other_end_of_a_local_socket_is() -> None:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        assert peer_uid(ours) == os.geteuid()
+
+
+def test_a_guest_of_another_user_is_not_let_in(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def scenario(guests: Guests) -> None:
+        monkeypatch.setattr(f, "_is_ours", lambda link: False)
+        reader, writer = await asyncio.open_unix_connection(str(path))
+        assert await reader.read() == b"", "no welcome"
+        writer.close()
+        assert guests.empty()
+
+    at(path, scenario)
+
+
+def test_sound_is_not_handed_to_another_user(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def scenario(guests: Guests) -> None:
+        monkeypatch.setattr(f, "peer_uid", lambda link: 65_534)
+        async with feeder(path) as somebody:
+            assert "another user" in str(await somebody.error())
+
+    at(path, scenario)
+
+
+def test_a_lock_that_is_a_link_is_not_followed(path: Path, tmp_path: Path) -> None:
+    path.parent.mkdir(mode=0o700)
+    path.with_suffix(".lock").symlink_to(tmp_path / "elsewhere")
+
+    async def scenario(guests: Guests) -> None:
+        raise AssertionError("there is no door")
+
+    with pytest.raises(StorageError, match=r"mic\.sock"):
+        at(path, scenario)
+    assert not (tmp_path / "elsewhere").exists()
 
 
 @pytest.fixture

@@ -11,11 +11,12 @@ from engine.commands import Say, check_request
 from engine.errors import ExitCode, UsageError
 from engine.parts.loading import Sound
 from tui.commands.headless import Headless, headless
-from tui.commands.settings import load_settings
+from tui.commands.settings import load_settings, make_state_folder
 
 
 def run(arguments: Namespace) -> int:
     """Perform the request, or every line of stdin. Exit code of the first one that was not done."""
+    make_state_folder()
     settings = load_settings(arguments)
     with headless(settings, mode="ask", json=arguments.json, sound=Sound("none")) as engine:
         return perform_all(engine, requests(arguments.text), arguments)

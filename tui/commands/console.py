@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from config.folders import paths
 from engine.errors import UsageError
-from tui.commands.settings import load_settings, overrides
+from tui.commands.settings import load_settings, make_state_folder, overrides
 from tui.terminal.launch import LaunchPicture
 from tui.terminal.terminal import why_not_usable
 
@@ -26,6 +26,7 @@ def run(arguments: Namespace) -> int:
     streams = (sys.stdin.isatty(), sys.stdout.isatty(), sys.stderr.isatty())
     if not arguments.tab and (reason := why_not_usable(os.environ, *streams)):
         raise UsageError(reason)
+    make_state_folder()
     launch = LaunchPicture(paths().launch, os.environ)
     if not arguments.tab:
         launch.show()

@@ -21,7 +21,7 @@ from engine.errors import ExitCode
 from engine.parts.loading import Sound
 from engine.scheduling import raise_priority
 from tui.commands.headless import LOOK_S, Printer, Pulse, Signals, Terminated, end
-from tui.commands.settings import load_settings
+from tui.commands.settings import load_settings, make_state_folder
 from tui.output import said_in_background, say
 
 READ_BYTES = 65536
@@ -33,6 +33,7 @@ HUNG_S = 10.0
 
 def run(arguments: Namespace) -> int:
     """Run until the commands end or a signal comes."""
+    make_state_folder()
     settings = load_settings(arguments)
     engine = Engine(settings, mode="engine", sound=Sound(arguments.source))
     code = ExitCode.DONE

@@ -11,11 +11,12 @@ from engine.audio.wav import WavSource, check_sound
 from engine.commands import Wake
 from engine.parts.loading import Sound
 from tui.commands.headless import headless
-from tui.commands.settings import load_settings
+from tui.commands.settings import load_settings, make_state_folder
 
 
 def run(arguments: Namespace) -> int:
     """Hear the first utterance and do what it says."""
+    make_state_folder()
     settings = load_settings(arguments)
     if arguments.file == "-":
         sound = Sound("source", PcmSource(sys.stdin.buffer, live=False))

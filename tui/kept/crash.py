@@ -7,13 +7,14 @@ import platform
 from datetime import UTC, datetime
 from pathlib import Path
 
+from config.private import make_folders
 from engine import __version__
 
 
 def write(folder: Path, text: str, now: datetime | None = None) -> Path:
     """Into a new file of this folder, for its owner alone. Raises ``OSError``."""
     when = now or datetime.now(UTC)
-    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    make_folders(folder)
     path = folder / f"crash-{when:%Y%m%dT%H%M%SZ}-{os.getpid()}.txt"
     head = f"sayso {__version__}, Python {platform.python_version()}, {platform.system()}, {when:%Y-%m-%d %H:%M:%S} UTC"
     number = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
+from config.private import make_folders
 from config.writing import write_whole
 
 MAX_REQUESTS: Final = 200
@@ -75,7 +76,7 @@ class RequestHistory:
     def _write(self) -> None:
         while (line := self._waiting.get()) is not None:
             try:
-                self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+                make_folders(self._path.parent)
                 flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_NONBLOCK  # a pipe of this name holds nobody up
                 number = os.open(self._path, flags, 0o600)
                 with os.fdopen(number, "ab", buffering=0) as file:

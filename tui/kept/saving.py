@@ -13,6 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Final
 
+from config.private import private_folder
 from engine.errors import StorageError
 from engine.event_log import SUFFIX
 
@@ -63,7 +64,7 @@ def save(folders: Paths, session: str, picture: str, now: datetime | None = None
 
 
 def _new_folder(kept: Path, now: datetime) -> Path:
-    kept.mkdir(parents=True, exist_ok=True, mode=0o700)
+    private_folder(kept)
     stamp, number = now.strftime("%Y%m%dT%H%M%SZ"), 1
     while True:
         folder = kept / (stamp if number == 1 else f"{stamp}.{number}")

@@ -9,6 +9,8 @@ import contextlib
 import threading
 from pathlib import Path
 
+from config.private import make_folders
+
 
 class Tour:
     """Remembers in a file that somebody has been here."""
@@ -42,5 +44,5 @@ class Tour:
 
     def _write(self) -> None:
         with contextlib.suppress(OSError):
-            self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            make_folders(self._path.parent)
             self._path.touch(mode=0o600)
