@@ -33,7 +33,7 @@ OTHERS = "train with this recording of speech or noise without the phrase as wel
 VOICES = "train with the voices in this folder as well: piper's (.onnx), Kokoro's styles (.bin, .npz)"
 URI = "where to listen: tcp://HOST:PORT (default: tcp://127.0.0.1:10300, for programs on this machine only)"
 WEB = "serve the console to a browser on this machine, one tab at a time"
-WEB_HOST = "the address to listen at (default: 127.0.0.1); whoever reaches it can drive the robot: there is no password"
+WEB_HOST = "the address to listen at (default: 127.0.0.1); beyond this machine nothing is encrypted, the token neither"
 COMPLETE_FILE = {
     "bash": "_shtab_compgen_files",
     "zsh": "_files",

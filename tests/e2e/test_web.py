@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
+from urllib.parse import parse_qs, quote, urlsplit
 
 import cv2
 import numpy as np
@@ -39,6 +39,10 @@ class Served:
     process: subprocess.Popen[str]
     url: str
     state: Path
+
+    def at(self, path: str) -> str:
+        """The address of something else there, with the token."""
+        return self.url.replace("/?", f"/{path}?")
 
     @property
     def consoles(self) -> list[psutil.Process]:
@@ -152,7 +156,7 @@ def test_one_tab_has_the_robot_and_closing_it_stops_the_robot(tmp_path: Path, ch
 
 def test_a_tab_whose_console_is_killed_is_told(tmp_path: Path) -> None:
     async def told(served: Served) -> str:
-        async with ClientSession() as client, asyncio.timeout(LIMIT_S), client.ws_connect(f"{served.url}ws") as tab:
+        async with ClientSession() as client, asyncio.timeout(LIMIT_S), client.ws_connect(served.at("ws")) as tab:
             assert (await tab.receive()).type is WSMsgType.BINARY, "it draws"
             served.consoles[0].kill()
             while (message := await tab.receive()).type is WSMsgType.BINARY:
@@ -178,15 +182,57 @@ def test_pages_of_others_and_other_names_are_turned_away(tmp_path: Path) -> None
     with serving(tmp_path) as served:
         here = urlsplit(served.url).netloc
         asks: Callable[..., int] = lambda path, **headers: status(served.url, path, headers)  # noqa: E731
-        assert asks("/") == 200
-        assert asks("/", Host="localhost:9000") == 200, "a tunnel that ends at another port"
-        assert asks("/", Host="evil.example") == 403
+        token = urlsplit(served.url).query
+        assert asks(f"/static/js/textual.js?{token}") == 200
+        assert asks(f"/?{token}", Host="localhost:9000") == 303, "a tunnel that ends at another port"
+        assert asks(f"/?{token}", Host="evil.example") == 403
         upgrade = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13"}
         upgrade |= {"Sec-WebSocket-Key": "c2F5c28gc2F5c28gc2F5cw=="}
-        assert asks("/ws", **upgrade, Origin="https://evil.example") == 403
-        assert asks("/ws", **upgrade, Origin="null") == 403
+        assert asks(f"/ws?{token}", **upgrade, Origin="https://evil.example") == 403
+        assert asks(f"/ws?{token}", **upgrade, Origin="null") == 403
         assert served.consoles == []
-        assert asks("/", Host=here, Origin=f"http://{here}") == 200
+        assert asks(f"/?{token}", Host=here, Origin=f"http://{here}") == 303
+
+
+def test_nobody_is_let_in_without_the_token_of_the_printed_address(tmp_path: Path) -> None:
+    with serving(tmp_path) as served:
+        here = urlsplit(served.url)
+        token = parse_qs(here.query)["token"][0]
+        name = f"sayso-{here.port}"
+        upgrade = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13"}
+        upgrade |= {"Sec-WebSocket-Key": "c2F5c28gc2F5c28gc2F5cw=="}
+        asks: Callable[..., int] = lambda path, **headers: status(served.url, path, headers)  # noqa: E731
+        for wrong in (
+            "",
+            "?token=",
+            "?token=x",
+            f"?token={token}x",
+            f"?token={token[:-1]}",
+            "?token=%ff%00é",
+            "?Token=x",
+        ):
+            path = quote(wrong, safe="?=%")
+            assert [asks(f"/{path}"), asks(f"/ws{path}", **upgrade), asks(f"/static/css/xterm.css{path}")] == [403] * 3
+        assert asks("/", Cookie=f"{name}=x") == 403
+        assert asks("/", Cookie=f"other={token}") == 403
+        assert asks(f"/?token={token}") == 303
+        assert asks("/", Cookie=f"{name}={token}") == 200
+        assert asks("/?token=x", Cookie=f"{name}={token}") == 403
+        assert asks("/static/css/xterm.css", Cookie=f"{name}={token}") == 200
+        assert served.consoles == []
+
+
+def test_a_request_that_cannot_be_read_is_answered_and_no_more(tmp_path: Path) -> None:
+    with serving(tmp_path) as served:
+        token = urlsplit(served.url).query
+        for path in (f"/?{token}&{'a' * 20_000}", f"/{'a' * 20_000}?{token}"):
+            assert 400 <= status(served.url, path, {}) < 500
+        assert 400 <= status(served.url, f"/?{token}", {"X": "a" * 20_000}) < 500
+        assert served.end(signal.SIGTERM) == ExitCode.DONE
+        assert served.process.stderr is not None
+        told = served.process.stderr.read()
+        assert "Traceback" not in told
+        assert token.partition("=")[2] not in told
 
 
 def test_a_port_that_is_taken_and_an_address_of_others_are_told(tmp_path: Path) -> None:
@@ -207,5 +253,5 @@ def test_whoever_serves_beyond_this_machine_is_warned_and_others_are_not(tmp_pat
             assert served.end(signal.SIGHUP) == ExitCode.DONE
             assert served.process.stderr is not None
             told = served.process.stderr.read()
-            assert ("no password" in told) is warned
+            assert ("not encrypted" in told) is warned
             assert "Traceback" not in told

@@ -1,14 +1,17 @@
 """Serves the console to a browser: textual-serve, for one tab at a time, and for nobody who was not meant.
 
 There is one robot, so there is one console: whoever opens a second tab is told so. A tab that is reloaded is let in as
-soon as its former self is gone. Whoever reaches the server can drive the robot; yet a browser opens sockets to this
-machine for any page that asks, so a tab must come from our own page, and under a name that is ours: another one may
-be somebody's who lets it lead here (DNS rebinding).
+soon as its former self is gone.
+
+Loopback is open to every account of this machine, so a browser has to show the token that only the printed address
+has; from then on a cookie does. A browser also opens sockets to this machine for any page that asks, so a tab must come
+from our own page, and under a name that is ours: another one may be somebody's who lets it lead here (DNS rebinding).
 """
 
 from __future__ import annotations
 
 import asyncio
+import hmac
 import ipaddress
 import socket
 from collections.abc import Awaitable, Callable, Sequence
@@ -42,6 +45,13 @@ _HEADERS: Final = {
 """Nothing is fetched from elsewhere, and no page of others has ours in a frame."""
 
 
+IN_URL: Final = "token"
+"""What the part of the printed address is called that lets a browser in."""
+_STRANGER: Final = (
+    "Open the address that sayso --web printed where it was started: without its token nobody is let in.\n"
+)
+
+
 def is_ours(host: str, names: Sequence[str]) -> bool:
     """Whether this is an address or one of these names; ``host`` as a request has it, with or without a port."""
     try:
@@ -55,12 +65,19 @@ def is_ours(host: str, names: Sequence[str]) -> bool:
     return True  # nobody can let an address lead elsewhere
 
 
+def _cookie(request: web.Request) -> str:
+    """Its name: a browser sends the cookies of one port to all ports of a host."""
+    return f"sayso-{request.url.port}"
+
+
 class ConsoleServer(Server):
     """Serves the console of these ``arguments`` (as on the command line)."""
 
-    def __init__(self, arguments: Sequence[str], host: str) -> None:
+    def __init__(self, arguments: Sequence[str], host: str, token: str) -> None:
+        """``token`` is what a browser must know."""
         super().__init__("sayso", host=host, title="sayso", templates_path=Path(__file__).parent)
         self._arguments = arguments
+        self._token = token
         own = socket.gethostname().lower()
         self._names = (host, own, f"{own}.local", socket.getfqdn().lower())
         self._seat = asyncio.Lock()  # held by the tab that has the robot
@@ -80,10 +97,20 @@ class ConsoleServer(Server):
         foreign = origin is not None and origin.partition("://")[2].lower() != request.host.lower()
         if foreign or not is_ours(request.host, self._names):
             raise web.HTTPForbidden(text="sayso is not served to other sites, or under this name.\n")
-        response = await handler(request)
+        shown = request.query.get(IN_URL)
+        if not self._is_token(request.cookies.get(_cookie(request), "") if shown is None else shown):
+            raise web.HTTPForbidden(text=_STRANGER)
+        if shown is not None and request.path == "/":  # out of the address, which is shown, and kept by the browser
+            response: web.StreamResponse = web.HTTPSeeOther(str(request.rel_url.without_query_params(IN_URL)))
+            response.set_cookie(_cookie(request), self._token, httponly=True, samesite="Strict")
+        else:
+            response = await handler(request)
         if not response.prepared:
             response.headers.update(_HEADERS)
         return response
+
+    def _is_token(self, shown: str) -> bool:
+        return hmac.compare_digest(shown.encode("utf-8", "replace"), self._token.encode())
 
     async def handle_websocket(self, request: web.Request) -> web.WebSocketResponse:
         """One tab, from its beginning to its end."""
