@@ -1,8 +1,8 @@
 """``sayso --web``: the console in a browser, by textual-serve.
 
 It listens on loopback unless ``--web-host`` says otherwise. stdout is the address for a browser, with a token in it:
-whoever has that can drive the robot, and nobody else. Runs until it is ended; exit code 0 by SIGTERM, SIGHUP or SIGQUIT,
-130 by Ctrl-C.
+whoever has that can drive the robot, and nobody else. Runs until it is ended; exit code 0 by SIGTERM, SIGHUP or
+SIGQUIT, 130 by Ctrl-C.
 """
 
 from __future__ import annotations
