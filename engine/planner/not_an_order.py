@@ -82,6 +82,19 @@ def without_contrast(text: str) -> Iterator[str]:
             yield meant
 
 
+def last_clauses(text: str) -> Iterator[str]:
+    """The ends of ``text``, the longest first, that may be an order of their own after what is only denied or forbidden
+    before it ("you didn't go far enough, go on half a metre"); nothing where it reports or supposes anything."""
+    plain = _plain(text)
+    found = marks(text)
+    if any(mark.kind != "forbidden" for mark in found) or not found:
+        return
+    for cut in _CUT.finditer(plain, found[-1].end):
+        denied = plain[found[-1].end : cut.start()]
+        if len(denied.split()) >= 2 or _HAN_PAIR.search(denied):  # and not "don't, I repeat, go there"
+            yield plain[cut.end() :]
+
+
 def question(text: str) -> str:
     """What is asked of the robot about itself (``holding``, ``stopped``, ``battery``, ``done``), or that it shall
     ``continue``; empty where ``text`` is, or holds, anything else."""
@@ -110,6 +123,10 @@ _AROUND: Final = re.compile(
     r"say)\b[\s,，:]*)*|"
     r"[\s,，]*(?:please|robot|sayso|right now|now|then|exactly|actually|again|呢|啊|吗|吧)*[\s?!.。？！]*$"
 )
+_CUT: Final = re.compile(
+    r"[,.;!?，。；！？]\s*(?:(?:so|but|just|and|now|please|instead)\b[\s,]*)*|\b(?:so|but)\b[\s,]*"
+)
+_HAN_PAIR: Final = re.compile(r"[\u3400-\u9fff]{2}")
 _UNTIL: Final = re.compile(r"\b(?:until|till|before)\b")
 """ "Don't go until you have waved" orders both, and tells which comes first."""
 

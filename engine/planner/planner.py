@@ -28,7 +28,7 @@ from engine.planner.asking import AskingBack, needs_held
 from engine.planner.completeness import completeness
 from engine.planner.grounding.vagueness import vague
 from engine.planner.looking_first import GoesOn, LookingFirst
-from engine.planner.not_an_order import marks, skipped, what_counts, without_contrast
+from engine.planner.not_an_order import last_clauses, marks, skipped, what_counts, without_contrast
 from engine.planner.pending import agreed
 from engine.planner.phrases.again import planned_last
 from engine.planner.phrases.more import more
@@ -37,6 +37,7 @@ from engine.planner.phrases.piecewise import is_piecewise
 from engine.planner.phrases.stopping import is_end_task, is_stop
 from engine.planner.readings.corrections import corrected, is_taken_back
 from engine.planner.readings.first_look import CONDITION, first_look
+from engine.planner.readings.narrative import only_tells
 from engine.planner.readings.put_back import put_back
 from engine.planner.readings.readings import Readings
 from engine.planner.readings.wishes import Wishes
@@ -64,6 +65,14 @@ _ASKS_FIRST: Final = re.compile(
     r"\b(?:is|are) there\b.*\b(?:then|and)\b|\?\W*(?:if )?(?:yes|yeah|no|so|not)\b", re.IGNORECASE
 )
 """A question, and what is to be done according to its answer."""
+
+_IF_POLITE: Final = re.compile(
+    r"\bif (?:you (?:don't mind|do not mind|can|could|would|like|please|want to|have (?:time|a (?:moment|minute)))|"
+    r"(?:that|it)(?:'s| is) (?:ok|okay|all right|alright|possible|no trouble|not too much trouble))\b"
+    r"|(?:如果|要是)?(?:您|你)?(?:不麻烦|方便|可以|有空|愿意)的话",
+    re.IGNORECASE,
+)
+"""A condition by its form alone."""
 
 
 class Planner:
@@ -234,18 +243,21 @@ class Planner:
         """What becomes of a request with words because of which it is no order, where no reader has understood them: no
         model may overrule them. None where there are none."""
         found = marks(text)
-        if not found:
+        tells = not found and only_tells(text)
+        if not found and (not tells or last_question(request.exchanges) or self._facts_for(request, text)):
             return None
-        for meant in without_contrast(text):
-            return await self.plan(replace(request, text=meant))
+        for meant in (*without_contrast(text), *last_clauses(text)):
+            if isinstance(self._phrases(language).plan(meant), Matched):
+                return await self.plan(replace(request, text=meant))
         first = next((mark for mark in found if mark.kind != "asked"), None)
         if first is not None:
             told = SAID[language]["told" if first.kind == "told" else "forbidden"]
             return NoPlan(text, "no_order", told.format(words=first.words), ExitCode.CLARIFY)
         answer = await self._by_model(request, language, NoMatch(text, self._phrases(language).understood))
-        moves = isinstance(answer, Plan) and answer.actions  # a question is answered in words, or not at all
-        unknown = isinstance(answer, NoPlan) and not answer.code.startswith("model_")
-        return NoPlan(text, "asked", SAID[language]["asked"], ExitCode.CLARIFY) if moves or unknown else answer
+        if (isinstance(answer, Plan) and not answer.actions) or (isinstance(answer, NoPlan) and "model" in answer.code):
+            return answer  # what asks or tells is answered in words, or not at all
+        told = SAID[language]["told" if tells else "asked"].format(words=text)
+        return NoPlan(text, "no_order" if tells else "asked", told, ExitCode.CLARIFY)
 
     async def _unknown_place(
         self, request: PlanRequest, text: str, place: UnknownPlace, language: Language
@@ -272,7 +284,7 @@ class Planner:
             if not asked and (aside := self._phrases(language).aside(request.text)):
                 return Plan(request.text, (), aside, "phrases")
             return NoPlan(request.text, "not_understood", answer)
-        depends = CONDITION.search(request.text) is not None
+        depends = CONDITION.search(_IF_POLITE.sub("", request.text)) is not None
         if depends and self._models.is_small:
             if look := first_look(request.text, self._vocabulary):
                 return self._looking_first.look(request.text, look, language)
