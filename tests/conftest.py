@@ -17,8 +17,9 @@ settings.load_profile("sayso")
 # A handler ends with us.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
-if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
-    signal.signal(signal.SIGHUP, lambda *_: None)
+for number in (signal.SIGHUP, signal.SIGQUIT):
+    if signal.getsignal(number) is signal.SIG_IGN:
+        signal.signal(number, lambda *_: None)
 
 for name in ("COLUMNS", "LINES"):  # programs under test are to ask their terminal how big it is
     os.environ.pop(name, None)

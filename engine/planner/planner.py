@@ -66,6 +66,8 @@ _ASKS_FIRST: Final = re.compile(
 )
 """A question, and what is to be done according to its answer."""
 
+_WORDS_ONLY: Final = frozenset({"say", "finishtask", "report_pose", "list_skills"})
+"""Actions that move nothing and change nothing."""
 _IF_POLITE: Final = re.compile(
     r"\bif (?:you (?:don't mind|do not mind|can|could|would|like|please|want to|have (?:time|a (?:moment|minute)))|"
     r"(?:that|it)(?:'s| is) (?:ok|okay|all right|alright|possible|no trouble|not too much trouble))\b"
@@ -243,7 +245,7 @@ class Planner:
         """What becomes of a request with words because of which it is no order, where no reader has understood them: no
         model may overrule them. None where there are none."""
         found = marks(text)
-        tells = not found and only_tells(text)
+        tells = not found and CONDITION.search(text) is None and only_tells(text)
         if not found and (not tells or last_question(request.exchanges) or self._facts_for(request, text)):
             return None
         for meant in (*without_contrast(text), *last_clauses(text)):
@@ -254,7 +256,9 @@ class Planner:
             told = SAID[language]["told" if first.kind == "told" else "forbidden"]
             return NoPlan(text, "no_order", told.format(words=first.words), ExitCode.CLARIFY)
         answer = await self._by_model(request, language, NoMatch(text, self._phrases(language).understood))
-        if (isinstance(answer, Plan) and not answer.actions) or (isinstance(answer, NoPlan) and "model" in answer.code):
+        acts = isinstance(answer, Plan) and any(action.name not in _WORDS_ONLY for action in answer.actions)
+        understood = isinstance(answer, Plan) or "model" in answer.code
+        if understood and not acts:
             return answer  # what asks or tells is answered in words, or not at all
         told = SAID[language]["told" if tells else "asked"].format(words=text)
         return NoPlan(text, "no_order" if tells else "asked", told, ExitCode.CLARIFY)

@@ -357,3 +357,58 @@ def test_a_number_out_of_range_that_was_said_is_refused() -> None:
     found = asked(Model([wild, wild]), "would it be any trouble to have that arm of yours at 270 degrees")
     assert isinstance(found, NoPlan)
     assert found.exit_code == ExitCode.REFUSED
+
+
+BACK_AND_FORTH = ", ".join(['"move_forward(1)"', '"move_forward(-1)"'] * 7)
+
+
+@pytest.mark.parametrize(
+    ("text", "actions"),
+    [
+        ("could you see to everything around the house that wants doing", BACK_AND_FORTH),
+        ("is there some way for you to cheer up the whole family", '"move_forward(1)", "move_left(90)"'),
+        ("could you kindly do whatever pleases grandma most", '"move_right(45)"'),
+    ],
+)
+def test_base_motion_that_nobody_asked_for_is_not_planned_by_a_small_model(text: str, actions: str) -> None:
+    found = asked(Model([f'{{"action": [{actions}]}}'], local=True), text)
+    assert isinstance(found, NoPlan)
+    assert found.answer == "I am not sure what you mean. What shall I do?"
+
+
+def test_a_motion_may_come_as_often_as_it_was_said() -> None:
+    found = asked(
+        Model([f'{{"action": [{BACK_AND_FORTH}]}}'], local=True), "drive up and down a metre for 7 times or so"
+    )
+    assert names(found) == ["move_forward"] * 14
+
+
+def test_a_condition_that_nobody_understood_is_a_question() -> None:
+    model = Model(['{"action": ["navigation(study)"]}'], local=True)
+    found = asked(model, "if the door is open go to the study else beep")
+    assert isinstance(found, NoPlan)
+    assert (found.exit_code, model.asked) == (ExitCode.CLARIFY, [])
+    assert found.answer == "I did not understand what that depends on, so I do nothing yet. What shall I do?"
+
+
+def test_a_misspelt_place_is_asked_about_and_a_yes_goes_there() -> None:
+    found = asked(Model([GOOD]), "go to teh kichen")
+    assert isinstance(found, NoPlan)
+    assert (found.answer, found.suggestions) == (
+        "I don't know a place called teh kichen. Shall I go to the kitchen?",
+        ("kitchen",),
+    )
+    before = (Exchange("user", "go to teh kichen"), Exchange("robot", found.as_written()))
+    assert names(asked(Model([GOOD]), "yes please", exchanges=before)) == ["navigation"]
+    far = asked(Model([GOOD]), "go to the moon")
+    assert isinstance(far, NoPlan)
+    assert far.answer.startswith("I don't know a place called moon. I know kitchen")
+
+
+def test_a_purple_dog_is_a_toy_and_not_a_living_thing() -> None:
+    found = asked(Model(['{"action": ["pick_object(purple dog)"]}']), "pick up the purple dog")
+    assert isinstance(found, NoPlan)
+    assert found.code == "unknown_object"
+    living = asked(Model([GOOD]), "pick up the dog")
+    assert isinstance(living, NoPlan)
+    assert living.exit_code is ExitCode.REFUSED
