@@ -199,6 +199,8 @@ class Planner:
             return refused
         phrases = self._phrases(language)
         match = phrases.plan(text, before)
+        if isinstance(match, Matched) and any(mark.kind == "told" for mark in marks(text)):
+            match = NoMatch(text, phrases.understood)  # "let's say …" orders no speech
         if self._left_after_retraction(text) is not None:
             return match  # other readings would be of what was taken back
         if not isinstance(match, Matched) and (calls := more(text, before.calls, said)) is not None:
