@@ -16,6 +16,7 @@ from engine.plan import ActionCall
 from engine.planner.completeness import completeness
 from engine.planner.not_an_order import what_counts
 from engine.planner.phrases.phrases import Matched, PhrasePlanner, UnknownPlace
+from engine.planner.phrases.stopping import is_stop
 from engine.planner.readings.corrections import corrected
 from engine.planner.request import Language
 
@@ -35,7 +36,7 @@ def afterthought(first: str, whole: str, phrases: PhrasePlanner, language: Langu
     before, after = _calls(first, phrases), _calls(whole, phrases)
     if not rest or before is None:
         return None
-    if what_counts(rest) == "":  # "never mind"
+    if what_counts(rest) == "" and not is_stop(rest):  # "never mind"
         return Afterthought(whole, adds=False)
     if not any(corrected(rest, language)) and any(_calls(meant, phrases) for meant in corrected(whole, language)):
         return Afterthought(whole, adds=False)  # "no, to the bedroom"

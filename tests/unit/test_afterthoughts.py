@@ -71,6 +71,15 @@ def test_a_correction_takes_the_place_of_the_first(first: str, rest: str, done: 
     assert "; ".join(map(str, plan.actions)) == done
 
 
+@pytest.mark.parametrize("rest", ["Never mind.", "Forget it.", "No, don't.", "Actually no."])
+def test_what_takes_the_first_back_leaves_nothing_to_be_done(rest: str) -> None:
+    found = after("Go to the kitchen.", rest)
+    assert found == Afterthought(f"Go to the kitchen. {rest}", adds=False)
+    plan = asyncio.run(PLANNER.plan(PlanRequest(found.text)))
+    assert isinstance(plan, Plan)
+    assert plan.actions == ()
+
+
 @pytest.mark.parametrize("rest", ["and then tell me a joke about cats", "go to the casino"])
 def test_what_is_more_than_phrases_know_is_answered(rest: str) -> None:
     assert after("Go to the kitchen.", rest) == Afterthought(rest, adds=True, clear=False)
