@@ -18,7 +18,7 @@ class NotPrivate(PermissionError):
 
 def private_folder(folder: Path, ours: Collection[str] | None = None) -> None:
     """Make the folder, and those above it that are missing, for this user alone. One that is there already is taken
-    from others; if ``ours`` is given, only where it is empty or holds one of these names, as somebody may have named a
+    from others; if ``ours`` is given, only where it is empty or holds one of these names, as the user may have named a
     folder that is for others, too. Raises :class:`NotPrivate` and ``OSError``."""
     make_folders(folder)
     about = folder.lstat()
@@ -41,7 +41,7 @@ def make_folders(folder: Path) -> None:
     try:
         folder.mkdir(0o700)
     except FileExistsError:
-        if not folder.is_dir():  # else somebody else made it meanwhile
+        if not folder.is_dir():  # another process made it meanwhile
             raise
     else:
         if stat.S_IMODE(folder.stat().st_mode) != 0o700:  # a umask took something from us

@@ -32,7 +32,7 @@ from engine.visit import Offer, Unacceptable, Visit
 VISITORS: Final = 16
 """Connections at a time."""
 IDLE_S: Final = 5.0
-"""Who has asked nothing for so long gives way to somebody who comes when every seat is taken, s."""
+"""A visitor that has asked nothing for so long gives its seat to a newcomer when all are taken, s."""
 GOODBYE_S: Final = 5.0
 """How long somebody who is shown out may take to leave, s."""
 

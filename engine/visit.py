@@ -98,7 +98,7 @@ class Visit:
         self._wish: Transcribe | None = None
         self._sound: Recording | None = None
         self._since = asyncio.get_running_loop().time()  # when something was asked or sent last
-        self._wanted = asyncio.Event()  # by somebody else: the seat
+        self._wanted = asyncio.Event()  # the seat, by another visitor
 
     @property
     def idle_s(self) -> float:
@@ -107,7 +107,7 @@ class Visit:
         return 0.0 if busy else asyncio.get_running_loop().time() - self._since
 
     def give_way(self) -> None:
-        """Somebody else needs the seat: end the visit."""
+        """Another visitor needs the seat: end the visit."""
         self._wanted.set()
 
     async def stay(self) -> None:

@@ -295,7 +295,7 @@ class SaysoApp(Stage):
             self.note("info", strings.ASKED_EARLY.format(printable(request)))
 
     def _follow(self) -> None:
-        """Somebody asks for something, or stops it: the turn that they look at is the newest again, unless it is on a
+        """The user asks for something, or stops it: the turn that is looked at is the newest again, unless it is on a
         page."""
         if self.screen is self.main:
             self.drawing.browse_to(None)

@@ -48,7 +48,7 @@ DOUBTFUL_LOGPROB = -0.6
 """A mean log-probability below this is worth a second try with the full window."""
 
 UNCLEAR_LOGPROB = -0.25
-"""A mean log-probability below this is worth it, too, for whoever wants to look twice: in noise the short window costs
+"""A mean log-probability below this is worth it, too, in a thorough look: in noise the short window costs
 words that the full one hears."""
 
 REPETITIVE = 2.4

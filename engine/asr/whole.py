@@ -1,4 +1,4 @@
-"""Whole recordings: words with their times, for whoever wants to read what was said rather than to act on it.
+"""Whole recordings: words with their times, to be read rather than acted on.
 
 An utterance of a conversation ends where the speaker pauses, and is decoded alone. A recording is decoded as one: what
 comes before a pause helps to understand what comes after it, and no word is lost where it was cut.

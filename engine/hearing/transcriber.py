@@ -172,7 +172,7 @@ def _used(found: Found) -> Transcript | Rejected:
 
 def ends_with(recogniser: Recogniser, phrase: str, sound: Samples, *, likely: bool) -> bool | None:
     """Whether a recogniser thinks that this was said, which is ``likely`` anyhow or not; None: it cannot tell. The
-    phrase is also compared with what is left of it without its first words: where somebody says "jarvis" alone, "hey
+    phrase is also compared with what is left of it without its first words: where a speaker says "jarvis" alone, "hey
     jarvis" is likely as well. Raises ``SaysoError``."""
     heard = sound * np.float32(1 / 32768)
     likelihood = recogniser.likelihood(heard, _written(phrase))

@@ -75,7 +75,7 @@ def answer(text: str, record: OnRecord, holding: str, language: Language) -> str
 
 
 def asks_to_continue(text: str) -> bool:
-    """Whether somebody wants what was cut to go on, and nothing else."""
+    """Whether ``text`` asks that what was cut goes on, and nothing else."""
     return question(text) == "continue"
 
 

@@ -28,16 +28,15 @@ from engine.planner.asking import AskingBack, needs_held
 from engine.planner.completeness import completeness
 from engine.planner.grounding.vagueness import vague
 from engine.planner.looking_first import GoesOn, LookingFirst
-from engine.planner.not_an_order import last_clauses, marks, skipped, what_counts, without_contrast
+from engine.planner.not_an_order import marks, skipped
+from engine.planner.orders import Orders
 from engine.planner.pending import agreed
 from engine.planner.phrases.again import planned_last
 from engine.planner.phrases.more import more
 from engine.planner.phrases.phrases import Before, Matched, NoMatch, PhrasePlanner, Told, UnknownPlace
 from engine.planner.phrases.piecewise import is_piecewise
-from engine.planner.phrases.stopping import is_end_task, is_stop
-from engine.planner.readings.corrections import corrected, is_taken_back
+from engine.planner.readings.corrections import is_taken_back
 from engine.planner.readings.first_look import CONDITION, first_look
-from engine.planner.readings.narrative import only_tells
 from engine.planner.readings.put_back import put_back
 from engine.planner.readings.readings import Readings
 from engine.planner.readings.wishes import Wishes
@@ -104,6 +103,7 @@ class Planner:
         self._validation = Validation(registry, vocabulary, max_actions)
         self._answering = Answering(phrases, self._validation, language)
         self._looking_first = LookingFirst(phrases, self._readings.heard, self._validation, vocabulary)
+        self._orders = Orders(phrases, self._looking_first.conditional)
         self._asking_back = AskingBack(phrases, vocabulary, knowledge)
         self._nouns = frozenset(
             name.casefold() for name in (*vocabulary.names(), *vocabulary.places(), *KINDS, *CHINESE)
@@ -149,8 +149,9 @@ class Planner:
         match = await asyncio.to_thread(self._understood, text, language, before, said)
         if isinstance(match, Refusal):
             return NoPlan(text, f"refused_{match.kind}", match.reason, ExitCode.REFUSED)
-        if (left := self._left_after_retraction(text)) is not None:
-            return await self._after_retraction(request, text, left, language)
+        if (left := self._orders.left(text, language)) is not None:
+            nothing = Plan(text, (), SAID[language]["all_right"], "phrases")
+            return await self.plan(replace(request, text=left)) if left else nothing
         if offered := agreed(last_question(request.exchanges), text):
             return await self.plan(replace(request, text=offered, exchanges=()))
         if is_taken_back(text):
@@ -201,7 +202,7 @@ class Planner:
         match = phrases.plan(text, before)
         if isinstance(match, Matched) and any(mark.kind == "told" for mark in marks(text)):
             match = NoMatch(text, phrases.understood)  # "let's say …" orders no speech
-        if self._left_after_retraction(text) is not None:
+        if self._orders.left(text, language) is not None:
             return match  # other readings would be of what was taken back
         if not isinstance(match, Matched) and (calls := more(text, before.calls, said)) is not None:
             told = phrases.told(calls)
@@ -224,46 +225,19 @@ class Planner:
         told = self._tell(left, language)
         return Plan(text, left, told.response, "phrases", told.steps)
 
-    def _left_after_retraction(self, text: str) -> str | None:
-        """What was said after the word that took back all before it; None where nothing was, or only what is to be
-        done otherwise: "… else don't bother"."""
-        left = None if is_stop(text) or is_end_task(text) else what_counts(text)
-        condition = self._looking_first.conditional(text) if left == "" else None
-        taken_back = condition is None or marks(condition.then) or marks(condition.before)
-        return left if taken_back else None
-
-    async def _after_retraction(self, request: PlanRequest, text: str, left: str, language: Language) -> Plan | NoPlan:
-        """What was said up to some word is taken back; ``left`` was said after it."""
-        phrases = self._phrases(language)
-        if not left:
-            return Plan(text, (), SAID[language]["all_right"], "phrases")
-        if not isinstance(phrases.plan(left), Matched):  # "turn left 90 degrees, scratch that, 45"
-            for meant in islice(corrected(text, language), MAX_READINGS):
-                if not marks(meant) and isinstance(phrases.plan(meant), Matched):
-                    return await self.plan(replace(request, text=meant))
-        return await self.plan(replace(request, text=left))
-
     async def _withheld(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
-        """What becomes of a request with words because of which it is no order, where no reader has understood them: no
-        model may overrule them. None where there are none."""
-        found = marks(text)
-        tells = not found and CONDITION.search(text) is None and only_tells(text)
-        if not found and (not tells or last_question(request.exchanges) or self._facts_for(request, text)):
-            return None
-        for meant in (*without_contrast(text), *last_clauses(text)):
-            if isinstance(self._phrases(language).plan(meant), Matched):
-                return await self.plan(replace(request, text=meant))
-        first = next((mark for mark in found if mark.kind != "asked"), None)
-        if first is not None:
-            told = SAID[language]["told" if first.kind == "told" else "forbidden"]
-            return NoPlan(text, "no_order", told.format(words=first.words), ExitCode.CLARIFY)
+        """What becomes of a request that is no order, where no reader has understood it as one: no model may overrule
+        that. None where it may be one."""
+        if order := self._orders.beside_what_is_denied(text, language):
+            return await self.plan(replace(request, text=order))
+        answers = bool(last_question(request.exchanges) or self._facts_for(request, text))
+        why = self._orders.why_none(text, language, answers=answers)
+        if why is None or (why.code == "no_order" and marks(text)):
+            return why
         answer = await self._by_model(request, language, NoMatch(text, self._phrases(language).understood))
         acts = isinstance(answer, Plan) and any(action.name not in _WORDS_ONLY for action in answer.actions)
         understood = isinstance(answer, Plan) or "model" in answer.code
-        if understood and not acts:
-            return answer  # what asks or tells is answered in words, or not at all
-        told = SAID[language]["told" if tells else "asked"].format(words=text)
-        return NoPlan(text, "no_order" if tells else "asked", told, ExitCode.CLARIFY)
+        return answer if understood and not acts else why  # what asks or tells is answered in words, or not at all
 
     async def _unknown_place(
         self, request: PlanRequest, text: str, place: UnknownPlace, language: Language

@@ -24,8 +24,8 @@ _MOVED = 0.001  # m or rad; less is not worth an event
 async def company(robot: Robot, emit: Emit, halted: Callable[[str, int], None] = lambda reason, epoch: None) -> None:
     """Beat, and publish the robot's state while it changes. Ends by :class:`RobotError` when the robot is gone.
 
-    ``halted`` is told why and in which epoch when the robot has halted by itself, once each time. Whoever cancels this
-    has stopped the robot; its last state is published when it rests.
+    ``halted`` is told why and in which epoch when the robot has halted by itself, once each time. Stop the
+    robot before cancelling this: its last state is published when it rests.
     """
     beating = asyncio.create_task(_beat(robot))
     try:

@@ -47,7 +47,7 @@ class Request:
 
 
 def _scope_of_words(text: str) -> Scope | None:
-    """What words interrupt whoever says them."""
+    """What a request in these words interrupts."""
     return "stop" if is_stop(text) else "end_task" if is_end_task(text) else None
 
 

@@ -173,7 +173,7 @@ class Session:
         self._tell_waiting()
 
     def _tell_waiting(self) -> None:
-        """What waits is another thing now, unless it was only somebody's wish to end the session."""
+        """What waits is another thing now, unless only a command to end the session came or went."""
         if (texts := _texts(self._waiting)) != self._told_waiting:
             self._told_waiting = texts
             self._bus.publish(events.RequestsWaiting(texts), epoch=self._epoch.current)

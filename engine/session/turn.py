@@ -109,7 +109,7 @@ class Turn:
         self.cut_by: ErrorCode = "cancelled"
         """The same as the error code of the actions that it cuts."""
         self.broke_off = False
-        """It began with stopping what the robot did, which whoever it fails must be told."""
+        """The turn began with stopping the robot. Its failure has to say so."""
         self.ends_cycle = False
         """The dialogue was finished by this turn."""
         self.asked = ""

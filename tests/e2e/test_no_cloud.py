@@ -35,7 +35,7 @@ def home(tmp_path: Path) -> Path:
 
 
 def new_user(home: Path) -> dict[str, str]:
-    """The environment of somebody who has the models, and nothing else."""
+    """The environment of a user who has the models, and nothing else."""
     folders = {"HOME": home, "XDG_CACHE_HOME": home / ".cache", "SAYSO_CACHE_DIR": paths().cache}
     return {name: str(folder) for name, folder in folders.items()} | {"ORT_DISABLE_TELEMETRY": "0"}
 

@@ -1,7 +1,7 @@
 """``sayso --web``: the console in a browser, by textual-serve.
 
 It listens on loopback unless ``--web-host`` says otherwise. stdout is the address for a browser, with a token in it:
-whoever has that can drive the robot, and nobody else. Runs until it is ended; exit code 0 by SIGTERM, SIGHUP or
+only a browser that has it can drive the robot. Runs until it is ended; exit code 0 by SIGTERM, SIGHUP or
 SIGQUIT, 130 by Ctrl-C.
 """
 

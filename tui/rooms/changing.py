@@ -34,7 +34,7 @@ class Changing:
         self._worker: threading.Thread | None = None
 
     def open(self, at: str = "") -> None:
-        """The page of the settings, whose module is read when somebody wants it, at the setting of this name; there
+        """The page of the settings, whose module is read when it is opened, at the setting of this name; there
         already: leave it."""
         from tui.screens.settings import SettingsScreen
 

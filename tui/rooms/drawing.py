@@ -55,7 +55,7 @@ class Drawing:
         """What moves by itself does so seldom."""
         self.browsed: str | None = None
         """The turn that somebody looks at; None: the newest."""
-        self._counted = 0  # turns that there were when somebody last chose one
+        self._counted = 0  # turns that there were when the user last chose one
         self.tour: Tour | None = None
         """What whoever sits here for the first time is told."""
         self._stage = stage

@@ -71,7 +71,7 @@ class Leaving:
         stage.exit(return_code=int(self._exit_code))
 
     def hang_up(self) -> None:
-        """The terminal is gone, or somebody ended us (``ENDING``). In any thread: the robot stops first."""
+        """The terminal is gone, or a signal ends us (``ENDING``). In any thread: the robot stops first."""
         self._exit_code = ExitCode.INTERRUPTED
         self._stage.send(Quit())
         self._stage.post_message(HungUp())

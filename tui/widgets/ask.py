@@ -40,7 +40,7 @@ class Ask(Input):
     ]
 
     class Asked(Message):
-        """Somebody typed a request, or pasted several: ``text`` is what stood in the line."""
+        """The user typed a request, or pasted several: ``text`` is what stood in the line."""
 
         def __init__(self, text: str) -> None:
             super().__init__()

@@ -98,7 +98,7 @@ class Timeline(FromTop[Head | Bar | str]):
         self.border_subtitle = Content(f"{news}{self._hint}")
 
     def update_from(self, turns: Sequence[Turn], browsed: Turn | None, now: float, fresh: int = 0) -> None:
-        """Show the turns as of event time ``now``; ``browsed`` is the one that somebody looks at, and ``fresh`` have
+        """Show the turns as of event time ``now``; ``browsed`` is the one that the user looks at, and ``fresh`` have
         begun since."""
         self._known = turns, browsed, now
         first = turns.index(browsed) if browsed is not None else len(turns) - 1
