@@ -12,9 +12,8 @@ INSTALLED := $(VENV)/.installed
 # What a virtual microphone needs; the tests that speak into one are skipped without it.
 SOUND := libportaudio2 pulseaudio pulseaudio-utils libasound2-plugins
 
-# Tests of what acts in real time: whole programs at the pace of the world, and sound.
-PROGRAMS := tests/e2e
-SOUNDS := tests/audio
+# Tests of what acts in real time: sound, and whole programs at the pace of the world.
+ALONE := tests/audio tests/e2e
 
 .PHONY: run test test-audio sound test-web check pictures clean
 
@@ -22,16 +21,14 @@ run: $(INSTALLED)
 	@$(BIN)/sayso models pull
 	@$(BIN)/sayso $(ARGS)
 
-# What only computes is tried on all cores. Programs that act in real time wait most of the time and share the machine
-# by two; sound, which must never be late, has it for itself.
+# What only computes is tried on all cores; what acts in real time has the machine for itself.
 test: check
 	@$(BIN)/sayso models pull whisper-base whisper-tiny.en qwen2.5-coder-1.5b piper-joe speech-embedding
 ifdef ARGS
 	$(BIN)/pytest $(ARGS)
 else
-	$(BIN)/pytest --numprocesses logical --dist worksteal --ignore $(PROGRAMS) --ignore $(SOUNDS)
-	$(BIN)/pytest --numprocesses 2 --dist worksteal $(PROGRAMS)
-	$(BIN)/pytest $(SOUNDS)
+	$(BIN)/pytest --numprocesses logical --dist worksteal $(ALONE:%=--ignore %)
+	$(BIN)/pytest $(ALONE)
 endif
 
 # The tests at a virtual microphone, for certain. As root it installs what they need.
