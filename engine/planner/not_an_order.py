@@ -15,7 +15,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterator
-from functools import cache, reduce
+from functools import cache, lru_cache, reduce
 from importlib.resources import files
 from operator import getitem
 from typing import Final, Literal, NamedTuple, get_args
@@ -36,6 +36,7 @@ class Mark(NamedTuple):
     end: int
 
 
+@lru_cache(maxsize=256)  # several readers of one request ask for the same
 def marks(text: str) -> tuple[Mark, ...]:
     """The marks of ``text``, in their order. Never raises; linear in the length of the text."""
     plain = _plain(text)
