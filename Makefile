@@ -15,7 +15,7 @@ SOUND := libportaudio2 pulseaudio pulseaudio-utils libasound2-plugins
 # Tests of what acts in real time: sound, and whole programs at the pace of the world.
 ALONE := tests/audio tests/e2e
 
-.PHONY: run test test-audio sound test-web check pictures clean
+.PHONY: run test test-audio sound test-web check reader pictures clean
 
 run: $(INSTALLED)
 	@$(BIN)/sayso models pull
@@ -23,7 +23,7 @@ run: $(INSTALLED)
 
 # What only computes is tried on all cores; what acts in real time has the machine for itself.
 test: check
-	@$(BIN)/sayso models pull whisper-base whisper-tiny.en qwen2.5-coder-1.5b piper-joe speech-embedding
+	@$(BIN)/sayso models pull whisper-base whisper-tiny.en qwen2.5-coder-1.5b piper-joe speech-embedding multilingual-e5-small
 ifdef ARGS
 	$(BIN)/pytest $(ARGS)
 else
@@ -53,6 +53,12 @@ check: $(INSTALLED)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# Trains the learned reader anew, in about half an hour on two cores. PUBLIC is a folder with HuRIC and GPSR, if any.
+reader: $(INSTALLED)
+	@$(BIN)/sayso models pull multilingual-e5-small
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[train]'
+	$(BIN)/python -m engine.understanding.training.train $(if $(PUBLIC),--public $(PUBLIC)) $(ARGS)
 
 pictures: $(INSTALLED)
 	$(BIN)/python -m tests.tui.pictures

