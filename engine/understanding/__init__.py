@@ -1,0 +1,1 @@
+"""What a request means: the typed meaning, and the readers that find it."""
