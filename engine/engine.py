@@ -8,6 +8,7 @@ the engine takes commands from the first moment. Whatever ends the loop, the rob
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import gc
 import os
 import sys
@@ -36,7 +37,7 @@ from engine.offer import Offer, offered
 from engine.parts.camera import CameraPart
 from engine.parts.demo import Demo
 from engine.parts.ears import Ears
-from engine.parts.fetching import Fetching
+from engine.parts.fetching import Fetching, Pull
 from engine.parts.keeper import Keeper
 from engine.parts.loading import (
     Sound,
@@ -57,7 +58,7 @@ from engine.parts.words import WordsPart
 from engine.perception.eyes import Eyes
 from engine.perception.memory import World, WorldMemory
 from engine.perception.sighting import Sight
-from engine.planner.build import build_planner, build_registry
+from engine.planner.build import BASE, build_planner, build_registry
 from engine.planner.phrases.stopping import is_stop
 from engine.planner.planner import Planner
 from engine.planner.worlds.house import build_vocabulary
@@ -387,6 +388,22 @@ class Engine:
         await part.load(lambda: asyncio.to_thread(build))
         if self._stays and part.value is not None:
             await asyncio.to_thread(part.value.warm_up)
+            if self._settings.models.fetch:
+                await self._fetch_reader(part.value)
+
+    async def _fetch_reader(self, planner: Planner) -> None:
+        """Fetch what the learned reader stands on, unless it is here: until then there are phrases and the model."""
+        store = model_store(self._settings)
+        with contextlib.suppress(SaysoError):
+            await asyncio.to_thread(store.find, BASE)
+            return
+        size = store.manifest[BASE].size / 1e6
+        self._emit(events.Log("info", "planner", f"fetching {BASE} for the learned reader ({size:.0f} MB)"))
+        try:
+            await Pull(store, BASE, lambda detail: None).done()
+            await asyncio.to_thread(planner.warm_up)
+        except SaysoError as error:
+            self._emit(events.Log("warning", "planner", str(error)))
 
     async def _keep_wake(self, part: Part[str]) -> None:
         """Listen to the wake module."""

@@ -38,7 +38,7 @@ Scope = Literal["stop", "interrupt", "wake", "end_task", "replaced", "halted", "
 """Kinds of interruption; ``engine.states`` says what each one does. ``halted``: the robot stopped by itself."""
 WakeSource = Literal["key", "serial", "word", "speech", "command", "demo", "file"]
 """``speech``: somebody goes on whose turn was ended in the middle of a sentence."""
-PlanSource = Literal["phrases", "local", "openai", "dify", "direct"]
+PlanSource = Literal["phrases", "reader", "local", "openai", "dify", "direct"]
 Layer = Literal["decision", "execution", "vision"]
 """What a large model is asked for: steps in words, actions, or what a picture shows."""
 
@@ -257,6 +257,16 @@ class DecisionMade(Body, frozen=True):
 
     steps: tuple[str, ...]
     source: PlanSource
+
+
+@kind("meaning.read")
+class MeaningRead(Body, frozen=True):
+    """What a reader understood of a request: acts with their roles, each with the characters that it came from."""
+
+    text: str
+    reader: Literal["certain", "learned", "large"]
+    confidence: float  # 0…1
+    nodes: tuple[dict[str, Any], ...]  # as ``engine/understanding/meaning.py`` describes them
 
 
 @kind("model.asked")

@@ -59,8 +59,13 @@ RELATIVE: Final = frozenset({"move_forward", "move_sideways", "move_left", "move
 
 def answer(text: str, record: OnRecord, holding: str, language: Language) -> str:
     """The answer to a question about the robot itself; empty where ``text`` is none."""
+    return of(question(text), record, holding, language)
+
+
+def of(kind: str, record: OnRecord, holding: str, language: Language) -> str:
+    """The answer to what is asked: ``holding``, ``stopped``, ``battery``, ``done``; empty for anything else."""
     said = _SAID[language]
-    match question(text):
+    match kind:
         case "holding":
             return said["holding"].format(thing=holding) if holding else said["nothing_held"]
         case "stopped" if record.stopped is not None:

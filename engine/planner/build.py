@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Final
 
 from config import paths
 from config.schema import Place, Settings
 from engine.errors import PlanError, UsageError
 from engine.llm.chat import Chat
+from engine.models.store import ModelStore
 from engine.plan import Action, ActionCall, Argument, Quantity
 from engine.planner.grounding.doubt import Doubt, ungrounded
 from engine.planner.phrases.phrases import PhrasePlanner, Told
@@ -31,6 +35,7 @@ from engine.skills.library.signals import COLOURS
 from engine.skills.places import Places
 from engine.skills.registry import Skill, SkillRegistry
 from engine.skills.vocabulary import Vocabulary
+from engine.understanding.learned import LearnedReader
 
 CAPABILITIES: dict[str, frozenset[Capability]] = {"sim": frozenset({"base", "arm", "camera", "voice"})}
 """What each kind of robot has; known without starting it."""
@@ -118,7 +123,19 @@ def build_planner(
         knowledge=Knowledge(paths().config / "knowledge.md"),
         tell=tell,
         max_actions=settings.planner.max_actions,
+        reader=learned_reader(settings.models.folder or paths().models),
     )
+
+
+BASE: Final = "multilingual-e5-small"
+"""The model that the learned reader stands on (assets/models.yaml)."""
+
+
+@cache
+def learned_reader(folder: Path) -> LearnedReader | None:
+    """The learned reader, which reads as soon as its base has been fetched; None where it has not been trained."""
+    graphs = Path(str(files("assets") / "understanding"))
+    return LearnedReader(ModelStore(folder).file(BASE), graphs) if (graphs / "encoder.onnx").exists() else None
 
 
 def as_call(skill: Skill, action: Action) -> ActionCall:

@@ -36,7 +36,7 @@ from engine.planner.phrases.more import more
 from engine.planner.phrases.phrases import Before, Matched, NoMatch, PhrasePlanner, Told, UnknownPlace
 from engine.planner.phrases.piecewise import is_piecewise
 from engine.planner.readings.corrections import is_taken_back
-from engine.planner.readings.first_look import CONDITION, first_look
+from engine.planner.readings.first_look import CONDITION, IF_POLITE, first_look
 from engine.planner.readings.put_back import put_back
 from engine.planner.readings.readings import Readings
 from engine.planner.readings.wishes import Wishes
@@ -47,6 +47,7 @@ from engine.planner.stages.exchanges import last_question, last_said, rounds
 from engine.planner.stages.knowledge import Knowledge
 from engine.planner.stages.two_stage import TwoStage
 from engine.planner.text.language import language_of
+from engine.planner.understood import Reads, Understood
 from engine.planner.unknown_places import room_instead, unknown, which_place
 from engine.planner.validation import Validation
 from engine.skills.registry import SkillRegistry
@@ -67,13 +68,6 @@ _ASKS_FIRST: Final = re.compile(
 
 _WORDS_ONLY: Final = frozenset({"say", "finishtask", "report_pose", "list_skills"})
 """Actions that move nothing and change nothing."""
-_IF_POLITE: Final = re.compile(
-    r"\bif (?:you (?:don't mind|do not mind|can|could|would|like|please|want to|have (?:time|a (?:moment|minute)))|"
-    r"(?:that|it)(?:'s| is) (?:ok|okay|all right|alright|possible|no trouble|not too much trouble))\b"
-    r"|(?:如果|要是)?(?:您|你)?(?:不麻烦|方便|可以|有空|愿意)的话",
-    re.IGNORECASE,
-)
-"""A condition by its form alone."""
 
 
 class Planner:
@@ -90,6 +84,7 @@ class Planner:
         knowledge: Knowledge,
         tell: Callable[[Sequence[Action], Language], Told],
         max_actions: int,
+        reader: Reads | None = None,
     ) -> None:
         """``language`` is the one of all requests; None: that of each. ``tell`` tells actions in it."""
         self._tell = tell
@@ -103,6 +98,7 @@ class Planner:
         self._validation = Validation(registry, vocabulary, max_actions)
         self._answering = Answering(phrases, self._validation, language)
         self._looking_first = LookingFirst(phrases, self._readings.heard, self._validation, vocabulary)
+        self._learned = None if reader is None else Understood(reader, phrases, self._validation, vocabulary)
         self._orders = Orders(phrases, self._looking_first.conditional)
         self._asking_back = AskingBack(phrases, vocabulary, knowledge)
         self._nouns = frozenset(
@@ -121,6 +117,8 @@ class Planner:
         impossible("go")
         marks("go")
         self._phrases(self._language or "en").warm_up()
+        if self._learned is not None:
+            self._learned.meaning("go")
 
     def completeness(self, text: str) -> Completeness:
         """Whether somebody who said ``text`` has said all. In any thread."""
@@ -166,12 +164,22 @@ class Planner:
         if isinstance(match, Matched) and needs_held(match) and not (before.things.held or before.seen):
             return NoPlan(text, "incomplete", phrases.question("which_thing"), ExitCode.CLARIFY)
         understood = isinstance(match, Matched)
+        if self._learned is not None:
+            none = await asyncio.to_thread(self._learned.no_order, request, text, language)
+            if none is not None:
+                return none
         if understood and (question := self._asking_back.question(request, text, language, understood=True)):
             return question
         if isinstance(match, Matched) and _ASKS_FIRST.search(text) is None:
             return self._validation.one_of(self._validation.plan(text, match), request, language)
         if talk := phrases.talk(text):
             return Plan(text, (), talk, "phrases")
+        if self._learned is not None:
+            if question := self._asking_back.question(request, text, language):
+                return question
+            found = await asyncio.to_thread(self._learned.plan, request, text, language)
+            if found is not None:
+                return found
         if (condition := self._looking_first.conditional(text)) is not None:
             look = self._looking_first.plan(text, condition, language)
             return await self._by_model(request, language, look) if isinstance(look, NoMatch) else look
@@ -264,7 +272,7 @@ class Planner:
             if not asked and (aside := self._phrases(language).aside(request.text)):
                 return Plan(request.text, (), aside, "phrases")
             return NoPlan(request.text, "not_understood", answer)
-        depends = CONDITION.search(_IF_POLITE.sub("", request.text)) is not None
+        depends = CONDITION.search(IF_POLITE.sub("", request.text)) is not None
         if depends and self._models.is_small:
             if look := first_look(request.text, self._vocabulary):
                 return self._looking_first.look(request.text, look, language)
@@ -308,6 +316,12 @@ class Planner:
 
     async def _after_feedback(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan:
         first = request.sees is not None and rounds(request.exchanges) == 1
+        if (
+            first
+            and self._learned is not None
+            and (decided := await asyncio.to_thread(self._learned.decided, request, text, language))
+        ):
+            return decided
         condition = self._looking_first.conditional(text) if first else None
         try:
             if condition is not None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final, Literal, Protocol
 
 from engine.errors import ExitCode
-from engine.events import ClarificationAsked, ModelAsked, PlanRejected, PlanSource, RefusalMade, Scope
+from engine.events import ClarificationAsked, MeaningRead, ModelAsked, PlanRejected, PlanSource, RefusalMade, Scope
 from engine.plan import Action, Plan
 from engine.planner.text.counts import Count
 
@@ -100,6 +100,8 @@ class PlanRequest:
     """To be called when a stage of planning begins that takes its time."""
     decide: Callable[[tuple[str, ...], PlanSource], None] = lambda steps, source: None
     """To be called with the decision layer's steps in words."""
+    read: Callable[[MeaningRead], object] = lambda meaning: None
+    """To be called with what a reader understood, when a plan or a question is made of it."""
     warn: Callable[[str], None] = lambda message: None
     """To be called with what the user should know of the planning itself."""
     record: Callable[[ModelAsked], object] = lambda call: None

@@ -241,6 +241,7 @@ class Turn:
             enter=self._enter_stage,
             decide=lambda steps, source: self._thought(events.DecisionMade(steps, source)),
             warn=lambda message: self._thought(events.Log("warning", "planner", message)),
+            read=lambda meaning: self._thought(meaning),
             record=lambda call: self.emit(call),  # whenever it comes: what was sent is on record
         )
         if (robot := self._needs.robot.value) is not None:

@@ -19,7 +19,7 @@ WIRE_NAMES = {
     "session.started", "session.ended", "state.changed", "wake.heard",
     "listen.started", "listen.level", "listen.ended",
     "transcript.partial", "transcript.final", "transcript.rejected",
-    "decision.made", "plan.made", "plan.rejected", "clarification.asked", "refusal.made",
+    "decision.made", "meaning.read", "plan.made", "plan.rejected", "clarification.asked", "refusal.made",
     "action.queued", "action.started", "action.progress", "action.finished",
     "speech.started", "speech.ended", "interrupt.raised", "task.ended",
     "robot.state", "motion.paused", "motion.resumed", "camera.frame", "perception.result", "log", "error", "timing",

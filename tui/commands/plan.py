@@ -87,7 +87,11 @@ async def _told(
 
 async def _plan(planner: Planner, emit: Emit, text: str, *, json: bool) -> Plan | NoPlan:
     request = PlanRequest(
-        text, decide=lambda steps, source: _decided(emit, steps, source, json=json), warn=say, record=emit
+        text,
+        decide=lambda steps, source: _decided(emit, steps, source, json=json),
+        read=emit,
+        warn=say,
+        record=emit,
     )
     try:
         return await planner.plan(request)

@@ -244,6 +244,19 @@ def _graphics(settings: Settings) -> Finding:
     return Finding("graphics", "limited", f"no OpenGL: {size} by ray casting", "apt install libosmesa6")
 
 
+def _reader(settings: Settings) -> Finding:
+    """It is loaded and asked, as the first command will do."""
+    from engine.planner.build import BASE, learned_reader
+
+    reader = learned_reader(settings.models.folder or paths().models)
+    meaning = reader.read("go to the kitchen") if reader is not None else None
+    if reader is not None and reader.trouble is not None:
+        return Finding("reader", "limited", f"cannot be loaded: {reader.trouble}", f"sayso models verify {BASE}")
+    if meaning is None:
+        return Finding("reader", "limited", "not here: only plain phrases are understood", f"sayso models pull {BASE}")
+    return Finding("reader", "ok", f"learned reader on {BASE}")
+
+
 def _serial(settings: Settings) -> Finding:
     del settings
     from engine.wake.ports import attached
@@ -330,6 +343,7 @@ CHECKS: Final[tuple[Check, ...]] = (
     Check("python", _python),
     Check("recogniser", _recogniser, "recogniser"),
     Check("voice activity", _voice_activity),
+    Check("reader", _reader),
     Check("large model", _model, "model"),
     Check("microphone", _microphone, "microphone", device=True),
     Check("voice", _voice, "voice"),

@@ -525,6 +525,7 @@ CHECKS: Final = {
     "python": "python",
     "recogniser": "recogniser",
     "voice activity": "voice activity",
+    "reader": "reader",
     "large model": "large model",
     "microphone": "microphone",
     "voice": "voice",

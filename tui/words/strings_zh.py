@@ -500,6 +500,7 @@ CHECKS: Final = {
     "python": "Python",
     "recogniser": "语音识别",
     "voice activity": "语音检测",
+    "reader": "理解器",
     "large model": "大模型",
     "microphone": "麦克风",
     "voice": "语音合成",

@@ -161,6 +161,11 @@ class PhrasePlanner:
         """A sentence with examples of what can be said."""
         return self._answers.understood
 
+    @property
+    def places(self) -> tuple[str, ...]:
+        """Names of the places on the map."""
+        return self._known
+
     def question(self, missing: Question) -> str:
         """The question for what a command lacks."""
         return self._answers.question(missing)

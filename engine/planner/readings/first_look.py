@@ -19,6 +19,13 @@ from engine.planner.phrases.said import Calls
 from engine.planner.readings.consequences import VERBS
 from engine.skills.vocabulary import Vocabulary
 
+IF_POLITE: Final = re.compile(
+    r"\bif (?:you (?:don't mind|do not mind|can|could|would|like|please|want to|have (?:time|a (?:moment|minute)))|"
+    r"(?:that|it)(?:'s| is) (?:ok|okay|all right|alright|possible|no trouble|not too much trouble))\b"
+    r"|(?:如果|要是)?(?:您|你)?(?:不麻烦|方便|可以|有空|愿意)的话",
+    re.IGNORECASE,
+)
+"""A condition by its form alone."""
 CONDITION: Final = re.compile(
     r"\b(?:if|whether|unless|in case|should there|as long as|provided|whenever|otherwise)\b"
     r"|\bis there\b.*\bthen\b|如果|要是|假如|是否|有没有|否则|的话",

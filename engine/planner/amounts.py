@@ -1,0 +1,89 @@
+"""How much, how often, how fast: what the words of a role come to, in the units of skills."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from engine.planner.phrases.conventions import A_BIT, FULL, HALF, QUARTER, Manner
+from engine.planner.text.measures import read_measures
+from engine.planner.text.words import words_of
+
+_A_BIT: Final = re.compile(
+    r"(?:just )?(?:a (?:little|tiny|wee|small|teeny)?\s*(?:bit|tad|touch|little|smidge|smidgen|step|nudge)|"
+    r"a little|slightly|"
+    r"a few (?:cm|centimet(?:re|er)s))(?: (?:more|further))?|一点儿?|一些|一小步|稍微|一丢丢"
+)
+_ANGLES: Final[tuple[tuple[re.Pattern[str], float], ...]] = (
+    (re.compile(r"three quarters|四分之三"), QUARTER + HALF),
+    (re.compile(r"quarter|四分之一|直角|right angle"), QUARTER),
+    (re.compile(r"half|半圈|半周|about face|一百八"), HALF),
+    (re.compile(r"full|whole|all the way|complete|once (?:a)?round|circle|一圈|一整圈|整圈|一周"), FULL),
+)
+_SLOW: Final = re.compile(
+    r"slow|gentl|careful|half (?:the |your )?(?:normal )?speed|easy|unhurried|leisur|creep|"
+    r"慢|轻|小心|缓|半速|一半的?速度"
+)
+_FAST: Final = re.compile(
+    r"fast|quick|speed|hurr|rapid|swift|brisk|full (?:speed|throttle)|possible|快|迅速|全速|急|赶紧"
+)
+_COUNTS: Final = {
+    "once": 1,
+    "one time": 1,
+    "twice": 2,
+    "thrice": 3,
+    "a couple of times": 2,
+    "a couple times": 2,
+    "一次": 1,
+    "两次": 2,
+    "俩": 2,
+}
+_TIMES_ZH: Final = re.compile(r"([一二两三四五六七八九十\d]+)(?:次|遍|下|回|圈|声)")
+_NUMERALS: Final = {"一": 1, "二": 2, "两": 2, "三": 3, "四": 4, "五": 5, "六": 6, "七": 7, "八": 8, "九": 9, "十": 10}
+
+
+def quantity(words: str, unit: str) -> float | None:
+    """The first amount in this unit that the words hold: "half a metre" is 0.5 m."""
+    tokens = read_measures(words_of(words).tokens)
+    return next((token.value for token in tokens if token.kind == "quantity" and token.unit == unit), None)
+
+
+def number(words: str) -> float | None:
+    """The first bare number that the words hold."""
+    tokens = read_measures(words_of(words).tokens)
+    return next((token.value for token in tokens if token.kind == "number"), None)
+
+
+def distance(words: str) -> float | None:
+    """m; None where the words tell none."""
+    found = quantity(words, "m")
+    return A_BIT if found is None and _A_BIT.fullmatch(words.casefold().strip()) else found
+
+
+def angle(words: str) -> float | None:
+    """deg, positive; a number alone counts as degrees. None where the words tell none."""
+    found = quantity(words, "deg")
+    if found is None:
+        found = number(words)
+    if found is None:
+        found = next((degrees for pattern, degrees in _ANGLES if pattern.search(words.casefold())), None)
+    return found
+
+
+def times(words: str) -> int | None:
+    """How often; None where the words tell no whole number."""
+    plain = words.casefold().strip()
+    if plain in _COUNTS:
+        return _COUNTS[plain]
+    found = quantity(words, "times") or number(words)
+    if found is None and (zh := _TIMES_ZH.search(plain)) is not None:
+        found = _NUMERALS.get(zh[1])
+    return int(found) if found is not None and found == int(found) and found >= 1 else None
+
+
+def manner(words: str) -> Manner | None:
+    """Slow or fast, where the words say so."""
+    plain = words.casefold()
+    if _SLOW.search(plain):
+        return "slow"
+    return "fast" if _FAST.search(plain) else None

@@ -1,0 +1,130 @@
+"""From what is meant to the actions that do it.
+
+Each act has one function that turns its roles into calls of skills. What the roles name in this house decides which
+skill serves: "look at the table" drives there, "look at the kitchen" scans a room."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+from engine.planner import amounts
+from engine.planner.doing.doing import MOST, Doing, Roles, Unable
+from engine.planner.doing.handling import bring, clean, drop, pick_up, put, sort, throw_away, tidy
+from engine.planner.doing.looking import check, count, describe, find, look
+from engine.planner.doing.moving import (
+    charge,
+    come,
+    drive_shape,
+    face,
+    follow,
+    go,
+    go_back,
+    guide,
+    leave,
+    move,
+    patrol,
+    turn,
+    turn_around,
+    unspecified,
+    wait,
+)
+from engine.planner.doing.signals import arm_turn, beep, just, light, often, remember, say, tell
+from engine.planner.phrases.said import Calls, call
+from engine.understanding.meaning import Do, If, Repeat
+
+
+def calls_of(nodes: Sequence[Do | If | Repeat], doing: Doing) -> Calls:
+    """The calls for what is wanted, behind those that ``doing`` has already. Raises Open, Which, NowhereKnown and
+    Unable; conditions are somebody else's business."""
+    for node in nodes:
+        if isinstance(node, Repeat):
+            _repeat(node, doing)
+        elif isinstance(node, Do):
+            _do(node, doing)
+        else:
+            raise Unable("condition")
+    return tuple(doing.calls)
+
+
+def _repeat(node: Repeat, doing: Doing) -> None:
+    count = amounts.times(node.times)
+    if count is None:
+        raise Unable("times", node.times)
+    before = len(doing.calls)
+    for _ in range(count):
+        calls_of([inner for inner in node.nodes if isinstance(inner, (Do, If, Repeat))], doing)
+        if len(doing.calls) - before > MOST:
+            break
+
+
+def _do(act: Do, doing: Doing) -> None:
+    if act.until is not None:
+        raise Unable("until")
+    roles = Roles(act)
+    found = _ACTS.get(act.act)
+    if found is None:
+        raise Unable("act")
+    made = found(doing, roles)
+    roles.must_be_used()
+    if made and act.together and doing.calls:
+        made = (replace(made[0], alongside=True), *made[1:])
+    doing.calls += made
+
+
+_ACTS: Final[Mapping[str, Callable[[Doing, Roles], Calls]]] = {
+    "go": go,
+    "come": come,
+    "forward": move("move_forward", 1),
+    "backward": move("move_forward", -1),
+    "sideways_left": move("move_sideways", 1),
+    "sideways_right": move("move_sideways", -1),
+    "turn_left": turn("move_left"),
+    "turn_right": turn("move_right"),
+    "move": unspecified,
+    "turn": unspecified,
+    "turn_around": turn_around,
+    "face": face,
+    "leave": leave,
+    "go_back": go_back,
+    "charge": charge,
+    "drive_shape": drive_shape,
+    "follow": follow,
+    "guide": guide,
+    "patrol": patrol,
+    "stop": just("stop"),
+    "wait": wait,
+    "drift": just("drift"),
+    "dance": just("dance"),
+    "pick_up": pick_up,
+    "put": put,
+    "bring": bring,
+    "drop": drop,
+    "throw_away": throw_away,
+    "tidy": tidy,
+    "clean": clean,
+    "sort": sort,
+    "look": look,
+    "find": find,
+    "count": count,
+    "check": check,
+    "describe": describe,
+    "arm_up": just("arm_up"),
+    "arm_down": just("arm_down"),
+    "arm_turn": arm_turn,
+    "open_gripper": just("open_gripper"),
+    "close_gripper": just("close_gripper"),
+    "nod": often("arm_nod"),
+    "shake": often("arm_shake"),
+    "wave": often("arm_shake"),
+    "applaud": often("arm_applaud"),
+    "beep": beep,
+    "light": light,
+    "light_off": lambda doing, roles: call("light", "off"),
+    "say": say,
+    "tell": tell,
+    "skills": just("list_skills"),
+    "remember": remember,
+    "end_task": just("finish_dialogue"),
+}

@@ -1,0 +1,139 @@
+"""What acts have at hand while they become actions: the words of this house, what was named before, what is held.
+
+A role that no act has used stops the plan: nothing that was said is left out silently.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Final
+
+from engine.plan import MAX_ACTIONS, ActionCall
+from engine.planner.entities import Entities, Entity
+from engine.planner.phrases.said import Question
+from engine.understanding.acts import RoleName
+from engine.understanding.meaning import Do
+
+_VAGUE: Final = re.compile(r"\b(?:some|any)?(?:thing|one|stuff)$|\banother$|东西$|一个$|个$")
+"""Ends of what names nothing in particular."""
+_EITHER: Final = re.compile(r"\bor\b|还是|或者")
+MOST: Final = MAX_ACTIONS + 1
+"""One more than any plan may have: what is said too often is turned down for its length."""
+
+
+class Open(Exception):
+    """Something that is needed was not said; ``question`` says what."""
+
+    def __init__(self, question: Question) -> None:
+        super().__init__(question)
+        self.question: Question = question
+
+
+class Which(Exception):
+    """Words that fit several things; the message asks which one."""
+
+
+class NowhereKnown(Exception):
+    """A place that this house does not have; ``words`` are the speaker's."""
+
+    def __init__(self, words: str) -> None:
+        super().__init__(words)
+        self.words = words
+
+
+class Unable(Exception):
+    """It was understood, and no skill does it. ``what`` is a key of ``UNABLE``."""
+
+    def __init__(self, what: str, words: str = "") -> None:
+        super().__init__(what)
+        self.what = what
+        self.words = words
+
+
+@dataclass(slots=True)
+class Doing:
+    """The actions of one request, made one after the other: what is named in one act, "it" is in the next."""
+
+    entities: Entities
+    holding: str = ""
+    named: str = ""
+    """The thing that was named last, as skills know it."""
+    place: str = ""
+    """The symbol of the place that was named last."""
+    calls: list[ActionCall] = field(default_factory=list)
+
+    def entity(self, words: str) -> Entity:
+        """What ``words`` name. Raises Which where they fit several."""
+        if _EITHER.search(words.casefold()):
+            raise Open("what_do")
+        found = self.entities.of(words)
+        if found.which:
+            raise Which(found.which)
+        return found
+
+    def thing(self, words: str) -> str:
+        """A thing as skills know it; "it" is what was named last. An unknown one is given on as it was said: whoever
+        checks it says what is known."""
+        found = self.entity(words)
+        if found.refers:
+            if not (self.named or self.holding):
+                raise Open("which_thing")
+            return self.named or self.holding
+        if found.person and found.thing is None:
+            raise Unable("person", words)
+        if found.superlative or (found.thing is None and _VAGUE.search(words.casefold())):
+            raise Open("which_thing")
+        self.named = found.thing or self.entities.near(words)
+        return self.named
+
+    def spot(self, words: str) -> str:
+        """The symbol of a place to drive to. Raises NowhereKnown."""
+        found = self.entity(words)
+        if found.refers and self.place:
+            return self.place
+        if found.refers or found.side or (found.place is None and found.superlative):
+            raise Open("where")
+        if found.place is None:
+            if found.person:
+                raise Unable("person", words)
+            raise NowhereKnown(self.entities.near(words))
+        self.place = found.place
+        return found.place
+
+    def held(self, thing: str) -> bool:
+        """Whether that thing is in the hand, or will be by then."""
+        return bool(self.in_hand) and (thing == self.in_hand or self.in_hand.endswith(f" {thing}"))
+
+    @property
+    def in_hand(self) -> str:
+        """What the gripper holds after the calls so far."""
+        held = self.holding
+        for made in self.calls:
+            if made.name == "pick_object":
+                held = str(made.positional[0])
+            elif made.name in ("place_object", "place_in_bin", "putdown", "open_gripper", "carry"):
+                held = ""
+        return held
+
+
+class Roles:
+    """The roles of an act; each one that is asked for counts as used."""
+
+    def __init__(self, act: Do) -> None:
+        self.act = act
+        self._used: set[RoleName] = set()
+
+    def words(self, name: RoleName) -> str:
+        self._used.add(name)
+        return self.act.words(name)
+
+    def all(self, name: RoleName) -> tuple[str, ...]:
+        self._used.add(name)
+        return self.act.all(name)
+
+    def must_be_used(self) -> None:
+        """Raises Unable where a role is left over. How gently something is done may be left to the skill."""
+        left = next((role for role in self.act.roles if role.name not in self._used and role.name != "manner"), None)
+        if left is not None:
+            raise Unable("role", left.words)

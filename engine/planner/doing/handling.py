@@ -1,0 +1,183 @@
+"""Acts on things: picking up, putting, bringing, tidying."""
+
+from __future__ import annotations
+
+from engine.plan import Quantity
+from engine.planner import amounts
+from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable
+from engine.planner.doing.moving import colour_of
+from engine.planner.phrases.said import Calls, call
+from engine.skills.places import ZERO_SYMBOL
+from engine.skills.vocabulary import BIN
+from engine.understanding.meaning import Do
+
+
+def source_of(doing: Doing, roles: Roles, thing: str) -> str:
+    """Where the thing is said to be, in the speaker's words."""
+    words = roles.words("source")
+    if words:
+        return words
+    at = doing.entities.of(thing).at if thing else None
+    return at.words if at is not None and (at.place or at.surface or at.room) else ""
+
+
+def fetched(doing: Doing, words: str, source: str) -> Calls:
+    """Go where it is said to be, and pick it up, unless it is held."""
+    thing = doing.thing(words)
+    if doing.held(thing):
+        return ()
+    if doing.in_hand:
+        raise Unable("full", doing.in_hand)
+    going = call("navigation", doing.spot(source)) if source and doing.entity(source).place else ()
+    return (*going, *call("pick_object", thing))
+
+
+def pick_up(doing: Doing, roles: Roles) -> Calls:
+    things = roles.all("thing")
+    if not things:
+        raise Open("which_thing")
+    if len(things) > 1:
+        raise Unable("full", things[0])
+    return fetched(doing, things[0], source_of(doing, roles, things[0]))
+
+
+def put(doing: Doing, roles: Roles) -> Calls:
+    things, place, source = roles.all("thing"), roles.words("place"), roles.words("source")
+    if not place and not things:
+        return call("putdown")
+    made: Calls = ()
+    for words in things or ("it",):
+        if (doing.entity(words).refers or not things) and doing.in_hand and not made:
+            doing.named = doing.in_hand
+        elif not things and not (doing.named or doing.holding):
+            raise Open("which_thing")
+        before = doing.calls
+        done = _put_one(doing, words, place, source)
+        doing.calls = [*before, *done]
+        made += done
+        doing.calls = before
+    return made
+
+
+def _put_one(doing: Doing, words: str, place: str, source: str) -> Calls:
+    if not place:
+        return (*fetched(doing, words, source), *call("putdown"))
+    target = doing.entity(place)
+    if target.refers:
+        target = doing.entities.of(doing.place) if doing.place else target
+    if target.every:
+        raise Unable("role", place)
+    group = doing.entity(words)
+    colour = colour_of(doing, group.thing or "")
+    if group.every and not group.refers:
+        if not colour or target.surface is None:
+            raise Unable("every", words)
+        return call("tidy", colour, target.surface)
+    surface = target.surface
+    if surface is not None and surface not in (target.room, None):
+        put = call("place_in_bin") if surface == BIN else call("place_object", surface)
+        return (*fetched(doing, words, source or source_of(doing, Roles(Do("put")), words)), *put)
+    if target.me or target.place is not None:
+        if doing.held(doing.thing(words)):
+            return (*call("navigation", target.place or ZERO_SYMBOL), *call("putdown"))
+        return carried(doing, words, target.place or ZERO_SYMBOL, source)
+    if target.refers or target.side or place.casefold() in ("down", "away", "aside"):
+        if target.refers or target.side == "ahead":
+            return (*fetched(doing, words, source), *call("putdown"))
+        raise Open("where_put")
+    raise NowhereKnown(doing.entities.near(place))
+
+
+def carried(doing: Doing, words: str, place: str, source: str) -> Calls:
+    thing = doing.thing(words)
+    if doing.held(thing):
+        return (*call("navigation", place), *call("putdown"))
+    if doing.in_hand:
+        raise Unable("full", doing.in_hand)
+    at = doing.entity(source) if source else doing.entities.of(words).at
+    where = (at.surface or at.room) if at is not None else None
+    if source and where is None:
+        raise NowhereKnown(doing.entities.near(source))
+    return call("carry", thing, place, *((where,) if where else ()))
+
+
+def bring(doing: Doing, roles: Roles) -> Calls:
+    things, source = roles.all("thing"), roles.words("source")
+    person, place = roles.words("person"), roles.words("place")
+    if not things:
+        raise Open("which_thing")
+    goal = ZERO_SYMBOL
+    if person:
+        who = doing.entity(person)
+        if not who.me and who.place is None:
+            raise Unable("person", person)
+        goal = who.place or ZERO_SYMBOL
+    elif place:
+        where = doing.entity(place)
+        if where.place is None and where.surface is not None:
+            return put(doing, roles)
+        goal = doing.spot(place)
+    made: Calls = ()
+    for words in things:
+        if doing.entity(words).refers and doing.in_hand and not made:
+            doing.named = doing.in_hand
+        made += carried(doing, words, goal, source)
+    return made
+
+
+def drop(doing: Doing, roles: Roles) -> Calls:
+    for words in roles.all("thing"):
+        doing.thing(words)
+    return call("open_gripper")
+
+
+def throw_away(doing: Doing, roles: Roles) -> Calls:
+    things = roles.all("thing")
+    if not things:
+        raise Open("which_thing")
+    source = roles.words("source")
+    made: Calls = ()
+    for words in things:
+        if doing.entity(words).refers and doing.in_hand and not made:
+            doing.named = doing.in_hand
+            made += call("place_in_bin")
+        else:
+            made += (*fetched(doing, words, source or source_of(doing, roles, words)), *call("place_in_bin"))
+    return made
+
+
+def tidy(doing: Doing, roles: Roles) -> Calls:
+    thing, place, source = roles.words("thing"), roles.words("place"), roles.words("source")
+    room = doing.entity(thing or place or source)
+    if room.room and not (thing and place):
+        return call("clean_room", room.room)
+    colour = colour_of(doing, doing.entity(thing).thing or "") if thing else ""
+    if thing and place and colour and (doing.entity(thing).every or thing.casefold().rstrip().endswith("s")):
+        surface = doing.entity(place).surface
+        if surface is None:
+            raise NowhereKnown(doing.entities.near(place))
+        return call("tidy", colour, surface)
+    if thing and place:
+        return put(doing, roles)
+    if not thing and not place and not source:
+        return call("clean_room")
+    raise Open("where_put")
+
+
+def clean(doing: Doing, roles: Roles) -> Calls:
+    words = roles.words("place") or roles.words("thing")
+    if not words:
+        return call("clean_room")
+    found = doing.entity(words)
+    if found.refers:
+        return call("clean_room")
+    if found.room is None:
+        raise Unable("act")
+    return call("clean_room", found.room)
+
+
+def sort(doing: Doing, roles: Roles) -> Calls:
+    tag = amounts.number(roles.words("thing"))
+    if tag is None:
+        raise Open("which_tag")
+    return call("apriltag_sort", Quantity(tag, ""))

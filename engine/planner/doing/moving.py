@@ -1,0 +1,233 @@
+"""Acts that move the base."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from engine.plan import Quantity
+from engine.planner import amounts
+from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Roles, Unable
+from engine.planner.phrases.conventions import DRIVE_SPEED, FULL, HALF, QUARTER, TURN_SPEED
+from engine.planner.phrases.said import Calls, call
+from engine.skills.places import ZERO_SYMBOL
+
+
+def speed_of(roles: Roles) -> tuple[Quantity, ...]:
+    words = roles.words("manner")
+    if not words:
+        return ()
+    said = amounts.quantity(words, "m/s")
+    if said is not None:
+        return (Quantity(said, "m/s"),)
+    manner = amounts.manner(words)
+    return () if manner is None else (Quantity(DRIVE_SPEED[manner], "m/s"),)
+
+
+def move(name: str, sign: int) -> Callable[[Doing, Roles], Calls]:
+    def move(doing: Doing, roles: Roles) -> Calls:
+        amount, time, speed = roles.words("amount"), roles.words("time"), speed_of(roles)
+        if not amount and (seconds := amounts.quantity(time, "s")) is not None:
+            value = speed[0].value if speed else DRIVE_SPEED[None]
+            x, y = (sign * value, 0.0) if name == "move_forward" else (0.0, sign * value)
+            return call(
+                "set_cmdvel", Quantity(x, "m/s"), Quantity(y, "m/s"), Quantity(0, "rad/s"), Quantity(seconds, "s")
+            )
+        if time:
+            raise Unable("role", time)
+        metres = amounts.distance(amount)
+        if metres is None:
+            raise Open("how_far")
+        return call(name, Quantity(sign * metres, "m"), *speed)
+
+    return move
+
+
+def turn(name: str) -> Callable[[Doing, Roles], Calls]:
+    def turn(doing: Doing, roles: Roles) -> Calls:
+        amount, time, words = roles.words("amount"), roles.words("time"), roles.words("manner")
+        rate = amounts.quantity(words, "rad/s")
+        manner = amounts.manner(words)
+        value = rate if rate is not None else TURN_SPEED[manner] if manner else None
+        if not amount and (seconds := amounts.quantity(time, "s")) is not None:
+            turning = (value or TURN_SPEED[None]) * (1 if name == "move_left" else -1)
+            return call(
+                "set_cmdvel", Quantity(0, "m/s"), Quantity(0, "m/s"), Quantity(turning, "rad/s"), Quantity(seconds, "s")
+            )
+        if time:
+            raise Unable("role", time)
+        degrees = amounts.angle(amount) if amount else QUARTER
+        if degrees is None:
+            raise Open("which_way")
+        return call(name, Quantity(degrees, "deg"), *(() if value is None else (Quantity(value, "rad/s"),)))
+
+    return turn
+
+
+def unspecified(doing: Doing, roles: Roles) -> Calls:
+    """A motion whose direction nobody has said."""
+    raise Open("which_way")
+
+
+def turn_around(doing: Doing, roles: Roles) -> Calls:
+    amount, often = roles.words("amount"), roles.words("times")
+    degrees = amounts.angle(amount) if amount else HALF
+    if degrees is None:
+        raise Open("which_way")
+    if often:
+        count = amounts.times(often)
+        if count is None:
+            raise Unable("times", often)
+        degrees = FULL * count
+    elif degrees % HALF:  # to either side it would not be the same
+        raise Open("which_way")
+    return call("move_left", Quantity(degrees, "deg"))
+
+
+def go(doing: Doing, roles: Roles) -> Calls:
+    places = (*roles.all("place"), *roles.all("thing"), *roles.all("person"))
+    if not places:
+        raise Open("where")
+    persons = roles.all("person")
+    return tuple(made for words in places for made in _to(doing, words, words if words in persons else ""))
+
+
+def _to(doing: Doing, words: str, person: str = "") -> Calls:
+    found = doing.entity(words)
+    if person and found.place is None and found.thing is None and not found.refers:
+        raise Unable("person", words)
+    if found.side and not found.place:
+        raise Open("how_far")
+    if found.place is None and found.thing is not None:
+        return call("navigate_to_object", doing.thing(words))
+    if found.refers and not doing.place and (doing.named or doing.holding):
+        return call("navigate_to_object", doing.thing(words))
+    return call("navigation", doing.spot(words))
+
+
+def come(doing: Doing, roles: Roles) -> Calls:
+    for words in roles.all("person"):
+        if not doing.entity(words).me:
+            raise Unable("person", words)
+    return call("navigation", ZERO_SYMBOL)
+
+
+def go_back(doing: Doing, roles: Roles) -> Calls:
+    words = roles.words("place")
+    found = doing.entity(words) if words else None
+    return call("navigation", found.place if found is not None and found.place else ZERO_SYMBOL)
+
+
+def charge(doing: Doing, roles: Roles) -> Calls:
+    words = roles.words("place")
+    for name in (words, "charging dock", "dock", "charging station", "home", "充电桩"):
+        if name and (place := doing.entities.of(name).place) is not None:
+            return call("navigation", place)
+    raise NowhereKnown(words or "charging dock")
+
+
+def face(doing: Doing, roles: Roles) -> Calls:
+    for words in (*roles.all("place"), *roles.all("thing"), *roles.all("person")):
+        side = doing.entity(words).side
+        if side is None:
+            raise Unable("act")
+        return turned(side)
+    raise Open("which_way")
+
+
+def turned(side: str) -> Calls:
+    if side == "ahead":
+        return ()
+    return call(
+        "move_right" if side == "right" else "move_left", Quantity(HALF if side == "behind" else QUARTER, "deg")
+    )
+
+
+def leave(doing: Doing, roles: Roles) -> Calls:
+    raise Open("where")
+
+
+def drive_shape(doing: Doing, roles: Roles) -> Calls:
+    shape = roles.words("thing").casefold()
+    if "square" not in shape and "方" not in shape:
+        raise Unable("act")
+    metres = amounts.distance(roles.words("amount") or shape)
+    if metres is None:
+        raise Open("how_far")
+    count = amounts.times(roles.words("times")) if roles.words("times") else 1
+    corner = call("move_forward", Quantity(metres, "m"), *speed_of(roles)) + call("move_left", Quantity(QUARTER, "deg"))
+    return corner * 4 * min(count or 1, MOST)
+
+
+def follow(doing: Doing, roles: Roles) -> Calls:
+    words = roles.words("person") or roles.words("thing")
+    plain = words.casefold()
+    if "line" in plain or "tape" in plain or "stripe" in plain or "线" in plain:
+        colour = colour_of(doing, plain)
+        return call("follow_line", colour) if colour else call("follow_line")
+    if "qr" in plain or "二维码" in plain:
+        return call("qr_follow")
+    tag = amounts.number(words)
+    if tag is not None:
+        return call("apriltag_follow", Quantity(tag, ""))
+    found = doing.entity(words) if words else None
+    if found is not None and found.refers:
+        raise Open("which_thing")
+    if found is not None and found.thing and found.thing not in ("person",) and not found.me:
+        colour = colour_of(doing, found.thing)
+        if colour:
+            return call("color_follow", colour)
+        raise Open("which_colour")
+    if found is not None and found.person and not found.me and not anybody(plain):
+        raise Unable("person", words)
+    if found is not None and not found.known and colour_of(doing, plain):
+        return call("color_follow", colour_of(doing, plain))
+    if found is not None and not found.known:
+        raise Unable("person", words)
+    return call("person_follow")
+
+
+def anybody(plain: str) -> bool:
+    """Whether any person will do, or the one before the robot."""
+    return any(word in plain for word in ("person", "human", "body", "someone", "anyone", "people", "man", "人"))
+
+
+def colour_of(doing: Doing, plain: str) -> str:
+    for word in plain.split() if plain.isascii() else [plain[:size] for size in (1, 2, 3)]:
+        thing = doing.entities.of(f"{word} thing" if plain.isascii() else f"{word}东西").thing or ""
+        if thing.endswith(" thing"):
+            return thing.removesuffix(" thing")
+    return ""
+
+
+def guide(doing: Doing, roles: Roles) -> Calls:
+    for words in roles.all("person"):
+        if not doing.entity(words).me:
+            raise Unable("person", words)
+    if not roles.words("place"):
+        raise Open("where")
+    return call("navigation", doing.spot(roles.words("place")))
+
+
+def patrol(doing: Doing, roles: Roles) -> Calls:
+    places = [words for words in roles.all("place") if not doing.entity(words).every]
+    symbols = [symbol for words in places for symbol in _several(doing, words)]
+    return call("patrol", ",".join(symbols)) if symbols else call("patrol")
+
+
+def _several(doing: Doing, words: str) -> list[str]:
+    """The places of "the kitchen and the hall"."""
+    if doing.entity(words).place is None:
+        for joint in (" and ", "和", "、", "跟", ","):
+            if joint in words:
+                return [symbol for part in words.split(joint) for symbol in _several(doing, part)]
+    return [doing.spot(words)]
+
+
+def wait(doing: Doing, roles: Roles) -> Calls:
+    place, time = roles.words("place"), roles.words("time")
+    seconds = amounts.quantity(time, "s")
+    if seconds is None and place and not time:
+        return call("navigation", doing.spot(place))
+    if seconds is None:
+        raise Open("how_long")
+    return (*(call("navigation", doing.spot(place)) if place else ()), *call("wait", Quantity(seconds, "s")))

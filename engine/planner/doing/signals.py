@@ -1,0 +1,118 @@
+"""Acts of the arm, the light and the voice."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from engine.plan import ActionCall, Quantity
+from engine.planner import amounts
+from engine.planner.doing.doing import MOST, Doing, Open, Roles, Unable
+from engine.planner.phrases.said import Calls, call
+
+
+def just(*names: str) -> Callable[[Doing, Roles], Calls]:
+    return lambda doing, roles: tuple(ActionCall(name) for name in names)
+
+
+def often(name: str) -> Callable[[Doing, Roles], Calls]:
+    def often(doing: Doing, roles: Roles) -> Calls:
+        words = roles.words("times")
+        roles.words("person")
+        count = amounts.times(words) if words else 1
+        if count is None:
+            raise Unable("times", words)
+        return call(name) * min(count, MOST)
+
+    return often
+
+
+def arm_turn(doing: Doing, roles: Roles) -> Calls:
+    amount, place = roles.words("amount"), roles.words("place")
+    side = doing.entity(place).side if place else None
+    if side in _POINTING:
+        return call("servo1_move", Quantity(_POINTING[side], "deg"))
+    degrees = amounts.angle(amount)
+    if degrees is None:
+        raise Open("which_way")
+    return call("servo1_move", Quantity(degrees, "deg"))
+
+
+_POINTING: Final[Mapping[str | None, float]] = {"right": 0.0, "ahead": 90.0, "left": 180.0}
+"""deg, of servo 1"""
+
+
+def light(doing: Doing, roles: Roles) -> Calls:
+    colour = roles.words("colour").casefold()
+    if not colour:
+        return call("light", "white")
+    plain = next((name for name in _COLOURS if name in colour), None) or next(
+        (name for said, name in _CHINESE_COLOURS.items() if said in colour), colour
+    )
+    return call("light", _SAME_COLOUR.get(plain, plain))
+
+
+_COLOURS: Final = (
+    "white",
+    "red",
+    "green",
+    "blue",
+    "yellow",
+    "orange",
+    "purple",
+    "violet",
+    "magenta",
+    "pink",
+    "cyan",
+    "turquoise",
+)
+_SAME_COLOUR: Final = {"violet": "purple", "magenta": "purple", "turquoise": "cyan"}
+_CHINESE_COLOURS: Final = {
+    "白": "white", "红": "red", "绿": "green", "蓝": "blue", "黄": "yellow", "橙": "orange", "橘": "orange",
+    "紫": "purple", "粉": "pink", "青": "cyan",
+}  # fmt: skip
+
+
+def say(doing: Doing, roles: Roles) -> Calls:
+    text, often = roles.words("text"), roles.words("times")
+    if not text:
+        raise Open("what")
+    count = amounts.times(often) if often else 1
+    return call("say", text) * min(count or 1, MOST)
+
+
+def tell(doing: Doing, roles: Roles) -> Calls:
+    """Said aloud before whoever is there; to somebody in particular only where this house knows the way to them."""
+    person, place, text = roles.words("person"), roles.words("place"), roles.words("text")
+    if not text:
+        raise Unable("act")
+    going: Calls = call("navigation", doing.spot(place)) if place else ()
+    who = doing.entity(person) if person else None
+    if who is not None and not who.me and not _EVERYBODY.search(person.casefold()):
+        if who.place is None:
+            raise Unable("person", person)
+        going += call("navigation", doing.spot(person))
+    return (*going, *call("say", text))
+
+
+_EVERYBODY: Final = re.compile(
+    r"every|all|guests|kids|children|people|them\b|us\b|family|team|大家|所有|孩子们|客人们|他们"
+)
+
+
+def beep(doing: Doing, roles: Roles) -> Calls:
+    words = roles.words("times")
+    seconds = amounts.quantity(words, "s")
+    if seconds is not None:
+        return call("beep", Quantity(seconds, "s"))
+    return often("beep")(doing, roles)
+
+
+def remember(doing: Doing, roles: Roles) -> Calls:
+    for words in roles.all("place"):
+        if not (doing.entity(words).me or doing.entity(words).refers):
+            roles.words("text")
+    if roles.words("text"):
+        raise Unable("name", roles.words("text"))
+    return call("get_current_pose")

@@ -1,0 +1,279 @@
+"""What the noun phrases of a request name in this house, before any skill is chosen.
+
+A phrase is looked up as every type at once: a place to drive to, a surface, a room, a thing, a person, a side of the
+robot. What it turns out to be decides which role it can fill and which skill serves. Words that describe a thing
+further ("the cup on the table") become a second entity beside it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from engine.errors import PlanError
+from engine.planner.amounts import number
+from engine.skills.places import ZERO_SYMBOL
+from engine.skills.vocabulary import Ambiguous, Vocabulary
+
+Side = Literal["left", "right", "behind", "ahead"]
+
+_RELATION: Final = re.compile(
+    r"\s+(?:(?:that|which|who)(?:'s| is| are|'re)\s+)?(?:(?:lying|standing|sitting|kept|left|placed)\s+)?"
+    r"(?:on top of|in front of|next to|close to|to the (?:left|right) of|(?:at|on) the (?:left|right) of|underneath|"
+    r"beside|behind|between|inside|under|near|from|over|off|on|in|at|by)\s+(?=\S)"
+)
+_OUTER: Final = re.compile(
+    r"^(?:(?:on top of|in front of|next to|close to|(?:to |at |on )?the (?:left|right)(?: side)? of|underneath|beside|"
+    r"behind|inside|under|near|towards?|into|onto|over at|over by|over in|by|at|in|on|to|from)\s+)+(?=\S)"
+)
+_DETERMINERS: Final = re.compile(
+    r"^(?:(?:all|both|every|each|any|some|one|either) (?:one )?(?:of )?)?"
+    r"(?:(?:the|a|an|my|your|our|his|her|their|this|that|these|those|some|another)\s+)*(?=\S)"
+)
+_BEHIND: Final = re.compile(
+    r"(?:[ ,]+(?:please|again|now|too|as well|instead|over there|over here|there|here|will you))+$"
+)
+_BUT: Final = re.compile(
+    r"\s+(?:that (?:isn't|is not|aren't)|which (?:isn't|is not)|who (?:isn't|is not)|but not|"
+    r"but|except(?: for)?|other than|not) "
+    r"(?=\S)|不是|除了"
+)
+_NUMBERED: Final = re.compile(
+    r"(?:block|cube|box|tag|marker|apriltag)s?(?: (?:with|that has|marked|labelled|labeled|numbered))*(?: (?:a|the))?"
+    r"(?: (?:tag|number|no))*"
+    r" (?P<n>[\w]+)(?: on it)?|(?:number|tag|tag number) (?P<m>[\w]+)|(?P<zh>[\d一二三四五六七八九十]+)号.*"
+)
+"""A block by its number, however that is said."""
+_ALL: Final = re.compile(r"^(?:all|every|everything|each|both)\b|^(?:所有|全部|每)|都")
+_SUPERLATIVE: Final = re.compile(
+    r"\b(?:left|right|upper|lower|top|bottom)[ -]?most\b"
+    r"|\b(?:big|larg|small|tall|short|heavi|light|thinn?|old|new)est\b"
+    r"|\b(?:first|second|third|last) (?:one|thing|object|item)\b"
+    r"|\b(?:other|next)\b|最|另"
+)
+"""The nearest one is no such thing: a skill takes the nearest that fits."""
+_ME: Final = re.compile(
+    r"(?:to |for |by |with )?(?:me|us|here|over here|right here|my (?:place|side|spot|position)|where i am|myself)|"
+    r"我|我们|咱们?|这|这里|这儿|这边|我(?:这|那)?(?:里|儿|边|面前|身边|手里|手上)|我旁边|本人"
+)
+_IT: Final = re.compile(
+    r"it|them|that|this|that one|this one|these|those|the (?:thing|object|item|one|same)|"
+    r"它|它们|这个|那个|这|那|这东西|那东西|这个东西|那个东西"
+)
+_THERE: Final = re.compile(r"there|over there|that (?:place|spot)|the same place|那|那里|那儿|那边")
+_PERSON: Final = re.compile(
+    r"\b(?:person|people|man|men|woman|women|boy|girl|kid|kids|child|children|guest|guests|everyone|everybody|someone|"
+    r"somebody|anyone|anybody|human|lady|guy|friend|colleague|wife|husband|son|daughter|mother|father|mum|"
+    r"mom|dad|grandma|grandpa|granny|brother|sister|neighbou?r|visitor|whoever)\b|"
+    r"人|妈|爸|爷|奶|哥|姐|弟|妹|孩|客|老师|同事|先生|女士|大家|他|她|医生"
+)
+_SIDES: Final[tuple[tuple[Side, re.Pattern[str]], ...]] = (
+    ("left", re.compile(r"(?:(?:to|on|over|at) )*(?:the |your )?left(?: hand)?(?: side)?|左|左边|左侧|左面|左手边")),
+    ("right", re.compile(r"(?:(?:to|on|over|at) )*(?:the |your )?right(?: hand)?(?: side)?|右|右边|右侧|右面|右手边")),
+    ("behind", re.compile(
+        r"(?:behind|in back of) (?:you|yourself)|(?:to )?(?:the |your )?(?:back|rear)|backwards?|后|后面|身后|背后|后边"
+    )),
+    ("ahead", re.compile(
+        r"(?:straight )?(?:ahead|forwards?)(?: of you)?|in front(?: of you)?|(?:the )?(?:front|middle|cent(?:re|er))|"
+        r"前|前面|前方|正前方|中间|正中|面前"
+    )),
+)  # fmt: skip
+_HAN: Final = re.compile("[一-鿿]")
+_ZH_FRONT: Final = re.compile(
+    "^(?:(?:[这那](?:[个张只把台本瓶条块件盒袋杯间些]|一[个张只把台本瓶条块件]|儿的?|里的?)?|[一两几某每](?:[个张只把台本瓶条块件间])|"
+    "[我你他她咱](?:们|家)?的|所有的?|全部的?|在|到|去|从))+(?=.)"
+)
+_ZH_BACK: Final = re.compile(
+    "(?:上面|里面|下面|旁边|边上|那边|那儿|那里|这边|这儿|前面|后面|跟前|附近|上头|里头|上|里|下|边|旁|处|中)$"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Entity:
+    """What some words can be; None for each type that they cannot be."""
+
+    words: str
+    place: str | None = None
+    """Symbol of the map."""
+    surface: str | None = None
+    room: str | None = None
+    thing: str | None = None
+    """As skills know it (``red box``)."""
+    person: str | None = None
+    """What is said of a person other than the speaker."""
+    side: Side | None = None
+    me: bool = False
+    """The speaker, or where the speaker is."""
+    refers: bool = False
+    """It stands for something that was named before ("it", "there")."""
+    every: bool = False
+    """All of its kind are meant."""
+    superlative: bool = False
+    """It is the biggest, the leftmost, the last one of several: no name tells which."""
+    which: str = ""
+    """The question which one is meant, where the words fit several."""
+    at: Entity | None = None
+    """Where it is said to be ("on the table")."""
+
+    @property
+    def known(self) -> bool:
+        """Whether it names anything at all."""
+        return any((self.place, self.surface, self.room, self.thing, self.person, self.side, self.me, self.refers))
+
+
+class Entities:
+    """Looks phrases up in one house."""
+
+    def __init__(self, vocabulary: Vocabulary) -> None:
+        resolvers = vocabulary.resolvers()
+        self._vocabulary = vocabulary
+        self._place, self._object = resolvers["place"], resolvers["object"]
+        self._surface, self._room = resolvers["surface"], resolvers["room"]
+
+    def of(self, words: str) -> Entity:
+        """What ``words`` name."""
+        plain = " ".join(words.casefold().replace("’", "'").split()).strip(' ,.!?;:，。！？；：、"“”')
+        if _ME.fullmatch(plain):
+            return Entity(words, place=ZERO_SYMBOL, me=True)
+        for side, pattern in _SIDES:
+            if pattern.fullmatch(plain):
+                return Entity(words, side=side)
+        if _IT.fullmatch(plain) or _THERE.fullmatch(plain):
+            return Entity(words, refers=True)
+        chinese = _HAN.search(plain) is not None
+        inner = plain if chinese else _OUTER.sub("", plain)
+        head, where = (plain, "") if chinese or _BUT.search(inner) else _parted(plain)
+        candidates = list(dict.fromkeys(_chinese(plain) if chinese else _english(head)))
+        whole = list(dict.fromkeys((*(() if chinese else (_bare(inner),)), *candidates)))
+        which: list[str] = []
+        found = Entity(
+            words,
+            place=self._first(self._place, whole, which),
+            surface=self._first(self._surface, whole, which),
+            room=self._first(self._room, whole, []),
+            thing=self._but_for(inner, chinese) or self._numbered(inner) or self._thing(candidates, chinese, which),
+            person=plain if _PERSON.search(head) else None,
+            every=_ALL.search(plain) is not None,
+            superlative=_SUPERLATIVE.search(head) is not None,
+            at=self.of(where) if where else None,
+        )
+        return _with_question(found, which)
+
+    def near(self, words: str) -> str:
+        """``words`` as a name that may be asked back: without what stands around it."""
+        plain = " ".join(words.casefold().split()).strip(" ,.!?;:")
+        return next(iter(_chinese(plain) if _HAN.search(plain) else _english(_parted(plain)[0])), plain)
+
+    def _first(self, resolve: Callable[[str], str], candidates: list[str], which: list[str]) -> str | None:
+        for words in candidates:
+            try:
+                found = resolve(words)
+            except Ambiguous as several:
+                which.append(several.message)
+                return None
+            except PlanError:
+                continue
+            return found if self._fits_room(words, candidates[0], found) else None
+        return None
+
+    def _fits_room(self, words: str, whole: str, found: str) -> bool:
+        """ "The bathroom sink" is no sink of the kitchen: what stands in front of the name must not be another room."""
+        before = whole.removesuffix(words).strip(" 的") if whole != words else ""
+        if not before:
+            return True
+        try:
+            room = self._room(before)
+        except PlanError:
+            return True
+        return self._vocabulary.room_of(words) in (room, "") or self._vocabulary.room_of(found) in (room, "")
+
+    def _but_for(self, phrase: str, chinese: bool) -> str | None:
+        """ "The cup that isn't blue": the only one of those that is none of these."""
+        found = _BUT.search(phrase)
+        if found is None or not phrase[: found.start()] or not phrase[found.end() :]:
+            return None
+        first = list((_chinese if chinese else _english)(phrase[: found.start()]))
+        noun = first[-1] if first else ""
+        others = list((_chinese if chinese else _english)(phrase[found.end() :]))
+        every = next((names for words in first if (names := self._vocabulary.fitting(words))), ())
+        meant = (*others[:1], *(f"{word} {noun}" for word in others))
+        without = {name for words in meant for name in self._vocabulary.fitting(words)}
+        left = [name for name in every if name not in without]
+        return self._vocabulary.object(left[0]) if len(left) == 1 and len(every) > 1 else None
+
+    def _numbered(self, phrase: str) -> str | None:
+        found = _NUMBERED.fullmatch(_DETERMINERS.sub("", phrase))
+        said = number(next(filter(None, found.groups()))) if found is not None else None
+        if said is None:
+            return None
+        try:
+            return self._object(f"block {said:g}")
+        except PlanError:
+            return None
+
+    def _thing(self, candidates: list[str], chinese: bool, which: list[str]) -> str | None:
+        for words in candidates:
+            try:
+                found = self._object(words)
+                return found if found != "thing" or words == candidates[0] else None  # "the heavy thing" is not any
+            except Ambiguous as several:
+                which.append(several.message)
+                return None
+            except PlanError:
+                continue
+        if chinese or not candidates:
+            return None
+        *before, noun = candidates[0].split()
+        noun = "thing" if noun in ("one", "ones") else noun
+        for colour in before:  # "the shiny red cup": what is known of it, and its colour
+            try:
+                return self._object(f"{colour} {noun}")
+            except PlanError:
+                continue
+        return None
+
+
+def _with_question(entity: Entity, which: list[str]) -> Entity:
+    if not which or entity.place or entity.surface or entity.thing:
+        return entity
+    return Entity(entity.words, person=entity.person, every=entity.every, which=which[0], at=entity.at)
+
+
+def _parted(plain: str) -> tuple[str, str]:
+    """A phrase, and where that is said to be: "the cup on the table"."""
+    inner = _OUTER.sub("", plain)
+    found = _RELATION.search(inner)
+    return (inner[: found.start()], inner[found.end() :]) if found is not None else (inner, "")
+
+
+def _bare(phrase: str) -> str:
+    return _DETERMINERS.sub("", _BEHIND.sub("", phrase))
+
+
+def _english(phrase: str) -> Iterator[str]:
+    """The phrase, and its ends that may be a name by themselves, longest first."""
+    plain = _DETERMINERS.sub("", _BEHIND.sub("", _OUTER.sub("", phrase)))
+    if " of " in plain:
+        yield plain
+        plain = plain.partition(" of ")[0]
+    words = plain.split()
+    for start in range(len(words)):
+        yield " ".join(words[start:])
+
+
+def _chinese(phrase: str) -> Iterator[str]:
+    plain = phrase
+    while (shorter := _ZH_FRONT.sub("", plain)) != plain:
+        plain = shorter
+    yield plain
+    bare = _ZH_BACK.sub("", plain)
+    if bare:
+        yield bare
+    for text in (plain, bare):
+        _, de, last = text.rpartition("的")
+        if de and last:
+            yield last
+            yield _ZH_BACK.sub("", last) or last
+    for start in range(1, max(1, len(bare) - 1)):
+        yield bare[start:]

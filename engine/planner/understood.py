@@ -1,0 +1,355 @@
+"""What is made of a request whose meaning a reader has found: a plan, a question, or why there is none.
+
+The meaning says what is wanted; the entities of this house say what its words name; ``doing.py`` turns both into
+actions, and only the skill registry makes a plan of them. Words that take something back, forbid, report or ask, and
+numbers, have to stand in the meaning: where they don't, the reader has missed something, and nothing is planned."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from typing import Final, Protocol
+
+from engine.errors import ExitCode
+from engine.events import MeaningRead
+from engine.plan import ActionCall, Plan
+from engine.planner import about_itself, amounts
+from engine.planner.doing.acts import calls_of
+from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable, Which
+from engine.planner.doing.looking import seen
+from engine.planner.entities import Entities
+from engine.planner.not_an_order import MarkKind, marks
+from engine.planner.phrases.phrases import PhrasePlanner, UnknownPlace
+from engine.planner.phrases.said import Calls
+from engine.planner.readings.first_look import CONDITION, IF_POLITE
+from engine.planner.request import Language, NoPlan, PlanRequest
+from engine.planner.sentences import SAID
+from engine.planner.stages.exchanges import last_question, last_said, open_command
+from engine.planner.text.counts import counted
+from engine.planner.text.measures import read_measures
+from engine.planner.text.words import words_of
+from engine.planner.unknown_places import unknown
+from engine.planner.validation import Validation
+from engine.skills.vocabulary import Vocabulary
+from engine.understanding.acts import ACTS, RoleName
+from engine.understanding.meaning import About, Do, If, Instead, Meaning, Node, Not, Repeat, Retract, Role, walk
+
+SURE: Final = 0.35
+"""How sure the reader has to be for a plan, 0 to 1."""
+NO_ORDER: Final = 0.5
+"""How sure it has to be that something is no order, for another reader's plan to be held back."""
+DOUBT: Final = 0.15
+"""How much it may doubt that a request is an order for something of it to be done."""
+
+_NODES: Final[dict[MarkKind, tuple[type[Node], ...]]] = {
+    "taken_back": (Retract, Instead, Not),
+    "forbidden": (Not, Retract, About, Instead),
+    "told": (About,),
+    "asked": (About,),
+}
+"""The nodes that account for a word because of which something is no order."""
+_QUESTIONS: Final = frozenset(
+    {"answer", "ask", "check", "count", "describe", "find", "look", "read", "report", "skills", "tell"}
+)
+"""Acts by which somebody asks for something."""
+_ORDERED: Final = re.compile(
+    r"\b(?:do|does|did|must|should|shall|need|can|could)\b|"
+    r"don't|never|won't|别|不要|不准|不许|勿"
+)
+"""A negation that forbids; any other one may belong to a condition."""
+_OF_WORDS: Final = frozenset({"manner", "text", "topic", "state"})
+"""Roles whose words order nothing."""
+_SIDES: Final = (
+    (frozenset({"turn_left", "sideways_left"}), re.compile(r"\bleft|\blefty|counter|anti-?\s?clock|\bport|左|逆")),
+    (
+        frozenset({"turn_right", "sideways_right"}),
+        re.compile(r"\bright|(?<!counter)(?<!anti)(?<!-)clockwise|starboard|右|顺"),
+    ),
+)
+"""To which side it goes has to be said."""
+_SAME: Final[Mapping[str, tuple[RoleName, ...]]] = {
+    "colour": ("thing",), "person": ("place", "thing"), "place": ("source", "person"), "source": ("place",),
+    "amount": ("time", "times"), "time": ("amount",), "times": ("amount",), "state": ("colour", "manner"),
+}  # fmt: skip
+"""What a role may be where an act takes none of its name."""
+_ASKED: Final = frozenset({"condition", "every", "until", "times", "role"})
+"""What is asked about rather than turned down."""
+_UNITS: Final = ("m", "deg", "s", "m/s")
+_SOMEBODY: Final = re.compile(r"him|her|them|they|he|she|someone|somebody|他们?|她们?|谁|有人")
+_CUT_OFF: Final = re.compile(
+    r"\b(?:the|an?|my|your|to|from|into|onto|of|with|u[hm]+|er+m?)[\s.…,-]*$|(?:[放拿搬送带移走开挪端]到|把|从|给|往|向)[\s。…，]*$"
+)
+"""The end of a sentence that somebody has not finished."""
+_EITHER: Final = re.compile(r"\bor (?:was|is|maybe|perhaps|the)\b|还是")
+"""A choice that is left open."""
+_NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once"})
+_NO_ORDERS: Final = frozenset({"talk", "fact"})
+_OF_THE_SESSION: Final = frozenset({"answer", "yes", "no", "fragment", "again", "undo", "resume", "other"})
+"""Acts that others than this reader answer: those of the conversation, and what no skill serves."""
+_TOPICS: Final = (
+    ("holding", re.compile(r"\bh(?:o|e)ld|\bgrip|\bcarry|in your hand|拿着|手里|抓着")),
+    ("battery", re.compile(r"batter|charge|power|juice|电")),
+    ("stopped", re.compile(r"\bwhy\b|\bstop|wrong|fail|为什么|怎么停|出错|问题")),
+    ("seewhat", re.compile(r"\bsee(?:s|ing)?\b|\blook|看")),
+    ("report_pose", re.compile(r"\bwhere\b|position|location|room|standing|哪|位置")),
+    ("list_skills", re.compile(r"\bable\b|can you do|abilit|skill|会做|本事|功能")),
+    ("done", re.compile(r"\bd(?:o|id|one|oing)\b|\baction|\brecent|\bup to\b|\blast\b|finish|刚才|做了|干了|完成")),
+)
+"""What a question to the robot about itself is about, in the order in which it is tried."""
+
+
+class Reads(Protocol):
+    """Finds the meaning of a request."""
+
+    def read(self, text: str) -> Meaning | None: ...
+
+
+class Understood:
+    """Plans from meanings, for one house."""
+
+    def __init__(
+        self,
+        reader: Reads,
+        phrases: Callable[[Language], PhrasePlanner],
+        validation: Validation,
+        vocabulary: Vocabulary,
+    ) -> None:
+        self._phrases = phrases
+        self._validation = validation
+        self._entities = Entities(vocabulary)
+        self._read = lru_cache(maxsize=64)(reader.read)
+
+    def meaning(self, text: str) -> Meaning | None:
+        """What the reader makes of ``text``."""
+        return self._read(text) if text.strip() else None
+
+    def no_order(self, request: PlanRequest, text: str, language: Language) -> NoPlan | None:
+        """That nothing in ``text`` is an order, where the reader is sure of that; else None."""
+        meaning = self.meaning(text)
+        if meaning is None:
+            return None
+        if meaning.doubt >= NO_ORDER:
+            return NoPlan(text, "no_order", SAID[language]["no_order_doubt"], ExitCode.CLARIFY)
+        if meaning.confidence < NO_ORDER or any(_is_order(node) for node in meaning.wanted()):
+            return None
+        if all(isinstance(node, Do) and node.act != "fact" for node in meaning.nodes):
+            return None  # small talk has answers of its own
+        request.read(_told(meaning))
+        told = "forbidden" if meaning.has(Not) or meaning.has(Retract) else "told"
+        return NoPlan(text, "no_order", SAID[language][f"no_order_{told}"], ExitCode.CLARIFY)
+
+    def plan(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
+        """The plan of a request; None where this reader hands it on."""
+        meaning = self._merged(request, text) or self.meaning(text)
+        if meaning is None or meaning.confidence < SURE or not accounted(meaning):
+            return None
+        wanted = tuple(node for node in meaning.wanted() if _is_order(node))
+        if not wanted:
+            return None
+        if len(wanted) == 1 and isinstance(act := wanted[0], Do):
+            if act.act in _OF_THE_SESSION:
+                return None
+            if act.act == "report":
+                request.read(_told(meaning))
+                return self._reported(act, request, text, language)
+        if counted(text) is not None and any(isinstance(node, If) for node in wanted):
+            return None
+        request.read(_told(meaning))
+        if meaning.doubt > DOUBT and not meaning.has(Retract) and not meaning.has(Not):
+            return NoPlan(text, "no_order", SAID[language]["no_order_doubt"], ExitCode.CLARIFY)
+        return self.of(wanted, request, text, language)
+
+    def _reported(self, act: Do, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
+        """What the robot tells about itself: from what is on record, or with a skill."""
+        about = f"{act.words('topic')} {text}".casefold()
+        kind = next((kind for kind, pattern in _TOPICS if pattern.search(about)), "")
+        if kind in ("report_pose", "seewhat", "list_skills"):
+            told = self._phrases(language).told((ActionCall(kind),))
+            found = self._validation.of(text, (ActionCall(kind),), told.steps, told.response)
+            return replace(found, source="reader") if isinstance(found, Plan) else found
+        answer = about_itself.of(kind, request.on_record, request.holding, language)
+        return Plan(text, (), answer or SAID[language]["asked"], "reader")
+
+    def of(
+        self,
+        acts: Sequence[Do | If | Repeat],
+        request: PlanRequest,
+        text: str,
+        language: Language,
+        named: str = "",
+    ) -> Plan | NoPlan | None:
+        """The plan of what is wanted; ``named`` is the thing that "it" is at first."""
+        doing = Doing(self._entities, request.holding, named)
+        acts = tuple(self._completed(node) if isinstance(node, Do) else node for node in acts)
+        phrases = self._phrases(language)
+        try:
+            condition = next((index for index, node in enumerate(acts) if isinstance(node, If)), None)
+            if condition is not None:
+                first = calls_of(acts[:condition], doing)
+                node = acts[condition]
+                assert isinstance(node, If)
+                _, look = seen(doing, node.condition)
+                return self._looking(text, (*first, *look), language)
+            calls = calls_of(acts, doing)
+            if not calls:
+                return None
+            told = phrases.told(calls)
+            found = self._validation.of(text, calls, told.steps, told.response)
+            found = self._validation.one_of(found, request, language)
+            return replace(found, source="reader") if isinstance(found, Plan) else found
+        except Open as gap:
+            return NoPlan(text, "incomplete", phrases.question(gap.question), ExitCode.CLARIFY)
+        except Which as several:
+            return NoPlan(text, "ambiguous", str(several), ExitCode.CLARIFY)
+        except NowhereKnown as place:
+            return unknown(text, UnknownPlace(place.words, phrases.places), language)
+        except Unable as why:
+            asks = why.what == "person" and _SOMEBODY.fullmatch(why.words.casefold())
+            code = (
+                ExitCode.CLARIFY
+                if asks or why.what in ("condition", "every", "until", "times", "role")
+                else ExitCode.FAILED
+            )
+            return NoPlan(
+                text, f"unable_{why.what}", SAID[language][f"unable_{why.what}"].format(words=why.words), code
+            )
+
+    def decided(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
+        """What a condition decides after a look; None where there is no such condition."""
+        meaning = self.meaning(text)
+        if meaning is None or meaning.confidence < SURE or request.sees is None:
+            return None
+        wanted = meaning.wanted()
+        index = next((at for at, node in enumerate(wanted) if isinstance(node, If)), None)
+        if index is None:
+            return None
+        node = wanted[index]
+        assert isinstance(node, If)
+        try:
+            doing = Doing(self._entities, request.holding)
+            thing, _ = seen(doing, node.condition)
+        except (Open, Which, NowhereKnown, Unable):
+            return None
+        there = request.sees(thing)
+        branch = node.then if there == (node.condition.kind == "seen") else node.otherwise
+        rest = (*_only_wanted(branch), *wanted[index + 1 :])
+        if not rest:
+            told = SAID[language]["present" if there else "absent"].format(thing=thing)
+            return Plan(text, (), told, "reader")
+        found = self.of(rest, request, text, language, thing)
+        return found if found is not None else Plan(text, (), SAID[language]["all_right"], "reader")
+
+    def _completed(self, act: Do) -> Do:
+        """The act with what a correction leaves to what it corrects: a unit ("no, two"), a kind ("the blue one")."""
+        return replace(act, roles=tuple(self._completed_role(role) for role in act.roles))
+
+    def _completed_role(self, role: Role) -> Role:
+        if not role.instead_of:
+            return role
+        if role.name == "thing":
+            new, old = self._entities.of(role.words).thing, self._entities.of(role.instead_of).thing
+            if new and old and new.endswith(" thing"):
+                return replace(role, words=f"{new.removesuffix(' thing')} {old.split()[-1]}")
+        if role.name in ("amount", "time") and (number := amounts.number(role.words)) is not None:
+            unit = next((unit for unit in _UNITS if amounts.quantity(role.instead_of, unit) is not None), "")
+            return replace(role, words=f"{number:g} {unit}")
+        return role
+
+    def _looking(self, text: str, look: Calls, language: Language) -> Plan | NoPlan:
+        told = self._phrases(language).told(look)
+        found = self._validation.of(text, look, told.steps, told.response)
+        return replace(found, finished=False, source="reader") if isinstance(found, Plan) else found
+
+    def _merged(self, request: PlanRequest, text: str) -> Meaning | None:
+        """What a command that lacked something means with this answer to the question about it, or with this correction
+        of what was said before."""
+        answer = self.meaning(text)
+        if not request.exchanges or answer is None or len(answer.nodes) != 1 or not accounted(answer):
+            return None
+        node = answer.nodes[0]
+        if last_question(request.exchanges):
+            if not (isinstance(node, Instead) or (isinstance(node, Do) and node.act == "fragment")):
+                return None
+            before = open_command(request.exchanges)
+        elif isinstance(node, Instead):  # it corrects what has been done
+            before = (last_said(request.exchanges),)
+        else:
+            return None
+        first = self.meaning(before[0]) if before else None
+        if first is None or not first.nodes or not isinstance(last := first.nodes[-1], Do):
+            return None
+        merged = last.corrected(_fitting(node.roles, last))
+        return Meaning(before[0], (*first.nodes[:-1], merged), first.reader, min(first.confidence, answer.confidence))
+
+
+def _fitting(roles: Sequence[Role], act: Do) -> tuple[Role, ...]:
+    """The roles of an answer as those that the act takes: "the blue one", "to Anna"."""
+    takes = ACTS[act.act].roles
+    open_ones = [name for name in takes if name not in {role.name for role in act.roles}]
+    fitted = []
+    for role in roles:
+        may_be: tuple[RoleName, ...] = (role.name, *_SAME.get(role.name, ()), *open_ones)
+        name = next((name for name in may_be if name in takes), role.name)
+        fitted.append(replace(role, name=name))
+    return tuple(fitted)
+
+
+def accounted(meaning: Meaning) -> bool:
+    """Whether everything that may stop a plan, or changes how much is done, stands in the meaning."""
+    nodes = list(walk(meaning.nodes))
+    acts = {node.act for node in nodes if isinstance(node, Do)}
+    quoted = [role.words.casefold() for node in nodes for role in _roles(node) if role.name in _OF_WORDS]
+    depends = any(isinstance(node, If) or (isinstance(node, Do) and node.until is not None) for node in nodes)
+    for mark in marks(meaning.text):
+        if any(isinstance(node, _NODES[mark.kind]) for node in nodes):
+            continue
+        if any(mark.words in words for words in quoted):
+            continue
+        asks = mark.kind == "asked" and acts & _QUESTIONS
+        negated = mark.kind == "forbidden" and depends and not _ORDERED.search(mark.words)
+        if not asks and not negated:
+            return False
+    if not depends and CONDITION.search(IF_POLITE.sub("", meaning.text)):
+        return False
+    if _CUT_OFF.search(meaning.text.casefold()) or (_EITHER.search(meaning.text.casefold()) and not depends):
+        return False
+    if any(side & acts and not words.search(meaning.text.casefold()) for side, words in _SIDES):
+        return False
+    spans = [
+        (role.start, role.end)
+        for node in nodes
+        for role in (*_roles(node), *(node.until.roles if isinstance(node, Do) and node.until else ()))
+    ]
+    repeats = any(isinstance(node, Repeat) for node in nodes)
+    for token in read_measures(words_of(meaning.text).tokens):
+        if token.kind not in ("number", "quantity") or repeats:
+            continue
+        if meaning.text[token.start : token.end].casefold() in _NO_AMOUNTS:
+            continue
+        if not any(start < token.end and token.start < end for start, end in spans):
+            return False
+    return True
+
+
+def _told(meaning: Meaning) -> MeaningRead:
+    told = meaning.describe()
+    return MeaningRead(meaning.text, meaning.reader, told["confidence"], tuple(told["nodes"]))
+
+
+def _is_order(node: Node) -> bool:
+    return not (isinstance(node, Do) and node.act in _NO_ORDERS)
+
+
+def _roles(node: Node) -> Sequence[Role]:
+    match node:
+        case Do() | Instead():
+            return node.roles
+        case If():
+            return node.condition.roles
+    return ()
+
+
+def _only_wanted(nodes: Sequence[Node]) -> tuple[Do | If | Repeat, ...]:
+    return tuple(node for node in nodes if isinstance(node, (Do, If, Repeat)))

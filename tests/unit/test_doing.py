@@ -1,0 +1,102 @@
+"""What is meant, as actions of this house: the roles decide which skill serves."""
+
+from __future__ import annotations
+
+import pytest
+
+from config import load
+from engine.parts.loading import at_home
+from engine.plan import Quantity
+from engine.planner.doing.acts import calls_of
+from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable
+from engine.planner.entities import Entities
+from engine.planner.worlds.house import build_vocabulary
+from engine.understanding.meaning import meaning_of
+from engine.understanding.notation import read
+
+
+@pytest.fixture(scope="module")
+def flat() -> Entities:
+    return Entities(build_vocabulary(at_home(load())))
+
+
+def done(flat: Entities, line: str, holding: str = "") -> str:
+    example = read(line)
+    calls = calls_of(meaning_of(example.text, example.steps).wanted(), Doing(flat, holding))
+    return "; ".join(f"{call.name}({', '.join(map(told, call.positional))})" for call in calls)
+
+
+def told(argument: Quantity | str) -> str:
+    return f"{argument.value:g} {argument.unit}" if isinstance(argument, Quantity) else argument
+
+
+@pytest.mark.parametrize(
+    ("line", "calls"),
+    [
+        ("go | over to {place: the desk}", "navigation(N)"),
+        ("go | drive up to {thing: the red box}", "navigate_to_object(red box)"),
+        ("forward | roll on {amount: half a metre}", "move_forward(0.5 m)"),
+        ("backward | 后退{amount: 一米}", "move_forward(-1 m)"),
+        ("forward | straight on for {time: three seconds}", "set_cmdvel(0.3 m/s, 0 m/s, 0 rad/s, 3 s)"),
+        ("turn_left | to your left", "move_left(90 deg)"),
+        ("turn_right | right by {amount: 45}", "move_right(45 deg)"),
+        ("turn_around | spin {times: twice}", "move_left(720 deg)"),
+        ("sideways_right | shift {amount: 20 cm} to the right {manner: slowly}", "move_sideways(-0.2 m, 0.1 m/s)"),
+        ("bring | get {person: me} {thing: the bottle} from {source: the kitchen}", "carry(bottle, zero, kitchen)"),
+        ("bring | {thing: the ball} to {place: the study}", "carry(ball, D)"),
+        ("put | {thing: the ball} onto {place: the desk}", "pick_object(ball); place_object(desk)"),
+        ("put | {thing: the ball} in {place: the trash can}", "pick_object(ball); place_in_bin()"),
+        ("pick_up put | grab {1.thing: the ball} and put {2.thing: it} on {2.place: the desk}",
+         "pick_object(ball); place_object(desk)"),
+        ("look | have a look at {place: the kitchen}", "scan_room(kitchen)"),
+        ("look | check {place: the desk}", "navigation(N); seewhat()"),
+        ("look | look {place: behind you}", "move_left(180 deg); seewhat()"),
+        ("find | where is {thing: the blue cup}", "locate(blue cup)"),
+        ("beep | honk {times: three times}", "beep(); beep(); beep()"),
+        ("light | go {colour: 红色}", "light(red)"),
+        ("repeat forward end | {0.times: twice} {1.amount: 1 m}", "move_forward(1 m); move_forward(1 m)"),
+        ("arm_up together beep | arm up and beep", "arm_up(); beep()"),
+    ],
+)  # fmt: skip
+def test_acts_become_calls_of_skills(flat: Entities, line: str, calls: str) -> None:
+    assert done(flat, line) == calls
+
+
+def test_what_is_held_is_not_picked_up_again(flat: Entities) -> None:
+    assert done(flat, "put | put {thing: it} on {place: the desk}", "red box") == "place_object(desk)"
+    assert done(flat, "bring | bring {thing: the box} to {person: me}", "red box") == "navigation(zero); putdown()"
+
+
+@pytest.mark.parametrize(
+    ("line", "question"),
+    [("forward | go on", "how_far"), ("bring | bring {person: me} something nice", "which_thing"),
+     ("put | put {thing: it} on {place: the desk}", "which_thing"), ("wait | wait", "how_long"),
+     ("say | say something", "what")],
+)  # fmt: skip
+def test_what_was_not_said_is_asked_for(flat: Entities, line: str, question: str) -> None:
+    with pytest.raises(Open) as gap:
+        done(flat, line)
+    assert gap.value.question == question
+
+
+@pytest.mark.parametrize(
+    ("line", "what"),
+    [("open | open {thing: the door}", "act"), ("bring | take {thing: the ball} to {person: Anna}", "person"),
+     ("forward until seen end | on until you see {2.thing: the ball}", "until"),
+     ("follow | follow {person: me} to {place: the bed}", "role"),
+     ("repeat beep end | {0.times: many times} beep", "times")],
+)  # fmt: skip
+def test_what_no_skill_does_is_told_and_nothing_of_it_is_left_out(flat: Entities, line: str, what: str) -> None:
+    with pytest.raises(Unable) as why:
+        done(flat, line)
+    assert why.value.what == what
+
+
+def test_a_place_that_is_not_here_is_named_as_it_was_said(flat: Entities) -> None:
+    with pytest.raises(NowhereKnown) as unknown:
+        done(flat, "go | off to {place: the old garage}")
+    assert unknown.value.words == "old garage"
+
+
+def test_a_million_times_are_cut_short(flat: Entities) -> None:
+    assert done(flat, "repeat beep end | {0.times: 1000000 times} beep").count("beep") < 100
