@@ -69,9 +69,11 @@ def build_planner(
     *,
     models: Models | None = None,
     world: World | None = None,
+    reader: bool = True,
 ) -> Planner:
     """The planner of these settings, for another world than that of the scene if one is given; with phrases only where
-    there are no ``models``. The phrases of a language are read when it is spoken."""
+    there are no ``models`` and ``reader``, the learned one, is False. The phrases of a language are read when it is
+    spoken."""
     skills = registry or build_registry(settings, world=world)
     places = settings.places if world is None else world.places
     vocabulary = build_vocabulary(settings) if world is None else world.vocabulary()
@@ -123,7 +125,7 @@ def build_planner(
         knowledge=Knowledge(paths().config / "knowledge.md"),
         tell=tell,
         max_actions=settings.planner.max_actions,
-        reader=learned_reader(settings.models.folder or paths().models),
+        reader=learned_reader(settings.models.folder or paths().models) if reader else None,
     )
 
 

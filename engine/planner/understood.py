@@ -20,7 +20,7 @@ from engine.planner.doing.acts import calls_of
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable, Which
 from engine.planner.doing.looking import seen
 from engine.planner.entities import Entities
-from engine.planner.not_an_order import MarkKind, marks
+from engine.planner.not_an_order import Mark, MarkKind, marks
 from engine.planner.phrases.phrases import PhrasePlanner, UnknownPlace
 from engine.planner.phrases.said import Calls
 from engine.planner.readings.first_look import CONDITION, IF_POLITE
@@ -36,8 +36,10 @@ from engine.skills.vocabulary import Vocabulary
 from engine.understanding.acts import ACTS, RoleName
 from engine.understanding.meaning import About, Do, If, Instead, Meaning, Node, Not, Repeat, Retract, Role, walk
 
-SURE: Final = 0.35
-"""How sure the reader has to be for a plan, 0 to 1."""
+SURE: Final = 0.5
+"""How sure the reader has to be, 0 to 1, for something to move."""
+MAYBE: Final = 0.3
+"""How sure it has to be for a plan that moves nothing, and for the question whether something that moves is meant."""
 NO_ORDER: Final = 0.5
 """How sure it has to be that something is no order, for another reader's plan to be held back."""
 DOUBT: Final = 0.15
@@ -45,7 +47,7 @@ DOUBT: Final = 0.15
 
 _NODES: Final[dict[MarkKind, tuple[type[Node], ...]]] = {
     "taken_back": (Retract, Instead, Not),
-    "forbidden": (Not, Retract, About, Instead),
+    "forbidden": (Not, Retract, About),
     "told": (About,),
     "asked": (About,),
 }
@@ -77,11 +79,18 @@ _SAME: Final[Mapping[str, tuple[RoleName, ...]]] = {
 _ASKED: Final = frozenset({"condition", "every", "until", "times", "role"})
 """What is asked about rather than turned down."""
 _UNITS: Final = ("m", "deg", "s", "m/s")
+_MOVING: Final = frozenset({"base"})
+"""What a skill occupies that is asked about first: a wave of the arm harms nobody."""
 _SOMEBODY: Final = re.compile(r"him|her|them|they|he|she|someone|somebody|他们?|她们?|谁|有人")
 _CUT_OFF: Final = re.compile(
     r"\b(?:the|an?|my|your|to|from|into|onto|of|with|u[hm]+|er+m?)[\s.…,-]*$|(?:[放拿搬送带移走开挪端]到|把|从|给|往|向)[\s。…，]*$"
 )
 """The end of a sentence that somebody has not finished."""
+_OF_OTHERS: Final = re.compile(
+    r"(?:the (?!robot)|my |his |her |our |their |an? |some |every)[\w' -]{1,30}?"
+    r"\b(?:can|could|will|would|may|might|must|should|does|did|do|has|had|have|was|were|is|are)\b"
+)
+"""The beginning of a statement about something that is none of its roles: "the cat can move"."""
 _EITHER: Final = re.compile(r"\bor (?:was|is|maybe|perhaps|the)\b|还是")
 """A choice that is left open."""
 _NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once"})
@@ -123,7 +132,11 @@ class Understood:
 
     def meaning(self, text: str) -> Meaning | None:
         """What the reader makes of ``text``."""
-        return self._read(text) if text.strip() else None
+        plain = IF_POLITE.sub(lambda found: " " * len(found[0]), text)
+        if not plain.strip():
+            return None
+        meaning = self._read(plain)
+        return meaning if meaning is None or plain == text else replace(meaning, text=text)
 
     def no_order(self, request: PlanRequest, text: str, language: Language) -> NoPlan | None:
         """That nothing in ``text`` is an order, where the reader is sure of that; else None."""
@@ -142,8 +155,8 @@ class Understood:
 
     def plan(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
         """The plan of a request; None where this reader hands it on."""
-        meaning = self._merged(request, text) or self.meaning(text)
-        if meaning is None or meaning.confidence < SURE or not accounted(meaning):
+        meaning = self._confirmed(request, text) or self._merged(request, text) or self.meaning(text)
+        if meaning is None or meaning.confidence < MAYBE or not accounted(meaning):
             return None
         wanted = tuple(node for node in meaning.wanted() if _is_order(node))
         if not wanted:
@@ -154,12 +167,30 @@ class Understood:
             if act.act == "report":
                 request.read(_told(meaning))
                 return self._reported(act, request, text, language)
-        if counted(text) is not None and any(isinstance(node, If) for node in wanted):
-            return None
+        depends = any(isinstance(node, If) for node in wanted)
+        if depends and (counted(text) is not None or meaning.confidence < SURE):
+            return None  # there is another reader of conditions
         request.read(_told(meaning))
         if meaning.doubt > DOUBT and not meaning.has(Retract) and not meaning.has(Not):
             return NoPlan(text, "no_order", SAID[language]["no_order_doubt"], ExitCode.CLARIFY)
-        return self.of(wanted, request, text, language)
+        found = self.of(wanted, request, text, language)
+        if meaning.confidence < SURE and isinstance(found, Plan) and self._moves(found):
+            steps = SAID[language]["then"].join(step.rstrip(".。") for step in found.steps)
+            return NoPlan(text, "unsure", SAID[language]["unsure"].format(steps=steps), ExitCode.CLARIFY)
+        return found
+
+    def _moves(self, plan: Plan) -> bool:
+        return any(self._validation.occupied(action.name) & _MOVING for action in plan.actions)
+
+    def _confirmed(self, request: PlanRequest, text: str) -> Meaning | None:
+        """What the reader was not sure of, where the user has just said that it is meant."""
+        answer = self.meaning(text)
+        if not last_question(request.exchanges) or answer is None or len(answer.nodes) != 1:
+            return None
+        node = answer.nodes[0]
+        before = open_command(request.exchanges)
+        meaning = self.meaning(before[-1]) if before and isinstance(node, Do) and node.act == "yes" else None
+        return replace(meaning, confidence=1.0) if meaning is not None and meaning.confidence >= MAYBE else None
 
     def _reported(self, act: Do, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
         """What the robot tells about itself: from what is on record, or with a skill."""
@@ -219,7 +250,7 @@ class Understood:
     def decided(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
         """What a condition decides after a look; None where there is no such condition."""
         meaning = self.meaning(text)
-        if meaning is None or meaning.confidence < SURE or request.sees is None:
+        if meaning is None or meaning.confidence < MAYBE or request.sees is None:
             return None
         wanted = meaning.wanted()
         index = next((at for at, node in enumerate(wanted) if isinstance(node, If)), None)
@@ -284,6 +315,19 @@ class Understood:
         return Meaning(before[0], (*first.nodes[:-1], merged), first.reader, min(first.confidence, answer.confidence))
 
 
+def _placed(mark: Mark, meaning: Meaning) -> bool:
+    """Whether what a word forbids is not just what the meaning wants: in "to the study, not to the kitchen" it is the
+    kitchen. What is wanted after a retraction stands behind it."""
+    at = meaning.text.casefold().find(mark.words)
+    wanted = [role.start for node in walk(meaning.wanted()) for role in _roles(node)]
+    behind = [start for start in wanted if start > at]
+    if mark.kind == "taken_back":
+        return not wanted or bool(behind)
+    others = [role.start for node in walk(meaning.nodes) for role in _roles(node) if role.start not in wanted]
+    forbidden = [start for start in others if start > at]
+    return not behind or (bool(forbidden) and min(forbidden) < min(behind))
+
+
 def _fitting(roles: Sequence[Role], act: Do) -> tuple[Role, ...]:
     """The roles of an answer as those that the act takes: "the blue one", "to Anna"."""
     takes = ACTS[act.act].roles
@@ -303,7 +347,11 @@ def accounted(meaning: Meaning) -> bool:
     quoted = [role.words.casefold() for node in nodes for role in _roles(node) if role.name in _OF_WORDS]
     depends = any(isinstance(node, If) or (isinstance(node, Do) and node.until is not None) for node in nodes)
     for mark in marks(meaning.text):
+        if nodes and all(isinstance(node, Instead) for node in nodes):
+            continue  # "no, not that one, the other": it corrects what was said before
         if any(isinstance(node, _NODES[mark.kind]) for node in nodes):
+            if not _placed(mark, meaning):
+                return False
             continue
         if any(mark.words in words for words in quoted):
             continue
@@ -312,6 +360,10 @@ def accounted(meaning: Meaning) -> bool:
         if not asks and not negated:
             return False
     if not depends and CONDITION.search(IF_POLITE.sub("", meaning.text)):
+        return False
+    if _OF_OTHERS.match(meaning.text.casefold()) and not any(
+        role.start == 0 for node in nodes for role in _roles(node)
+    ):
         return False
     if _CUT_OFF.search(meaning.text.casefold()) or (_EITHER.search(meaning.text.casefold()) and not depends):
         return False

@@ -16,6 +16,7 @@ from engine.planner.gaps.kinds import Kinds, Known
 from engine.planner.phrases.phrases import Matched
 from engine.planner.request import Language, NoPlan, PlanRequest
 from engine.planner.sentences import SAID
+from engine.robot.robot import Capability
 from engine.skills.registry import SkillRegistry, any_of
 from engine.skills.vocabulary import Vocabulary
 
@@ -38,6 +39,10 @@ class Validation:
         self._vocabulary = vocabulary
         self._kinds = Kinds(vocabulary)
         self._max_actions = max_actions
+
+    def occupied(self, skill: str) -> frozenset[Capability]:
+        """What a skill occupies while it runs."""
+        return self._registry[skill].occupies
 
     def plan(self, text: str, told: Matched) -> Plan | NoPlan:
         """The plan of what was understood of ``text``."""

@@ -13,7 +13,7 @@ from engine.plan import Plan
 from engine.planner.build import build_planner
 from engine.planner.request import Exchange, NoPlan, PlanRequest
 
-PLANNER = build_planner(at_home(load(environ={})))
+PLANNER = build_planner(at_home(load(environ={})), reader=False)
 
 
 def after(done: str, text: str, failed: str = "") -> str | NoPlan:

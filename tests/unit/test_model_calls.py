@@ -91,7 +91,7 @@ def test_one_that_fails_is_told_with_its_error_and_so_is_the_one_that_is_asked_i
     told: list[ModelAsked] = []
     gone, there = Model([Unreachable("The platform cannot be reached.", hint="Check the network.")]), Model([GOOD])
     chain = Chain([gone, there], lambda words: None)
-    planner = build_planner(SETTINGS, models=Models(chain))
+    planner = build_planner(SETTINGS, models=Models(chain), reader=False)
     found = asyncio.run(planner.plan(PlanRequest(ODD, record=told.append)))
     assert isinstance(found, Plan)
     failed, answered = told

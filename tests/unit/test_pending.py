@@ -15,7 +15,7 @@ from engine.planner.pending import agreed, chosen
 from engine.planner.planner import Exchange, NoPlan, PlanRequest
 
 SETTINGS = at_home(load(environ={}))
-PLANNER = build_planner(SETTINGS)
+PLANNER = build_planner(SETTINGS, reader=False)
 
 
 def talk(*said: str) -> Plan | NoPlan:

@@ -16,7 +16,7 @@ from engine.planner.readings.corrections import LONGEST
 from engine.planner.readings.order import in_order
 from engine.planner.request import NoPlan, PlanRequest
 
-PLANNER = build_planner(at_home(load(environ={})))
+PLANNER = build_planner(at_home(load(environ={})), reader=False)
 
 
 def planned(text: str) -> str:

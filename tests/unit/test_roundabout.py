@@ -12,7 +12,7 @@ from engine.plan import Plan
 from engine.planner.build import build_planner
 from engine.planner.request import Exchange, NoPlan, PlanRequest
 
-PLANNER = build_planner(at_home(load(environ={})))
+PLANNER = build_planner(at_home(load(environ={})), reader=False)
 
 
 def planned(text: str, *exchanges: Exchange, holding: str = "", seen: tuple[str, ...] = ()) -> str:

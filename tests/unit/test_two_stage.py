@@ -56,7 +56,7 @@ def planner_with(model: Model, decision: Model | None = None) -> Planner:
         pass
 
     models = Models(Chain([model], told), Chain([decision], told) if decision else None)
-    return build_planner(SETTINGS, models=models)
+    return build_planner(SETTINGS, models=models, reader=False)
 
 
 def asked(model: Model, text: str, decision: Model | None = None, **more: object) -> Plan | NoPlan:

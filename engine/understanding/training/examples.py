@@ -139,12 +139,12 @@ class Variations:
     def _joined(self, language: str, joinable: Sequence[Example]) -> Example:
         """Two or three requests as one; sometimes taken back."""
         parts = [self._refilled(part) for part in self.random.sample(joinable, self.random.choice((2, 2, 2, 3)))]
-        text, steps = parts[0].text.rstrip(" .!?。！？"), list(parts[0].steps)
+        text, steps = _open_ended(parts[0].text, parts[0].steps)
         for part in parts[1:]:
             text += self.random.choice(self.habits[language].joints)
-            small = part.text[0].lower() + part.text[1:]
-            steps += _moved(part.steps, len(text))
-            text += small.rstrip(" .!。！")
+            small, own = _open_ended(part.text[0].lower() + part.text[1:], part.steps)
+            steps += _moved(own, len(text))
+            text += small
         if self.random.random() < 0.1:
             text += self.random.choice(self.habits[language].taken_back)
             steps.append(Step("retract"))
@@ -152,38 +152,46 @@ class Variations:
 
     def _dressed(self, example: Example) -> Example:
         """With politeness in front or behind, and as a recogniser or a typist writes it."""
-        text, steps = example.text, example.steps
+        text, steps = example.text, list(example.steps)
         of = self.habits[language_of(text)]
         order = steps[0].symbol in ACTS and steps[0].symbol not in _SINGLE_ONLY
         if order and self.random.random() < 0.12:
             before = self.random.choice(of.before)
-            text, steps = before + text[0].lower() + text[1:], tuple(_moved(steps, len(before)))
+            text, steps = before + text[0].lower() + text[1:], _moved(steps, len(before))
         if order and steps[-1].symbol != "retract" and self.random.random() < 0.08:
-            text = text.rstrip(" .!?。！？") + self.random.choice(of.behind)
+            text, steps = _open_ended(text, steps)
+            text += self.random.choice(of.behind)
         elif order and steps[-1].symbol != "retract" and len(steps) < 9 and self.random.random() < 0.03:
-            text = text.rstrip(" .!?。！？") + self.random.choice(of.taken_back)
-            steps = (*steps, Step("retract"))
+            text, steps = _open_ended(text, steps)
+            text += self.random.choice(of.taken_back)
+            steps = [*steps, Step("retract")]
         if self.random.random() < 0.45:
             text, steps = _without_marks(text, steps)
         if self.random.random() < 0.06:
             text, steps = self._hesitating(text, steps, of)
-        return Example(text, steps)
+        return Example(text, tuple(steps))
 
-    def _hesitating(self, text: str, steps: Sequence[Step], of: Habits) -> tuple[str, tuple[Step, ...]]:
+    def _hesitating(self, text: str, steps: Sequence[Step], of: Habits) -> tuple[str, list[Step]]:
         gaps = [found.end() for found in re.finditer(r"[\s，,]+", text)]
         gaps = [gap for gap in gaps if not any(step.start < gap < step.end for step in steps)]
         if not gaps:
-            return text, tuple(steps)
+            return text, list(steps)
         at, word = self.random.choice(gaps), self.random.choice(of.fillers)
-        moved = (Step(s.symbol, s.start + len(word), s.end + len(word)) if s.start >= at else s for s in steps)
-        return text[:at] + word + text[at:], tuple(moved)
+        moved = [Step(s.symbol, s.start + len(word), s.end + len(word)) if s.start >= at else s for s in steps]
+        return text[:at] + word + text[at:], moved
+
+
+def _open_ended(text: str, steps: Iterable[Step]) -> tuple[str, list[Step]]:
+    """Without the marks at its end, also where a role has them."""
+    bare = text.rstrip(" .!?。！？")
+    return bare, [Step(s.symbol, s.start, min(s.end, len(bare))) if s.start >= 0 else s for s in steps]
 
 
 def _moved(steps: Iterable[Step], by: int) -> list[Step]:
     return [Step(s.symbol, s.start + by, s.end + by) if s.start >= 0 else s for s in steps]
 
 
-def _without_marks(text: str, steps: Sequence[Step]) -> tuple[str, tuple[Step, ...]]:
+def _without_marks(text: str, steps: Sequence[Step]) -> tuple[str, list[Step]]:
     """Without commas and full stops, as some recognisers write; each place is kept by counting."""
     kept, where = list[str](), list[int]()
     for index, letter in enumerate(text):
@@ -193,4 +201,4 @@ def _without_marks(text: str, steps: Sequence[Step]) -> tuple[str, tuple[Step, .
             continue
         kept.append(letter)
     where.append(len(kept))
-    return "".join(kept), tuple(Step(s.symbol, where[s.start], where[s.end]) if s.start >= 0 else s for s in steps)
+    return "".join(kept), [Step(s.symbol, where[s.start], where[s.end]) if s.start >= 0 else s for s in steps]

@@ -155,7 +155,7 @@ def main() -> int:
     parser.add_argument("--public", type=Path, metavar="DIR", help="folder with HuRIC and GPSR, learnt from too")
     parser.add_argument("--leave-out", nargs="*", default=["09"], metavar="NAME", help="files to measure with only")
     parser.add_argument("--base", type=Path, help="the encoder's file; default: as `sayso models pull` fetched it")
-    parser.add_argument("--epochs", type=int, default=9)
+    parser.add_argument("--epochs", type=int, default=6)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     torch.manual_seed(arguments.seed)
