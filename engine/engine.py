@@ -388,7 +388,7 @@ class Engine:
         await part.load(lambda: asyncio.to_thread(build))
         if self._stays and part.value is not None:
             await asyncio.to_thread(part.value.warm_up)
-            if self._settings.models.fetch:
+            if self._settings.models.fetch and self._settings.planner.reader:
                 await self._fetch_reader(part.value)
 
     async def _fetch_reader(self, planner: Planner) -> None:

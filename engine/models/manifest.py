@@ -8,6 +8,7 @@ refused. Reading the manifest touches no network and no model file.
 from __future__ import annotations
 
 import difflib
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
@@ -23,6 +24,8 @@ FileName = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", 
 """One path component: no separators, never hidden, never ``..``."""
 Requirement = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9._{}-]*==[0-9][A-Za-z0-9.+!]*$")]
 """``package==version``; cannot begin with a dash, so pip never reads it as an option."""
+_FIRST = threading.Lock()
+"""msgspec looks at a type when it is first converted to, and two threads that do so at once crash (0.22)."""
 Platform = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
 """A platform tag of wheels: ``manylinux2014_x86_64``."""
 Sha256 = Annotated[str, msgspec.Meta(pattern=r"^[0-9a-f]{64}$")]
@@ -104,7 +107,8 @@ class Manifest:
         file = path or Path(str(resources.files("assets").joinpath("models.yaml")))
         try:
             tree = yaml.load(file.read_bytes(), getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506  # is safe
-            models = msgspec.convert(_named(tree), dict[FileName, Model])
+            with _FIRST:
+                models = msgspec.convert(_named(tree), dict[FileName, Model])
         except (OSError, yaml.YAMLError, msgspec.ValidationError, UnicodeDecodeError) as error:
             raise ModelError(
                 f"{file}: the list of models cannot be read: {error}.", hint="Install sayso again, or mend the file."

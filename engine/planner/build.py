@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
@@ -125,7 +126,7 @@ def build_planner(
         knowledge=Knowledge(paths().config / "knowledge.md"),
         tell=tell,
         max_actions=settings.planner.max_actions,
-        reader=learned_reader(settings.models.folder or paths().models) if reader else None,
+        reader=learned_reader(settings.models.folder or paths().models) if reader and settings.planner.reader else None,
     )
 
 
@@ -137,7 +138,11 @@ BASE: Final = "multilingual-e5-small"
 def learned_reader(folder: Path) -> LearnedReader | None:
     """The learned reader, which reads as soon as its base has been fetched; None where it has not been trained."""
     graphs = Path(str(files("assets") / "understanding"))
-    return LearnedReader(ModelStore(folder).file(BASE), graphs) if (graphs / "encoder.onnx").exists() else None
+    if not (graphs / "encoder.onnx").exists():
+        return None
+    reader = LearnedReader(ModelStore(folder).file(BASE), graphs)
+    atexit.register(reader.close)  # onnxruntime must not be taken down before what uses it
+    return reader
 
 
 def as_call(skill: Skill, action: Action) -> ActionCall:

@@ -175,11 +175,13 @@ class Planner:
         if talk := phrases.talk(text):
             return Plan(text, (), talk, "phrases")
         if self._learned is not None:
+            if isinstance(match, NoMatch) and not match.question and not marks(text) and (why := impossible(text)):
+                return NoPlan(text, "impossible", why)
             if question := self._asking_back.question(request, text, language):
                 return question
             found = await asyncio.to_thread(self._learned.plan, request, text, language)
-            if found is not None:
-                return found
+            if found is not None and (isinstance(found, Plan) or not isinstance(match, UnknownPlace)):
+                return found  # all but a place that is not here was plain to the phrases
         if (condition := self._looking_first.conditional(text)) is not None:
             look = self._looking_first.plan(text, condition, language)
             return await self._by_model(request, language, look) if isinstance(look, NoMatch) else look

@@ -16,25 +16,23 @@ from engine.errors import ExitCode
 from engine.events import MeaningRead
 from engine.plan import ActionCall, Plan
 from engine.planner import about_itself, amounts
+from engine.planner.accounted import accounted
 from engine.planner.doing.acts import calls_of
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable, Which
 from engine.planner.doing.looking import seen
 from engine.planner.entities import Entities
-from engine.planner.not_an_order import Mark, MarkKind, marks
 from engine.planner.phrases.phrases import PhrasePlanner, UnknownPlace
 from engine.planner.phrases.said import Calls
-from engine.planner.readings.first_look import CONDITION, IF_POLITE
+from engine.planner.readings.first_look import IF_POLITE
 from engine.planner.request import Language, NoPlan, PlanRequest
 from engine.planner.sentences import SAID
 from engine.planner.stages.exchanges import last_question, last_said, open_command
 from engine.planner.text.counts import counted
-from engine.planner.text.measures import read_measures
-from engine.planner.text.words import words_of
 from engine.planner.unknown_places import unknown
 from engine.planner.validation import Validation
 from engine.skills.vocabulary import Vocabulary
 from engine.understanding.acts import ACTS, RoleName
-from engine.understanding.meaning import About, Do, If, Instead, Meaning, Node, Not, Repeat, Retract, Role, walk
+from engine.understanding.meaning import Do, If, Instead, Meaning, Node, Not, Repeat, Retract, Role
 
 SURE: Final = 0.5
 """How sure the reader has to be, 0 to 1, for something to move."""
@@ -45,32 +43,6 @@ NO_ORDER: Final = 0.5
 DOUBT: Final = 0.15
 """How much it may doubt that a request is an order for something of it to be done."""
 
-_NODES: Final[dict[MarkKind, tuple[type[Node], ...]]] = {
-    "taken_back": (Retract, Instead, Not),
-    "forbidden": (Not, Retract, About),
-    "told": (About,),
-    "asked": (About,),
-}
-"""The nodes that account for a word because of which something is no order."""
-_QUESTIONS: Final = frozenset(
-    {"answer", "ask", "check", "count", "describe", "find", "look", "read", "report", "skills", "tell"}
-)
-"""Acts by which somebody asks for something."""
-_ORDERED: Final = re.compile(
-    r"\b(?:do|does|did|must|should|shall|need|can|could)\b|"
-    r"don't|never|won't|别|不要|不准|不许|勿"
-)
-"""A negation that forbids; any other one may belong to a condition."""
-_OF_WORDS: Final = frozenset({"manner", "text", "topic", "state"})
-"""Roles whose words order nothing."""
-_SIDES: Final = (
-    (frozenset({"turn_left", "sideways_left"}), re.compile(r"\bleft|\blefty|counter|anti-?\s?clock|\bport|左|逆")),
-    (
-        frozenset({"turn_right", "sideways_right"}),
-        re.compile(r"\bright|(?<!counter)(?<!anti)(?<!-)clockwise|starboard|右|顺"),
-    ),
-)
-"""To which side it goes has to be said."""
 _SAME: Final[Mapping[str, tuple[RoleName, ...]]] = {
     "colour": ("thing",), "person": ("place", "thing"), "place": ("source", "person"), "source": ("place",),
     "amount": ("time", "times"), "time": ("amount",), "times": ("amount",), "state": ("colour", "manner"),
@@ -82,18 +54,6 @@ _UNITS: Final = ("m", "deg", "s", "m/s")
 _MOVING: Final = frozenset({"base"})
 """What a skill occupies that is asked about first: a wave of the arm harms nobody."""
 _SOMEBODY: Final = re.compile(r"him|her|them|they|he|she|someone|somebody|他们?|她们?|谁|有人")
-_CUT_OFF: Final = re.compile(
-    r"\b(?:the|an?|my|your|to|from|into|onto|of|with|u[hm]+|er+m?)[\s.…,-]*$|(?:[放拿搬送带移走开挪端]到|把|从|给|往|向)[\s。…，]*$"
-)
-"""The end of a sentence that somebody has not finished."""
-_OF_OTHERS: Final = re.compile(
-    r"(?:the (?!robot)|my |his |her |our |their |an? |some |every)[\w' -]{1,30}?"
-    r"\b(?:can|could|will|would|may|might|must|should|does|did|do|has|had|have|was|were|is|are)\b"
-)
-"""The beginning of a statement about something that is none of its roles: "the cat can move"."""
-_EITHER: Final = re.compile(r"\bor (?:was|is|maybe|perhaps|the)\b|还是")
-"""A choice that is left open."""
-_NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once"})
 _NO_ORDERS: Final = frozenset({"talk", "fact"})
 _OF_THE_SESSION: Final = frozenset({"answer", "yes", "no", "fragment", "again", "undo", "resume", "other"})
 """Acts that others than this reader answer: those of the conversation, and what no skill serves."""
@@ -128,6 +88,7 @@ class Understood:
         self._phrases = phrases
         self._validation = validation
         self._entities = Entities(vocabulary)
+        self._reader = reader
         self._read = lru_cache(maxsize=64)(reader.read)
 
     def meaning(self, text: str) -> Meaning | None:
@@ -135,7 +96,7 @@ class Understood:
         plain = IF_POLITE.sub(lambda found: " " * len(found[0]), text)
         if not plain.strip():
             return None
-        meaning = self._read(plain)
+        meaning = self._read(plain) or self._reader.read(plain)  # what it reads with may have come since
         return meaning if meaning is None or plain == text else replace(meaning, text=text)
 
     def no_order(self, request: PlanRequest, text: str, language: Language) -> NoPlan | None:
@@ -315,19 +276,6 @@ class Understood:
         return Meaning(before[0], (*first.nodes[:-1], merged), first.reader, min(first.confidence, answer.confidence))
 
 
-def _placed(mark: Mark, meaning: Meaning) -> bool:
-    """Whether what a word forbids is not just what the meaning wants: in "to the study, not to the kitchen" it is the
-    kitchen. What is wanted after a retraction stands behind it."""
-    at = meaning.text.casefold().find(mark.words)
-    wanted = [role.start for node in walk(meaning.wanted()) for role in _roles(node)]
-    behind = [start for start in wanted if start > at]
-    if mark.kind == "taken_back":
-        return not wanted or bool(behind)
-    others = [role.start for node in walk(meaning.nodes) for role in _roles(node) if role.start not in wanted]
-    forbidden = [start for start in others if start > at]
-    return not behind or (bool(forbidden) and min(forbidden) < min(behind))
-
-
 def _fitting(roles: Sequence[Role], act: Do) -> tuple[Role, ...]:
     """The roles of an answer as those that the act takes: "the blue one", "to Anna"."""
     takes = ACTS[act.act].roles
@@ -340,51 +288,6 @@ def _fitting(roles: Sequence[Role], act: Do) -> tuple[Role, ...]:
     return tuple(fitted)
 
 
-def accounted(meaning: Meaning) -> bool:
-    """Whether everything that may stop a plan, or changes how much is done, stands in the meaning."""
-    nodes = list(walk(meaning.nodes))
-    acts = {node.act for node in nodes if isinstance(node, Do)}
-    quoted = [role.words.casefold() for node in nodes for role in _roles(node) if role.name in _OF_WORDS]
-    depends = any(isinstance(node, If) or (isinstance(node, Do) and node.until is not None) for node in nodes)
-    for mark in marks(meaning.text):
-        if nodes and all(isinstance(node, Instead) for node in nodes):
-            continue  # "no, not that one, the other": it corrects what was said before
-        if any(isinstance(node, _NODES[mark.kind]) for node in nodes):
-            if not _placed(mark, meaning):
-                return False
-            continue
-        if any(mark.words in words for words in quoted):
-            continue
-        asks = mark.kind == "asked" and acts & _QUESTIONS
-        negated = mark.kind == "forbidden" and depends and not _ORDERED.search(mark.words)
-        if not asks and not negated:
-            return False
-    if not depends and CONDITION.search(IF_POLITE.sub("", meaning.text)):
-        return False
-    if _OF_OTHERS.match(meaning.text.casefold()) and not any(
-        role.start == 0 for node in nodes for role in _roles(node)
-    ):
-        return False
-    if _CUT_OFF.search(meaning.text.casefold()) or (_EITHER.search(meaning.text.casefold()) and not depends):
-        return False
-    if any(side & acts and not words.search(meaning.text.casefold()) for side, words in _SIDES):
-        return False
-    spans = [
-        (role.start, role.end)
-        for node in nodes
-        for role in (*_roles(node), *(node.until.roles if isinstance(node, Do) and node.until else ()))
-    ]
-    repeats = any(isinstance(node, Repeat) for node in nodes)
-    for token in read_measures(words_of(meaning.text).tokens):
-        if token.kind not in ("number", "quantity") or repeats:
-            continue
-        if meaning.text[token.start : token.end].casefold() in _NO_AMOUNTS:
-            continue
-        if not any(start < token.end and token.start < end for start, end in spans):
-            return False
-    return True
-
-
 def _told(meaning: Meaning) -> MeaningRead:
     told = meaning.describe()
     return MeaningRead(meaning.text, meaning.reader, told["confidence"], tuple(told["nodes"]))
@@ -392,15 +295,6 @@ def _told(meaning: Meaning) -> MeaningRead:
 
 def _is_order(node: Node) -> bool:
     return not (isinstance(node, Do) and node.act in _NO_ORDERS)
-
-
-def _roles(node: Node) -> Sequence[Role]:
-    match node:
-        case Do() | Instead():
-            return node.roles
-        case If():
-            return node.condition.roles
-    return ()
 
 
 def _only_wanted(nodes: Sequence[Node]) -> tuple[Do | If | Repeat, ...]:

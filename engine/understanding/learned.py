@@ -42,6 +42,11 @@ class LearnedReader:
         self.trouble: Exception | None = None
         """Why it cannot be loaded; then it reads nothing."""
 
+    def close(self) -> None:
+        """Let go of the graphs; it reads nothing after that."""
+        with self._lock:
+            self._loaded, self.trouble = None, RuntimeError("The reader is closed.")
+
     @property
     def here(self) -> bool:
         """Whether its base is on this machine."""

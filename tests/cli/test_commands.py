@@ -116,7 +116,8 @@ def test_plan_moves_nothing_and_starts_no_robot(tmp_path: Path) -> None:
 def test_plan_reads_one_request_a_line(tmp_path: Path) -> None:
     done = sayso("plan", "--json", "-", state=tmp_path, stdin=b"beep\ngo to the moon\nturn around\n")
     assert done.returncode == ExitCode.FAILED
-    assert [event["kind"] for event in events(done)] == ["plan.made", "plan.rejected", "plan.made"]
+    kinds = [event["kind"] for event in events(done) if event["kind"] != "meaning.read"]
+    assert kinds == ["plan.made", "plan.rejected", "plan.made"]
 
 
 SPOILT = (b"\xff\xfe", b"\xed\xa0\x80", b"go " * 1000, b"move forward " + b"9" * 400 + b" metres")
@@ -126,7 +127,7 @@ SPOILT = (b"\xff\xfe", b"\xed\xa0\x80", b"go " * 1000, b"move forward " + b"9" *
 def test_a_line_that_is_no_request_costs_a_batch_nothing_but_its_own_result(tmp_path: Path) -> None:
     lines = b"\n".join((b"beep", *SPOILT, b"turn around\r\n"))
     done = sayso("plan", "--json", "-", state=tmp_path, stdin=lines)
-    kinds = [event["kind"] for event in events(done)]
+    kinds = [event["kind"] for event in events(done) if event["kind"] != "meaning.read"]
     assert kinds == ["plan.made", *["plan.rejected"] * len(SPOILT), "plan.made"]
     assert [event["body"]["code"] for event in events(done, "plan.rejected")][:3] == ["usage"] * 3
     assert "Line 2" in events(done, "plan.rejected")[0]["body"]["reason"]

@@ -168,6 +168,7 @@ def configuration(
     file.write_text(yaml.safe_dump(told), encoding="utf-8")
     environ = {
         "SAYSO_PLANNER__PROFILE": "loopback",
+        "SAYSO_PLANNER__READER": "false",  # the platforms are to be asked
         "SAYSO_ROBOT__SPEED": "max",
         "SAYSO_CACHE_DIR": str(folder / "cache"),
     }

@@ -14,9 +14,10 @@ from engine.events import MeaningRead
 from engine.parts.loading import at_home
 from engine.plan import Plan
 from engine.planner import build
+from engine.planner.accounted import accounted
 from engine.planner.planner import Planner
 from engine.planner.request import Exchange, NoPlan, PlanRequest
-from engine.planner.understood import MAYBE, SURE, Understood, accounted
+from engine.planner.understood import MAYBE, SURE, Understood
 from engine.understanding.learned import LearnedReader
 from engine.understanding.meaning import Meaning, meaning_of
 from engine.understanding.notation import read

@@ -35,6 +35,8 @@ def move(name: str, sign: int) -> Callable[[Doing, Roles], Calls]:
         if time:
             raise Unable("role", time)
         metres = amounts.distance(amount)
+        if metres is None and any(letter.isdigit() for letter in amount):
+            raise Unable("amount", amount[:20])
         if metres is None:
             raise Open("how_far")
         return call(name, Quantity(sign * metres, "m"), *speed)

@@ -1,0 +1,138 @@
+"""Whether a meaning accounts for all words of a request that may stop a plan, or change how much is done.
+
+A reader may miss a word; these it must not: words that take back, forbid, report or ask, conditions, numbers, the side
+to which something goes, a choice that is left open, the end of a sentence that nobody has finished. Where one of them
+stands in no node, nothing is planned of that meaning.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Final
+
+from engine.planner.not_an_order import Mark, MarkKind, marks
+from engine.planner.readings.first_look import CONDITION, IF_POLITE
+from engine.planner.text.measures import read_measures
+from engine.planner.text.words import words_of
+from engine.understanding.meaning import About, Do, If, Instead, Meaning, Node, Not, Repeat, Retract, Role, walk
+
+_NODES: Final[dict[MarkKind, tuple[type[Node], ...]]] = {
+    "taken_back": (Retract, Instead, Not),
+    "forbidden": (Not, Retract, About),
+    "told": (About,),
+    "asked": (About,),
+}
+"""The nodes that account for a word because of which something is no order."""
+_QUESTIONS: Final = frozenset(
+    {"answer", "ask", "check", "count", "describe", "find", "look", "read", "report", "skills", "tell"}
+)
+"""Acts by which somebody asks for something."""
+_ORDERED: Final = re.compile(
+    r"\b(?:do|does|did|must|should|shall|need|can|could)\b|"
+    r"don't|never|won't|别|不要|不准|不许|勿"
+)
+"""A negation that forbids; any other one may belong to a condition."""
+_OF_WORDS: Final = frozenset({"manner", "text", "topic", "state"})
+"""Roles whose words order nothing."""
+_SIDES: Final = (
+    (frozenset({"turn_left", "sideways_left"}), re.compile(r"\bleft|\blefty|counter|anti-?\s?clock|\bport|左|逆")),
+    (
+        frozenset({"turn_right", "sideways_right"}),
+        re.compile(r"\bright|(?<!counter)(?<!anti)(?<!-)clockwise|starboard|右|顺"),
+    ),
+)
+"""To which side it goes has to be said."""
+_CUT_OFF: Final = re.compile(
+    r"\b(?:the|an?|my|your|to|from|into|onto|of|with|u[hm]+|er+m?)[\s.…,-]*$|(?:[放拿搬送带移走开挪端]到|把|从|给|往|向)[\s。…，]*$"
+)
+"""The end of a sentence that somebody has not finished."""
+_OF_OTHERS: Final = re.compile(
+    r"(?:the (?!robot)|my |his |her |our |their |an? |some |every)[\w' -]{1,30}?"
+    r"\b(?:can|could|will|would|may|might|must|should|does|did|do|has|had|have|was|were|is|are)\b"
+)
+"""The beginning of a statement about something that is none of its roles: "the cat can move"."""
+_EITHER: Final = re.compile(r"\bor (?:was|is|maybe|perhaps|the)\b|还是")
+"""A choice that is left open."""
+_NO_NUMBER: Final = re.compile(r"\d{16}")
+"""More digits than a number has."""
+_NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once"})
+
+
+def accounted(meaning: Meaning) -> bool:
+    """Whether everything that may stop a plan, or changes how much is done, stands in the meaning."""
+    nodes = list(walk(meaning.nodes))
+    text = meaning.text.casefold()
+    depends = any(isinstance(node, If) or (isinstance(node, Do) and node.until is not None) for node in nodes)
+    if not depends and (CONDITION.search(IF_POLITE.sub("", meaning.text)) or _EITHER.search(text)):
+        return False
+    if _CUT_OFF.search(text) or not _sides_stand(text, nodes) or not _begins_with_itself(text, nodes):
+        return False
+    return _marks_stand(meaning, nodes, depends=depends) and _numbers_stand(meaning, nodes)
+
+
+def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> bool:
+    """Words because of which something is no order."""
+    if nodes and all(isinstance(node, Instead) for node in nodes):
+        return True  # "no, not that one, the other": it corrects what was said before
+    acts = {node.act for node in nodes if isinstance(node, Do)}
+    quoted = [role.words.casefold() for node in nodes for role in _roles(node) if role.name in _OF_WORDS]
+    for mark in marks(meaning.text):
+        if any(isinstance(node, _NODES[mark.kind]) for node in nodes):
+            if not _placed(mark, meaning):
+                return False
+        elif not any(mark.words in words for words in quoted):
+            asks = mark.kind == "asked" and acts & _QUESTIONS
+            negated = mark.kind == "forbidden" and depends and not _ORDERED.search(mark.words)
+            if not asks and not negated:
+                return False
+    return True
+
+
+def _sides_stand(text: str, nodes: Sequence[Node]) -> bool:
+    acts = {node.act for node in nodes if isinstance(node, Do)}
+    return all(not sides & acts or words.search(text) for sides, words in _SIDES)
+
+
+def _begins_with_itself(text: str, nodes: Sequence[Node]) -> bool:
+    """Whether what the sentence begins with is a role, or nothing that does something itself."""
+    return _OF_OTHERS.match(text) is None or any(role.start == 0 for node in nodes for role in _roles(node))
+
+
+def _numbers_stand(meaning: Meaning, nodes: Sequence[Node]) -> bool:
+    """Whether each number is in a role; how often something is repeated is read from words of its own."""
+    if _NO_NUMBER.search(meaning.text):
+        return False
+    if any(isinstance(node, Repeat) for node in nodes):
+        return True
+    spans = [(role.start, role.end) for node in nodes for role in _roles(node)]
+    counts = (token for token in read_measures(words_of(meaning.text).tokens) if token.kind in ("number", "quantity"))
+    return all(
+        meaning.text[token.start : token.end].casefold() in _NO_AMOUNTS
+        or any(start < token.end and token.start < end for start, end in spans)
+        for token in counts
+    )
+
+
+def _placed(mark: Mark, meaning: Meaning) -> bool:
+    """Whether what a word forbids is not just what the meaning wants: in "to the study, not to the kitchen" it is the
+    kitchen. What is wanted after a retraction stands behind it."""
+    at = meaning.text.casefold().find(mark.words)
+    wanted = [role.start for node in walk(meaning.wanted()) for role in _roles(node)]
+    behind = [start for start in wanted if start > at]
+    if mark.kind == "taken_back":
+        return not wanted or bool(behind)
+    others = [role.start for node in walk(meaning.nodes) for role in _roles(node) if role.start not in wanted]
+    forbidden = [start for start in others if start > at]
+    return not behind or (bool(forbidden) and min(forbidden) < min(behind))
+
+
+def _roles(node: Node) -> Sequence[Role]:
+    match node:
+        case Do():
+            return (*node.roles, *(node.until.roles if node.until is not None else ()))
+        case Instead():
+            return node.roles
+        case If():
+            return node.condition.roles
+    return ()
