@@ -54,6 +54,7 @@ def told(argument: Quantity | str) -> str:
         ("find | where is {thing: the blue cup}", "locate(blue cup)"),
         ("beep | honk {times: three times}", "beep(); beep(); beep()"),
         ("light | go {colour: 红色}", "light(red)"),
+        ("light | make it {colour: green coloured}", "light(green)"),
         ("repeat forward end | {0.times: twice} {1.amount: 1 m}", "move_forward(1 m); move_forward(1 m)"),
         ("arm_up together beep | arm up and beep", "arm_up(); beep()"),
     ],

@@ -47,7 +47,8 @@ def light(doing: Doing, roles: Roles) -> Calls:
     colour = roles.words("colour").casefold()
     if not colour:
         return call("light", "white")
-    plain = next((name for name in _COLOURS if name in colour), None) or next(
+    words = re.findall("[a-z]+", colour)  # "coloured" is not red
+    plain = next((name for word in words for name in _COLOURS if word.startswith(name)), None) or next(
         (name for said, name in _CHINESE_COLOURS.items() if said in colour), colour
     )
     return call("light", _SAME_COLOUR.get(plain, plain))
