@@ -58,7 +58,7 @@ from engine.parts.words import WordsPart
 from engine.perception.eyes import Eyes
 from engine.perception.memory import World, WorldMemory
 from engine.perception.sighting import Sight
-from engine.planner.build import BASE, build_planner, build_registry
+from engine.planner.build import build_planner, build_registry
 from engine.planner.phrases.stopping import is_stop
 from engine.planner.planner import Planner
 from engine.planner.worlds.house import build_vocabulary
@@ -75,6 +75,7 @@ from engine.skills.places import Places
 from engine.skills.registry import SkillRegistry
 from engine.speaking import SpokenVoice
 from engine.tts.voice import SilentVoice
+from engine.understanding.base import MODEL
 from engine.wording import build_wording
 
 T = TypeVar("T")
@@ -395,12 +396,12 @@ class Engine:
         """Fetch what the learned reader stands on, unless it is here: until then there are phrases and the model."""
         store = model_store(self._settings)
         with contextlib.suppress(SaysoError):
-            await asyncio.to_thread(store.find, BASE)
+            await asyncio.to_thread(store.find, MODEL)
             return
-        size = store.manifest[BASE].size / 1e6
-        self._emit(events.Log("info", "planner", f"fetching {BASE} for the learned reader ({size:.0f} MB)"))
+        size = store.manifest[MODEL].size / 1e6
+        self._emit(events.Log("info", "planner", f"fetching {MODEL} for the learned reader ({size:.0f} MB)"))
         try:
-            await Pull(store, BASE, lambda detail: None).done()
+            await Pull(store, MODEL, lambda detail: None).done()
             await asyncio.to_thread(planner.warm_up)
         except SaysoError as error:
             self._emit(events.Log("warning", "planner", str(error)))

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import Final
 
 from config import paths
 from config.schema import Place, Settings
@@ -36,6 +35,7 @@ from engine.skills.library.signals import COLOURS
 from engine.skills.places import Places
 from engine.skills.registry import Skill, SkillRegistry
 from engine.skills.vocabulary import Vocabulary
+from engine.understanding.base import MODEL
 from engine.understanding.learned import LearnedReader
 
 CAPABILITIES: dict[str, frozenset[Capability]] = {"sim": frozenset({"base", "arm", "camera", "voice"})}
@@ -130,17 +130,13 @@ def build_planner(
     )
 
 
-BASE: Final = "multilingual-e5-small"
-"""The model that the learned reader stands on (assets/models.yaml)."""
-
-
 @cache
 def learned_reader(folder: Path) -> LearnedReader | None:
     """The learned reader, which reads as soon as its base has been fetched; None where it has not been trained."""
     graphs = Path(str(files("assets") / "understanding"))
     if not (graphs / "encoder.onnx").exists():
         return None
-    reader = LearnedReader(ModelStore(folder).file(BASE), graphs)
+    reader = LearnedReader(ModelStore(folder).file(MODEL), graphs)
     atexit.register(reader.close)  # onnxruntime must not be taken down before what uses it
     return reader
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from engine.errors import PlanError
+from engine.han import is_chinese
 from engine.planner.amounts import number
 from engine.skills.places import ZERO_SYMBOL
 from engine.skills.vocabulary import Ambiguous, Vocabulary
@@ -79,7 +80,6 @@ _SIDES: Final[tuple[tuple[Side, re.Pattern[str]], ...]] = (
         r"前|前面|前方|正前方|中间|正中|面前"
     )),
 )  # fmt: skip
-_HAN: Final = re.compile("[一-鿿]")
 _ZH_FRONT: Final = re.compile(
     "^(?:(?:[这那](?:[个张只把台本瓶条块件盒袋杯间些]|一[个张只把台本瓶条块件]|儿的?|里的?)?|[一两几某每](?:[个张只把台本瓶条块件间])|"
     "[我你他她咱](?:们|家)?的|所有的?|全部的?|在|到|去|从))+(?=.)"
@@ -141,7 +141,7 @@ class Entities:
                 return Entity(words, side=side)
         if _IT.fullmatch(plain) or _THERE.fullmatch(plain):
             return Entity(words, refers=True)
-        chinese = _HAN.search(plain) is not None
+        chinese = is_chinese(plain)
         inner = plain if chinese else _OUTER.sub("", plain)
         head, where = (plain, "") if chinese or _BUT.search(inner) else _parted(plain)
         candidates = list(dict.fromkeys(_chinese(plain) if chinese else _english(head)))
@@ -163,7 +163,7 @@ class Entities:
     def near(self, words: str) -> str:
         """``words`` as a name that may be asked back: without what stands around it."""
         plain = " ".join(words.casefold().split()).strip(" ,.!?;:")
-        return next(iter(_chinese(plain) if _HAN.search(plain) else _english(_parted(plain)[0])), plain)
+        return next(iter(_chinese(plain) if is_chinese(plain) else _english(_parted(plain)[0])), plain)
 
     def _first(self, resolve: Callable[[str], str], candidates: list[str], which: list[str]) -> str | None:
         for words in candidates:

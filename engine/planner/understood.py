@@ -158,9 +158,7 @@ class Understood:
         about = f"{act.words('topic')} {text}".casefold()
         kind = next((kind for kind, pattern in _TOPICS if pattern.search(about)), "")
         if kind in ("report_pose", "seewhat", "list_skills"):
-            told = self._phrases(language).told((ActionCall(kind),))
-            found = self._validation.of(text, (ActionCall(kind),), told.steps, told.response)
-            return replace(found, source="reader") if isinstance(found, Plan) else found
+            return self._planned(text, (ActionCall(kind),), language)
         answer = about_itself.of(kind, request.on_record, request.holding, language)
         return Plan(text, (), answer or SAID[language]["asked"], "reader")
 
@@ -183,14 +181,12 @@ class Understood:
                 node = acts[condition]
                 assert isinstance(node, If)
                 _, look = seen(doing, node.condition)
-                return self._looking(text, (*first, *look), language)
+                found = self._planned(text, (*first, *look), language)
+                return replace(found, finished=False) if isinstance(found, Plan) else found
             calls = calls_of(acts, doing)
             if not calls:
                 return None
-            told = phrases.told(calls)
-            found = self._validation.of(text, calls, told.steps, told.response)
-            found = self._validation.one_of(found, request, language)
-            return replace(found, source="reader") if isinstance(found, Plan) else found
+            return self._validation.one_of(self._planned(text, calls, language), request, language)
         except Open as gap:
             return NoPlan(text, "incomplete", phrases.question(gap.question), ExitCode.CLARIFY)
         except Which as several:
@@ -199,14 +195,9 @@ class Understood:
             return unknown(text, UnknownPlace(place.words, phrases.places), language)
         except Unable as why:
             asks = why.what == "person" and _SOMEBODY.fullmatch(why.words.casefold())
-            code = (
-                ExitCode.CLARIFY
-                if asks or why.what in ("condition", "every", "until", "times", "role")
-                else ExitCode.FAILED
-            )
-            return NoPlan(
-                text, f"unable_{why.what}", SAID[language][f"unable_{why.what}"].format(words=why.words), code
-            )
+            code = ExitCode.CLARIFY if asks or why.what in _ASKED else ExitCode.FAILED
+            key = f"unable_{why.what}"
+            return NoPlan(text, key, SAID[language][key].format(words=why.words), code)
 
     def decided(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
         """What a condition decides after a look; None where there is no such condition."""
@@ -249,10 +240,10 @@ class Understood:
             return replace(role, words=f"{number:g} {unit}")
         return role
 
-    def _looking(self, text: str, look: Calls, language: Language) -> Plan | NoPlan:
-        told = self._phrases(language).told(look)
-        found = self._validation.of(text, look, told.steps, told.response)
-        return replace(found, finished=False, source="reader") if isinstance(found, Plan) else found
+    def _planned(self, text: str, calls: Calls, language: Language) -> Plan | NoPlan:
+        told = self._phrases(language).told(calls)
+        found = self._validation.of(text, calls, told.steps, told.response)
+        return replace(found, source="reader") if isinstance(found, Plan) else found
 
     def _merged(self, request: PlanRequest, text: str) -> Meaning | None:
         """What a command that lacked something means with this answer to the question about it, or with this correction

@@ -21,6 +21,8 @@ from engine.understanding.units import Unit
 
 Floats = npt.NDArray[np.float32]
 
+MODEL: Final = "multilingual-e5-small"
+"""Its name in assets/models.yaml; its file is the only one of that model."""
 WIDTH: Final = 384
 MAX_PIECES: Final = 192
 """Longest sentence, in pieces of words."""

@@ -19,7 +19,8 @@ from engine.understanding.symbols import BEGIN, DONE, IDS, MAX_STEPS, ROLE_NAMES
 from engine.understanding.units import Unit, units
 
 LAYERS: Final = 2
-_HEADS: Final = 6
+"""Of the decoder; the network is made with the same."""
+HEADS: Final = 6
 MAX_UNITS: Final = 90
 _NO_ORDER: Final = frozenset({"about", "instead", "not", "retract"})
 _NO_ORDER_IDS: Final = tuple(IDS[symbol] for symbol in sorted(_NO_ORDER))
@@ -88,7 +89,7 @@ class LearnedReader:
 
 def _written(text: str, found: list[Unit], decoder: Any, fixed: dict[str, Any], spans: Floats) -> Meaning | None:
     grammar, steps = Grammar(), list[Step]()
-    past = [np.zeros((1, _HEADS, 0, WIDTH // _HEADS), np.float32)] * 2 * LAYERS
+    past = [np.zeros((1, HEADS, 0, WIDTH // HEADS), np.float32)] * 2 * LAYERS
     symbol, span, sure = IDS[BEGIN], np.zeros((1, 1, WIDTH), np.float32), 1.0
     order = 1.0
     for place in range(MAX_STEPS):

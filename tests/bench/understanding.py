@@ -20,6 +20,7 @@ from typing import Any, Final
 
 from config import load, paths
 from engine.errors import ExitCode
+from engine.han import is_chinese
 from engine.planner.build import learned_reader
 from engine.understanding.meaning import Meaning, meaning_of
 from engine.understanding.notation import Example, Step, read
@@ -81,7 +82,7 @@ def main(argv: list[str] | None = None) -> int:
         found = reader.read(example.text)
         seconds = time.perf_counter() - began
         wanted = meaning_of(example.text, example.steps)
-        language = "zh" if re.search("[一-鿿]", example.text) else "en"
+        language = "zh" if is_chinese(example.text) else "en"
         readings.append(Reading(kind_of(example.steps), language, wanted, found, seconds))
         if args.wrong and not readings[-1].right:
             sure = f"{found.confidence:.2f}" if found is not None else "-"

@@ -246,15 +246,16 @@ def _graphics(settings: Settings) -> Finding:
 
 def _reader(settings: Settings) -> Finding:
     """It is loaded and asked, as the first command will do."""
-    from engine.planner.build import BASE, learned_reader
+    from engine.planner.build import learned_reader
+    from engine.understanding.base import MODEL
 
     reader = learned_reader(settings.models.folder or paths().models)
     meaning = reader.read("go to the kitchen") if reader is not None else None
     if reader is not None and reader.trouble is not None:
-        return Finding("reader", "limited", f"cannot be loaded: {reader.trouble}", f"sayso models verify {BASE}")
+        return Finding("reader", "limited", f"cannot be loaded: {reader.trouble}", f"sayso models verify {MODEL}")
     if meaning is None:
-        return Finding("reader", "limited", "not here: only plain phrases are understood", f"sayso models pull {BASE}")
-    return Finding("reader", "ok", f"learned reader on {BASE}")
+        return Finding("reader", "limited", "not here: only plain phrases are understood", f"sayso models pull {MODEL}")
+    return Finding("reader", "ok", f"learned reader on {MODEL}")
 
 
 def _serial(settings: Settings) -> Finding:

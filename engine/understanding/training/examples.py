@@ -16,10 +16,10 @@ from typing import Final
 
 import yaml
 
+from engine.han import is_chinese
 from engine.understanding.acts import ACTS
 from engine.understanding.notation import Example, NotationError, Step, read
 
-_CHINESE: Final = re.compile("[一-鿿]")
 _SINGLE_ONLY: Final = frozenset({"fragment", "talk", "yes", "no", "about", "instead", "fact"})
 _SWAPPED: Final = frozenset({"thing", "place", "source", "person", "amount", "time", "times", "colour", "text"})
 
@@ -70,7 +70,7 @@ def clean(text: str, step: Step) -> Step:
 
 def language_of(text: str) -> str:
     """``zh`` where there is a Chinese character, else ``en``."""
-    return "zh" if _CHINESE.search(text) else "en"
+    return "zh" if is_chinese(text) else "en"
 
 
 @dataclass

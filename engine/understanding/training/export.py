@@ -11,8 +11,9 @@ from onnxruntime.quantization import QuantType, quantize_dynamic
 from torch import Tensor, nn
 
 from engine.understanding.base import WIDTH
+from engine.understanding.learned import HEADS, LAYERS
 from engine.understanding.symbols import SYMBOLS
-from engine.understanding.training.network import HEADS, LAYERS, POINTING, Network
+from engine.understanding.training.network import POINTING, Network
 
 
 class Reading(nn.Module):

@@ -15,12 +15,11 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from engine.understanding.base import MAX_PIECES, WIDTH, Base
+from engine.understanding.learned import HEADS, LAYERS
 from engine.understanding.symbols import MAX_STEPS, SYMBOLS
 
 INNER: Final = 512
 POINTING: Final = 128
-LAYERS: Final = 2
-HEADS: Final = 6
 EPSILON: Final = 1e-12
 
 

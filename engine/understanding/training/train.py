@@ -21,7 +21,8 @@ from torch.nn import functional
 
 from config import paths
 from engine.models.store import ModelStore
-from engine.understanding.base import MAX_PIECES, WIDTH, Base
+from engine.understanding.base import MAX_PIECES, MODEL, WIDTH, Base
+from engine.understanding.learned import MAX_UNITS
 from engine.understanding.notation import Example
 from engine.understanding.symbols import BEGIN, DONE, IDS, MAX_STEPS
 from engine.understanding.training import gpsr, huric
@@ -31,7 +32,6 @@ from engine.understanding.training.network import Network
 from engine.understanding.units import units
 
 BATCH: Final = 48
-MAX_UNITS: Final = 90
 LAYERS_OF_BASE: Final = 6
 """Layers of the base that are used; all of them are tuned."""
 GRAMMAR: Final = 1200
@@ -39,8 +39,6 @@ GRAMMAR: Final = 1200
 ASSETS: Final = Path("assets/understanding")
 SENTENCES: Final = ASSETS / "sentences"
 HABITS: Final = ASSETS / "habits.yaml"
-BASE: Final = "multilingual-e5-small"
-FILE: Final = "e5-small-q4.bin"
 RATE: Final = {"encoder": 1e-4, "decoder": 4e-4}
 SMOOTHING: Final = 0.05
 
@@ -160,7 +158,8 @@ def main() -> int:
     arguments = parser.parse_args()
     torch.manual_seed(arguments.seed)
     chance = random.Random(arguments.seed)
-    base = Base(arguments.base or ModelStore(paths().models).find(BASE) / FILE)
+    store = ModelStore(paths().models)
+    base = Base(arguments.base or store.find(MODEL) / store.file(MODEL).name)
     files = sorted(SENTENCES.glob("*.txt"))
     learnt = written(file for file in files if file.stem not in arguments.leave_out)
     held = encoded(written(file for file in files if file.stem in arguments.leave_out), base)
