@@ -45,9 +45,9 @@ from tests.unit.test_whisper import NOUNS, SETTINGS, model_folder, recogniser, s
 
 LIMIT_S = 30.0
 """s for what takes a moment; a test that waits longer has failed."""
-ALIKE = 0.02
+ALIKE = 0.1
 """By how much likelihoods and probabilities of one sound may differ between two processes: on processors with AVX2 only
-an int8 model does not calculate the same everywhere, and log-probabilities 0.003 apart were seen."""
+an int8 model does not calculate the same everywhere, and log-probabilities 0.04 apart were seen."""
 COMMAND = "go_to_the_kitchen.wav"
 SENTENCES = ("go_to_the_bedroom_then_turn_around.wav", "move_forward_one_metre.wav", "turn_left_ninety_degrees.wav") * 3
 ME = psutil.Process()
@@ -132,7 +132,12 @@ def test_it_answers_as_the_recogniser_in_this_process_does() -> None:
 
 
 def assert_alike(there: Transcript | Rejected, here: Transcript | Rejected) -> None:
-    """The same words or the same reason, and likelihoods that differ by no more than two processes may."""
+    """The same words, and likelihoods that differ by no more than two processes may; of what is rejected, the same
+    reason: how unlikely noise is depends on how a processor rounds (on one with AVX2 only, by 0.2)."""
+    if isinstance(here, Rejected):
+        assert isinstance(there, Rejected)
+        assert (there.reason, there.text) == (here.reason, here.text)
+        return
     assert there.decoding is not None
     assert here.decoding is not None
     assert there.decoding.decode_s > 0
