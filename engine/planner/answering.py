@@ -13,11 +13,11 @@ from typing import Final
 
 from engine.errors import ExitCode
 from engine.plan import Plan
+from engine.planner.happened import last_question, open_command
 from engine.planner.pending import chosen, completed
 from engine.planner.phrases.phrases import Matched, NoMatch, PhrasePlanner, UnknownPlace
 from engine.planner.refusal import refusal
 from engine.planner.request import Language, NoPlan, PlanRequest
-from engine.planner.stages.exchanges import last_question, open_command
 from engine.planner.text.language import language_of
 from engine.planner.validation import Validation
 
@@ -43,14 +43,15 @@ class Answering:
     def plan(self, request: PlanRequest, text: str, match: Matched | UnknownPlace | NoMatch) -> Plan | NoPlan | None:
         """The plan for a command that lacked something, with ``text`` in it, or the next question; None where none is
         open, or it is no answer. ``match`` is what ``text`` would mean by itself."""
-        pending = open_command(request.exchanges)
+        pending = open_command(request.happened)
         if not pending or not _may_answer(match, text):
             return None
         language = self._language or language_of(pending[0])
         command = pending[0]
         for answer in pending[1:]:
             command, _ = self._joined(command, answer, language) or (answer, None)
-        answer = chosen(last_question(request.exchanges), request.text, request.seen) or request.text
+        question = last_question(request.happened)
+        answer = (chosen(question, request.text, request.seen) if question is not None else "") or request.text
         joined = self._joined(command, answer, language)
         if joined is None:
             return None

@@ -34,7 +34,7 @@ class AskingBack:
     ) -> NoPlan | None:
         """What to ask about ``text``; None where nothing is open. ``understood``: phrases have made something of it,
         which is only wrong where it cannot be right."""
-        before = Known(bool(request.exchanges), request.holding, request.seen)
+        before = Known(bool(request.happened), request.holding, request.seen)
         found = self._left_open.of(text, language, before, understood=understood)
         if found is None or self._knowledge.facts_for(text, 1):  # the user may have written down what "the usual" is
             return None

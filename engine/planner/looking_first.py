@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 
 from engine.plan import ActionCall, Plan
 from engine.planner.grounding.grounds import resolved
+from engine.planner.happened import last_said
 from engine.planner.phrases.phrases import Matched, NoMatch, PhrasePlanner, UnknownPlace
 from engine.planner.phrases.said import Calls
 from engine.planner.readings.conditions import conditional
 from engine.planner.request import Conditional, Language, NoPlan, PlanRequest
 from engine.planner.sentences import SAID
-from engine.planner.stages.exchanges import last_said
 from engine.planner.text.counts import counted
 from engine.planner.unknown_places import unknown
 from engine.planner.validation import Validation
@@ -84,7 +84,7 @@ class LookingFirst:
         thing = condition.thing if somebody is None else "person"
         if not self._vocabulary.fitting(thing):  # then not having seen it means nothing
             answer = SAID[language]["unknown_thing"].format(thing=condition.thing)
-            return NoPlan(last_said(request.exchanges), "unknown_object", answer)
+            return NoPlan(last_said(request.happened), "unknown_object", answer)
         count = condition.count
         there = request.sees(thing) if count is None else count.holds(self._countable(thing), request.sees)
         words = condition.then if there != condition.negated else condition.otherwise
@@ -94,7 +94,7 @@ class LookingFirst:
             return GoesOn(words)
         tells = ("present", "absent") if count is None else ("so_many", "not_so_many")
         answer = SAID[language][tells[not there]].format(thing=condition.thing)
-        return Plan(last_said(request.exchanges), (), answer, "phrases")
+        return Plan(last_said(request.happened), (), answer, "phrases")
 
     def _countable(self, thing: str) -> tuple[str, ...]:
         """The names of all things that are meant; nothing where several of them may share one."""

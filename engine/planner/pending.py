@@ -11,7 +11,8 @@ from collections.abc import Iterator, Sequence
 from typing import Final, get_args
 
 from engine.perception.sighting import Colour
-from engine.planner.request import Language
+from engine.planner.phrases.said import Calls
+from engine.planner.request import Language, NoPlan
 
 LONGEST: Final = 200
 """Longest command, and longest answer, that are put together, characters."""
@@ -81,8 +82,6 @@ _COLOUR_ZH: Final = re.compile(r"(红|橙|黄|绿|蓝|紫|白|灰|黑|粉|棕)(?
 _NOUN_ZH: Final = re.compile(r"(?<!的)(?=盒|杯|球|瓶|积木|方块)")
 _OF_A_THING_ZH: Final = re.compile(r"[把将](.+?)(?=放|收|拿|搬|送|移|挪|带|扔)")
 _OPTIONS: Final = re.compile(r"(?:.*[:：]|(?:which|哪).*?[,，])?(?P<options>[^:：?？]+)[?？]", re.IGNORECASE)
-_WRITTEN: Final = '{"clarification": "'
-"""How a question begins where it is written down."""
 _BETWEEN: Final = re.compile(r",? or (?:the )?|, (?:the )?|、|还是|，")
 _NOT_THIS: Final = re.compile(
     r"(?:(?:hm+|uh+|no|nope),? )?(?:not|anything but|any but|never) (?:the )?(?P<not>\w+)(?: (?:one|\w+))?(?: please)?"
@@ -104,16 +103,11 @@ _ORDINAL: Final = re.compile(
 )
 
 
-def chosen(question: str, answer: str, seen: Sequence[str] = ()) -> str:
+def chosen(question: NoPlan, answer: str, seen: Sequence[str] = ()) -> str:
     """What an answer such as "the second one" or, of what was ``seen``, "the one on the stool" chooses of "Which one:
     the red box or the blue cup?"; empty where it is no such answer."""
-    options, ordinal = (
-        _OPTIONS.match(question.removeprefix(_WRITTEN)),
-        _ORDINAL.fullmatch(_AFTER.sub("", _BEFORE.sub("", answer.strip(" .!。")))),
-    )
-    if options is None:
-        return ""
-    names = [name.strip().removeprefix("the ") for name in _BETWEEN.split(options["options"]) if name.strip()]
+    names = question.options or _options(question.answer)
+    ordinal = _ORDINAL.fullmatch(_AFTER.sub("", _BEFORE.sub("", answer.strip(" .!。"))))
     if len(names) < 2:
         return ""
     if (but := _NOT_THIS.fullmatch(_BEFORE.sub("", answer.strip(" .!。")))) is not None:
@@ -131,15 +125,27 @@ def chosen(question: str, answer: str, seen: Sequence[str] = ()) -> str:
     return names[place] if place < len(names) else ""
 
 
-def agreed(question: str, answer: str) -> str:
-    """The request that a plain yes makes of an offer ("Shall I bring you the bottle?"); empty for anything else."""
-    offer = _OFFER.search(question)
-    if offer is None or _YES.fullmatch(answer) is None:
+def _options(question: str) -> tuple[str, ...]:
+    """The names between which a model asks."""
+    found = _OPTIONS.match(question)
+    parts = _BETWEEN.split(found["options"]) if found is not None else ()
+    return tuple(name.strip().removeprefix("the ") for name in parts if name.strip())
+
+
+def agreed(question: NoPlan, answer: str) -> Calls | str:
+    """What a plain yes makes of an offer: the actions that were offered, or the request that a model's question is
+    ("Shall I bring you the bottle?"); nothing for any other answer."""
+    if _YES.fullmatch(answer) is None:
+        return ""
+    if question.offer:
+        return question.offer
+    offer = _OFFER.search(question.answer)
+    if offer is None:
         return ""
     words = next(words for words in offer.groups() if words)
     for pattern, word in _FROM_ME:
         words = pattern.sub(word, words)
-    return words.replace("你", "我").replace("您", "我").strip(' "}')
+    return words.replace("你", "我").replace("您", "我").strip()
 
 
 def completed(pending: str, answer: str, language: Language) -> Iterator[str]:

@@ -1,7 +1,8 @@
 """From words to a validated plan, or to the reason why there is none.
 
-In this order: what must not be done is refused; plain commands fit a phrase template; an answer completes the command
-that lacked something; what depends on a condition begins with a look; the rest goes to large models. Whatever proposes
+In this order: what must not be done is refused; an answer completes the command that lacked something; what the learned
+reader holds to be no order is not done; plain commands fit a phrase template; others are what the learned reader makes
+of them; what depends on a condition begins with a look; the rest goes to large models. Whatever proposes
 actions, only the skill registry turns them into a plan: one wrong action and nothing of it runs.
 """
 
@@ -10,7 +11,7 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Final
 
@@ -27,6 +28,7 @@ from engine.planner.answering import Answering
 from engine.planner.asking import AskingBack, needs_held
 from engine.planner.completeness import completeness
 from engine.planner.grounding.vagueness import vague
+from engine.planner.happened import last_question, last_said, rounds
 from engine.planner.looking_first import GoesOn, LookingFirst
 from engine.planner.not_an_order import marks, skipped
 from engine.planner.orders import Orders
@@ -35,15 +37,15 @@ from engine.planner.phrases.again import planned_last
 from engine.planner.phrases.more import more
 from engine.planner.phrases.phrases import Before, Matched, NoMatch, PhrasePlanner, Told, UnknownPlace
 from engine.planner.phrases.piecewise import is_piecewise
+from engine.planner.phrases.said import Calls
 from engine.planner.readings.corrections import is_taken_back
 from engine.planner.readings.first_look import CONDITION, IF_POLITE, first_look
 from engine.planner.readings.put_back import put_back
 from engine.planner.readings.readings import Readings
 from engine.planner.readings.wishes import Wishes
 from engine.planner.refusal import Refusal, impossible, refusal
-from engine.planner.request import Conditional, Exchange, Language, NoPlan, PlanRequest, Plans
+from engine.planner.request import Conditional, Language, NoPlan, PlanRequest, Plans, Ran, Said
 from engine.planner.sentences import SAID
-from engine.planner.stages.exchanges import last_question, last_said, rounds
 from engine.planner.stages.knowledge import Knowledge
 from engine.planner.stages.two_stage import TwoStage
 from engine.planner.text.language import language_of
@@ -53,7 +55,7 @@ from engine.planner.validation import Validation
 from engine.skills.registry import SkillRegistry
 from engine.skills.vocabulary import Vocabulary
 
-__all__ = ["Exchange", "Language", "NoPlan", "PlanRequest", "Planner", "Plans"]
+__all__ = ["Language", "NoPlan", "PlanRequest", "Planner", "Plans"]
 
 MAX_FACTS: Final = 4
 """Facts of the user's knowledge that a model is told for one request."""
@@ -68,6 +70,22 @@ _ASKS_FIRST: Final = re.compile(
 
 _WORDS_ONLY: Final = frozenset({"say", "finishtask", "report_pose", "list_skills"})
 """Actions that move nothing and change nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Heard:
+    """A request, and what the phrases make of it."""
+
+    request: PlanRequest
+    text: str
+    """What was said, with what it refers to written out."""
+    language: Language
+    before: Before
+    match: Matched | UnknownPlace | NoMatch
+
+    def unmatched(self, understood: str) -> UnknownPlace | NoMatch:
+        """What the phrases make of it, where their plan was not taken."""
+        return NoMatch(self.text, understood) if isinstance(self.match, Matched) else self.match
 
 
 class Planner:
@@ -137,69 +155,129 @@ class Planner:
         """Plan what was asked for, or what comes after feedback; raises nothing."""
         if (why := too_long(request.text)) is not None:
             return NoPlan(request.text[:MAX_TEXT], "too_long", why)
-        text = put_back(request.text, request.holding, request.exchanges, self._vocabulary)
-        text = self._wishes.order(text, request.seen) or last_said(request.exchanges)
+        text = put_back(request.text, request.holding, request.happened, self._vocabulary)
+        text = self._wishes.order(text, request.seen) or last_said(request.happened)
         language = self._language or request.language or language_of(text)
         if not request.text:
             return await self._after_feedback(request, text, language)
-        before = Before(planned_last(request.exchanges), request.holding, self._only_seen(request.seen))
-        said = last_said(request.exchanges)
+        before = Before(planned_last(request.happened), request.holding, self._only_seen(request.seen))
+        said = last_said(request.happened)
         match = await asyncio.to_thread(self._understood, text, language, before, said)
         if isinstance(match, Refusal):
             return NoPlan(text, f"refused_{match.kind}", match.reason, ExitCode.REFUSED)
-        if (left := self._orders.left(text, language)) is not None:
-            nothing = Plan(text, (), SAID[language]["all_right"], "phrases")
-            return await self.plan(replace(request, text=left)) if left else nothing
-        if offered := agreed(last_question(request.exchanges), text):
-            return await self.plan(replace(request, text=offered, exchanges=()))
-        if is_taken_back(text):
-            return Plan(text, (), SAID[language]["all_right"], "phrases")
-        if told := about_itself.answer(text, request.on_record, request.holding, language):
+        heard = _Heard(request, text, language, before, match)
+        for step in (
+            self._taken_back,
+            self._agreed,
+            self._about_itself,
+            self._answered,
+            self._held_back,
+            self._phrased,
+            self._read,
+            self._looked_first,
+            self._withheld,
+            self._asked_back,
+        ):
+            if (found := await step(heard)) is not None:
+                return found
+        left = match if isinstance(match, NoMatch) else NoMatch(text, self._phrases(language).understood)
+        return await self._by_model(request, language, left)
+
+    # The steps of planning: each answers, or leaves the request to the next one
+
+    async def _taken_back(self, heard: _Heard) -> Plan | NoPlan | None:
+        """What is left of a request, or of the one before, that was taken back."""
+        nothing = Plan(heard.text, (), SAID[heard.language]["all_right"], "phrases")
+        if (left := self._orders.left(heard.text, heard.language)) is not None:
+            return await self.plan(replace(heard.request, text=left)) if left else nothing
+        return nothing if is_taken_back(heard.text) and not self._agreement(heard) else None
+
+    def _agreement(self, heard: _Heard) -> Calls | str:
+        question = last_question(heard.request.happened)
+        return agreed(question, heard.text) if question is not None else ""
+
+    async def _agreed(self, heard: _Heard) -> Plan | NoPlan | None:
+        """What the robot has offered, and the user says yes to."""
+        offered = self._agreement(heard)
+        if not offered:
+            return None
+        if isinstance(offered, str):
+            return await self.plan(replace(heard.request, text=offered, happened=()))
+        told = self._phrases(heard.language).told(offered)
+        return self._validation.of(heard.text, offered, told.steps, told.response)
+
+    async def _about_itself(self, heard: _Heard) -> Plan | NoPlan | None:
+        """What is on record: what it holds, why it stopped, what is left to be done."""
+        request, text = heard.request, heard.text
+        if told := about_itself.answer(text, request.on_record, request.holding, heard.language):
             return Plan(text, (), told, "phrases")
-        if about_itself.asks_to_continue(text) and (request.on_record.left or not isinstance(match, Matched)):
-            return self._continued(request, text, language)
-        if (answered := self._answering.plan(request, text, match)) is not None:
+        if about_itself.asks_to_continue(text) and (request.on_record.left or not isinstance(heard.match, Matched)):
+            return self._continued(request, text, heard.language)
+        return None
+
+    async def _answered(self, heard: _Heard) -> Plan | NoPlan | None:
+        """The command that lacked something, with this answer; the question what a thing is to be put down."""
+        if (answered := self._answering.plan(heard.request, heard.text, heard.match)) is not None:
             return answered
-        phrases = self._phrases(language)
-        if isinstance(match, Matched) and needs_held(match) and not (before.things.held or before.seen):
-            return NoPlan(text, "incomplete", phrases.question("which_thing"), ExitCode.CLARIFY)
-        understood = isinstance(match, Matched)
-        if self._learned is not None:
-            none = await asyncio.to_thread(self._learned.no_order, request, text, language)
-            if none is not None:
-                return none
-        if understood and (question := self._asking_back.question(request, text, language, understood=True)):
+        known = heard.before.things.held or heard.before.seen
+        if isinstance(heard.match, Matched) and needs_held(heard.match) and not known:
+            question = self._phrases(heard.language).question("which_thing")
+            return NoPlan(heard.text, "incomplete", question, ExitCode.CLARIFY)
+        return None
+
+    async def _held_back(self, heard: _Heard) -> Plan | NoPlan | None:
+        """That the learned reader is sure that it is no order."""
+        if self._learned is None:
+            return None
+        return await asyncio.to_thread(self._learned.no_order, heard.request, heard.text, heard.language)
+
+    async def _phrased(self, heard: _Heard) -> Plan | NoPlan | None:
+        """What fits a phrase template: a plan, or small talk."""
+        request, text, language = heard.request, heard.text, heard.language
+        matched = isinstance(heard.match, Matched)
+        if matched and (question := self._asking_back.question(request, text, language, understood=True)):
             return question
-        if isinstance(match, Matched) and _ASKS_FIRST.search(text) is None:
-            return self._validation.one_of(self._validation.plan(text, match), request, language)
-        if talk := phrases.talk(text):
-            return Plan(text, (), talk, "phrases")
-        if self._learned is not None:
-            if isinstance(match, NoMatch) and not match.question and not marks(text) and (why := impossible(text)):
-                return NoPlan(text, "impossible", why)
-            if question := self._asking_back.question(request, text, language):
-                return question
-            found = await asyncio.to_thread(self._learned.plan, request, text, language)
-            if found is not None and (isinstance(found, Plan) or not isinstance(match, UnknownPlace)):
-                return found  # all but a place that is not here was plain to the phrases
-        if (condition := self._looking_first.conditional(text)) is not None:
-            look = self._looking_first.plan(text, condition, language)
-            return await self._by_model(request, language, look) if isinstance(look, NoMatch) else look
-        if (withheld := await self._withheld(request, text, language)) is not None:
-            return withheld
-        if isinstance(match, Matched):
-            match = NoMatch(text, phrases.understood)
+        if isinstance(heard.match, Matched) and _ASKS_FIRST.search(text) is None:
+            return self._validation.one_of(self._validation.plan(text, heard.match), request, language)
+        talk = self._phrases(language).talk(text)
+        return Plan(text, (), talk, "phrases") if talk else None
+
+    async def _read(self, heard: _Heard) -> Plan | NoPlan | None:
+        """What the learned reader makes of what fits no template."""
+        request, text, language, match = heard.request, heard.text, heard.language, heard.match
+        if self._learned is None:
+            return None
+        if isinstance(match, NoMatch) and not match.question and not marks(text) and (why := impossible(text)):
+            return NoPlan(text, "impossible", why)
+        if question := self._asking_back.question(request, text, language):
+            return question
+        found = await asyncio.to_thread(self._learned.plan, request, text, language)
+        plain = isinstance(match, UnknownPlace)  # all but a place that is not here was plain to the phrases
+        return None if isinstance(found, NoPlan) and plain else found
+
+    async def _looked_first(self, heard: _Heard) -> Plan | NoPlan | None:
+        """A look, for what depends on something that can be seen."""
+        condition = self._looking_first.conditional(heard.text)
+        if condition is None:
+            return None
+        look = self._looking_first.plan(heard.text, condition, heard.language)
+        return await self._by_model(heard.request, heard.language, look) if isinstance(look, NoMatch) else look
+
+    async def _asked_back(self, heard: _Heard) -> Plan | NoPlan | None:
+        """Why there is no plan: something is open, unknown, impossible or unclear."""
+        request, text, language = heard.request, heard.text, heard.language
+        match = heard.unmatched(self._phrases(language).understood)
         if question := self._asking_back.question(request, text, language):
             return question
         if isinstance(match, UnknownPlace):
             return await self._unknown_place(request, text, match, language)
-        if match.question and (self._models is None or not request.exchanges):  # else it may follow from those
+        if match.question and (self._models is None or not request.happened):  # else it may follow from those
             return NoPlan(text, "incomplete", match.question, ExitCode.CLARIFY)
         if (why := impossible(text)) is not None:
             return NoPlan(text, "impossible", why)
-        if not (request.exchanges or request.holding) and len(text.split()) <= FEW_WORDS and vague(text):
+        if not (request.happened or request.holding) and len(text.split()) <= FEW_WORDS and vague(text):
             return NoPlan(text, "unclear", SAID[language]["which_thing"], ExitCode.CLARIFY)
-        return await self._by_model(request, language, match)
+        return None
 
     def _understood(
         self, text: str, language: Language, before: Before, said: str
@@ -235,12 +313,13 @@ class Planner:
         told = self._tell(left, language)
         return Plan(text, left, told.response, "phrases", told.steps)
 
-    async def _withheld(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
+    async def _withheld(self, heard: _Heard) -> Plan | NoPlan | None:
         """What becomes of a request that is no order, where no reader has understood it as one: no model may overrule
         that. None where it may be one."""
+        request, text, language = heard.request, heard.text, heard.language
         if order := self._orders.beside_what_is_denied(text, language):
             return await self.plan(replace(request, text=order))
-        answers = bool(last_question(request.exchanges) or self._facts_for(request, text))
+        answers = bool(last_question(request.happened) or self._facts_for(request, text))
         why = self._orders.why_none(text, language, answers=answers)
         if why is None or (why.code == "no_order" and marks(text)):
             return why
@@ -270,7 +349,7 @@ class Planner:
         part = f": “{match.leftover}”" if match.leftover else ""
         answer = SAID[language]["not_understood"].format(part=part, understood=match.understood)
         if self._models is None:
-            asked = bool(last_question(request.exchanges))  # then it is no answer, and no small talk either
+            asked = bool(last_question(request.happened))  # then it is no answer, and no small talk either
             if not asked and (aside := self._phrases(language).aside(request.text)):
                 return Plan(request.text, (), aside, "phrases")
             return NoPlan(request.text, "not_understood", answer)
@@ -295,29 +374,28 @@ class Planner:
     ) -> Plan | NoPlan:
         """One clause after the other, each as if what came before had been done. Raises ``ChatError``."""
         assert self._models is not None
-        exchanges, actions = request.exchanges, tuple[Action, ...]()
+        happened, actions = request.happened, tuple[Action, ...]()
         source: PlanSource = "phrases"
         for piece, match in pieces:
-            part = replace(request, text=piece, exchanges=exchanges)
+            part = replace(request, text=piece, happened=happened)
             if match is None:
                 found = await self._models.plan(part, language, known=self._facts_for(request, piece))
             else:
-                again = self._phrases(language).plan(piece, Before(planned_last(exchanges), request.holding))
+                again = self._phrases(language).plan(piece, Before(planned_last(happened), request.holding))
                 found = self._validation.plan(piece, again if isinstance(again, Matched) else match)
             found = self._validation.one_of(found, part, language)
             if isinstance(found, NoPlan):
                 return replace(found, text=request.text)
             actions += found.actions
             source = found.source if match is None else source
-            done = (Exchange("feedback", f"{action} ok.") for action in found.actions)
-            exchanges += (Exchange("user", piece), Exchange("robot", found.as_written()), *done)
+            happened += (Said(piece), found, *(Ran(action, "ok") for action in found.actions))
         if not actions and isinstance(found, Plan):  # all of it was only talk
             return replace(found, goal=request.text)
         told = self._models.told(actions, language)
         return Plan(goal=request.text, actions=actions, response=told.response, source=source, steps=told.steps)
 
     async def _after_feedback(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan:
-        first = request.sees is not None and rounds(request.exchanges) == 1
+        first = request.sees is not None and rounds(request.happened) == 1
         if (
             first
             and self._learned is not None
@@ -338,7 +416,7 @@ class Planner:
         """Go on with what was seen says. Raises ``ChatError``."""
         found = self._looking_first.decided(request, condition, language)
         if isinstance(found, GoesOn):
-            return await self.plan(replace(request, text=found.text, exchanges=()))
+            return await self.plan(replace(request, text=found.text, happened=()))
         if isinstance(found, NoPlan) and self._models is not None and not self._models.is_small:
             return await self._models.plan(request, language)
         return found

@@ -8,8 +8,17 @@ from dataclasses import dataclass
 from typing import Final, Literal, Protocol
 
 from engine.errors import ExitCode
-from engine.events import ClarificationAsked, MeaningRead, ModelAsked, PlanRejected, PlanSource, RefusalMade, Scope
-from engine.plan import Action, Plan
+from engine.events import (
+    ClarificationAsked,
+    MeaningRead,
+    ModelAsked,
+    Outcome,
+    PlanRejected,
+    PlanSource,
+    RefusalMade,
+    Scope,
+)
+from engine.plan import Action, ActionCall, Plan
 from engine.planner.text.counts import Count
 
 Language = Literal["en", "zh"]
@@ -25,6 +34,10 @@ class NoPlan:
     answer: str
     exit_code: ExitCode = ExitCode.FAILED
     suggestions: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
+    """Names between which the user is to choose."""
+    offer: tuple[ActionCall, ...] = ()
+    """What is done if the user says yes."""
 
     @property
     def nothing_new(self) -> bool:
@@ -45,12 +58,33 @@ class NoPlan:
 
 
 @dataclass(frozen=True, slots=True)
-class Exchange:
-    """Something that was said or done earlier in this task, as a planner is told it."""
+class Said:
+    """The user said it."""
 
-    who: Literal["user", "robot", "feedback"]
-    """robot: the plan that was made then, in the form in which models write plans; feedback: what became of it."""
     text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Ran:
+    """An action ran, and how it ended."""
+
+    action: Action
+    outcome: Outcome
+    message: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.action} {self.outcome}. {self.message}".rstrip()
+
+
+@dataclass(frozen=True, slots=True)
+class Noted:
+    """Something else that a model should know: an interruption, what could be heard of an answer, what never began."""
+
+    text: str
+
+
+Happened = Said | Plan | NoPlan | Ran | Noted
+"""Something that happened earlier in a task; a plan or the reason why there is none is what the robot answered."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +112,7 @@ class PlanRequest:
 
     text: str
     """What the user said; empty when the planner is to go on after feedback."""
-    exchanges: tuple[Exchange, ...] = ()
+    happened: tuple[Happened, ...] = ()
     """What happened in this task until now, oldest first."""
     cycle: str = ""
     """Names the task: requests with the same one belong together."""

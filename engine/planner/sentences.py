@@ -44,6 +44,7 @@ SAID: Final[Mapping[Language, Mapping[str, str]]] = {
         "unable_every": "I take one thing after the other: which one of “{words}” shall I begin with?",
         "unable_full": "I can hold one thing at a time, and I have {words}.",
         "unable_state": "I can see what is there, but not whether it is {words}.",
+        "unable_event": "I cannot tell whether or when this is so: {words}.",
         "unable_name": "I can remember one place, but not call it “{words}”.",
     },
     "zh": {
@@ -82,6 +83,7 @@ SAID: Final[Mapping[Language, Mapping[str, str]]] = {
         "unable_every": "我一次拿一样：“{words}”里先拿哪一个？",
         "unable_full": "我一次只能拿一样东西，现在拿着{words}。",
         "unable_state": "我能看到那里有什么，但看不出是不是{words}。",
+        "unable_event": "这件事我没法知道：{words}。",
         "unable_name": "我可以记住一个位置，但不能给它起名叫“{words}”。",
     },
 }

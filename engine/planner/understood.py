@@ -19,26 +19,26 @@ from engine.planner import about_itself, amounts
 from engine.planner.accounted import accounted
 from engine.planner.doing.acts import calls_of
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable, Which
-from engine.planner.doing.looking import seen
+from engine.planner.doing.looking import of_itself, seen
 from engine.planner.entities import Entities
+from engine.planner.happened import last_question, last_said, open_command
 from engine.planner.phrases.phrases import PhrasePlanner, UnknownPlace
 from engine.planner.phrases.said import Calls
 from engine.planner.readings.first_look import IF_POLITE
 from engine.planner.request import Language, NoPlan, PlanRequest
 from engine.planner.sentences import SAID
-from engine.planner.stages.exchanges import last_question, last_said, open_command
 from engine.planner.text.counts import counted
 from engine.planner.unknown_places import unknown
 from engine.planner.validation import Validation
 from engine.skills.vocabulary import Vocabulary
 from engine.understanding.acts import ACTS, RoleName
-from engine.understanding.meaning import Do, If, Instead, Meaning, Node, Not, Repeat, Retract, Role
+from engine.understanding.meaning import About, Do, If, Instead, Meaning, Node, Not, Repeat, Retract, Role
 
-SURE: Final = 0.5
+SURE: Final = 0.6
 """How sure the reader has to be, 0 to 1, for something to move."""
-MAYBE: Final = 0.3
+MAYBE: Final = 0.25
 """How sure it has to be for a plan that moves nothing, and for the question whether something that moves is meant."""
-NO_ORDER: Final = 0.5
+NO_ORDER: Final = 0.6
 """How sure it has to be that something is no order, for another reader's plan to be held back."""
 DOUBT: Final = 0.15
 """How much it may doubt that a request is an order for something of it to be done."""
@@ -61,8 +61,8 @@ _TOPICS: Final = (
     ("holding", re.compile(r"\bh(?:o|e)ld|\bgrip|\bcarry|in your hand|拿着|手里|抓着")),
     ("battery", re.compile(r"batter|charge|power|juice|电")),
     ("stopped", re.compile(r"\bwhy\b|\bstop|wrong|fail|为什么|怎么停|出错|问题")),
-    ("seewhat", re.compile(r"\bsee(?:s|ing)?\b|\blook|看")),
-    ("report_pose", re.compile(r"\bwhere\b|position|location|room|standing|哪|位置")),
+    ("seewhat", re.compile(r"\bsee(?:s|ing)?\b|\blook|camera|in view|看|镜头")),
+    ("report_pose", re.compile(r"\bwhere|position|location|room|standing|哪|位置")),
     ("list_skills", re.compile(r"\bable\b|can you do|abilit|skill|会做|本事|功能")),
     ("done", re.compile(r"\bd(?:o|id|one|oing)\b|\baction|\brecent|\bup to\b|\blast\b|finish|刚才|做了|干了|完成")),
 )
@@ -135,7 +135,8 @@ class Understood:
         if meaning.doubt > DOUBT and not meaning.has(Retract) and not meaning.has(Not):
             return NoPlan(text, "no_order", SAID[language]["no_order_doubt"], ExitCode.CLARIFY)
         found = self.of(wanted, request, text, language)
-        if meaning.confidence < SURE and isinstance(found, Plan) and self._moves(found):
+        denies = any(meaning.has(kind) for kind in (Not, Retract, About))
+        if meaning.confidence < SURE and isinstance(found, Plan) and (denies or self._moves(found)):
             steps = SAID[language]["then"].join(step.rstrip(".。") for step in found.steps)
             return NoPlan(text, "unsure", SAID[language]["unsure"].format(steps=steps), ExitCode.CLARIFY)
         return found
@@ -146,10 +147,10 @@ class Understood:
     def _confirmed(self, request: PlanRequest, text: str) -> Meaning | None:
         """What the reader was not sure of, where the user has just said that it is meant."""
         answer = self.meaning(text)
-        if not last_question(request.exchanges) or answer is None or len(answer.nodes) != 1:
+        if not last_question(request.happened) or answer is None or len(answer.nodes) != 1:
             return None
         node = answer.nodes[0]
-        before = open_command(request.exchanges)
+        before = open_command(request.happened)
         meaning = self.meaning(before[-1]) if before and isinstance(node, Do) and node.act == "yes" else None
         return replace(meaning, confidence=1.0) if meaning is not None and meaning.confidence >= MAYBE else None
 
@@ -180,6 +181,11 @@ class Understood:
                 first = calls_of(acts[:condition], doing)
                 node = acts[condition]
                 assert isinstance(node, If)
+                if (holds := of_itself(doing, node.condition)) is not None:  # there is nothing to look at
+                    branch = _only_wanted(node.then if holds else node.otherwise)
+                    rest = (*acts[:condition], *branch, *acts[condition + 1 :])
+                    nothing = Plan(text, (), SAID[language]["all_right"], "reader")
+                    return self.of(rest, request, text, language, named) if rest else nothing
                 _, look = seen(doing, node.condition)
                 found = self._planned(text, (*first, *look), language)
                 return replace(found, finished=False) if isinstance(found, Plan) else found
@@ -249,15 +255,15 @@ class Understood:
         """What a command that lacked something means with this answer to the question about it, or with this correction
         of what was said before."""
         answer = self.meaning(text)
-        if not request.exchanges or answer is None or len(answer.nodes) != 1 or not accounted(answer):
+        if not request.happened or answer is None or len(answer.nodes) != 1 or not accounted(answer):
             return None
         node = answer.nodes[0]
-        if last_question(request.exchanges):
+        if last_question(request.happened):
             if not (isinstance(node, Instead) or (isinstance(node, Do) and node.act == "fragment")):
                 return None
-            before = open_command(request.exchanges)
+            before = open_command(request.happened)
         elif isinstance(node, Instead):  # it corrects what has been done
-            before = (last_said(request.exchanges),)
+            before = (last_said(request.happened),)
         else:
             return None
         first = self.meaning(before[0]) if before else None

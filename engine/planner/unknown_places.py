@@ -10,6 +10,7 @@ from difflib import get_close_matches
 from typing import Final
 
 from engine.errors import ExitCode, PlanError
+from engine.plan import ActionCall
 from engine.planner.phrases.phrases import UnknownPlace
 from engine.planner.request import Language, NoPlan
 from engine.planner.sentences import SAID
@@ -23,7 +24,7 @@ def unknown(text: str, place: UnknownPlace, language: Language) -> NoPlan:
     """That nobody knows it: the offer to go to the one whose name is nearest, else which places there are."""
     if near := nearest(place.name, place.known):
         question = SAID[language]["nearest"].format(name=place.name, near=near)
-        return NoPlan(text, "unknown_place", question, ExitCode.CLARIFY, suggestions=(near,))
+        return NoPlan(text, "unknown_place", question, ExitCode.CLARIFY, suggestions=(near,), offer=_going(near))
     answer = SAID[language]["unknown_place"].format(name=place.name, known=", ".join(place.known))
     return NoPlan(text, "unknown_place", answer, suggestions=place.known)
 
@@ -58,4 +59,8 @@ def room_instead(text: str, place: UnknownPlace, vocabulary: Vocabulary, languag
     if not room:
         return None
     question = SAID[language]["no_place_there"].format(name=place.name, room=room)
-    return NoPlan(text, "no_place_there", question, ExitCode.CLARIFY)
+    return NoPlan(text, "no_place_there", question, ExitCode.CLARIFY, offer=_going(room))
+
+
+def _going(place: str) -> tuple[ActionCall, ...]:
+    return (ActionCall("navigation", (place,)),)

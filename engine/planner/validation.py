@@ -28,7 +28,7 @@ def which_of(text: str, names: Sequence[str], language: Language) -> NoPlan:
     """The question which of several things is meant."""
     told = SAID[language]
     listed = told["or"].join((", the ".join(names[:-1]), names[-1]))
-    return NoPlan(text, "ambiguous", told["which_of"].format(names=listed), ExitCode.CLARIFY)
+    return NoPlan(text, "ambiguous", told["which_of"].format(names=listed), ExitCode.CLARIFY, options=tuple(names))
 
 
 class Validation:

@@ -12,8 +12,9 @@ from typing import Any, Final
 from ulid import ULID
 
 from engine.events import Scope
-from engine.plan import Action
-from engine.planner.request import Exchange, OnRecord
+from engine.plan import Action, Plan
+from engine.planner import request
+from engine.planner.request import Happened, NoPlan, Noted, OnRecord
 from engine.session.dispatch import Ran
 
 MAX_ENTRIES: Final = 500
@@ -30,10 +31,10 @@ class Said:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """The planner answered: a plan that was begun, a question or a reason, in the form in which models write it."""
+    """The planner answered: a plan that was begun, a question or a reason."""
 
     turn: str
-    written: str
+    answer: Plan | NoPlan
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,18 +112,18 @@ class TaskCycle:
         """For snapshots."""
         return [_as_json(entry) for entry in self.entries]
 
-    def as_exchanges(self) -> tuple[Exchange, ...]:
+    def happened(self) -> tuple[Happened, ...]:
         """For a planner: what was said, what was planned, what was done and how it ended, what was cut and where that
         left the robot, and what never started; oldest first."""
-        return tuple(filter(None, map(_as_exchange, self.entries)))
+        return tuple(filter(None, map(_happened, self.entries)))
 
 
 def _as_json(entry: Entry) -> dict[str, Any]:
     match entry:
         case Said(turn, text):
             return {"turn": turn, "said": text}
-        case Planned(turn, written):
-            return {"turn": turn, "planned": written}
+        case Planned(turn, answer):
+            return {"turn": turn, "planned": answer.as_written()}
         case Answered(turn, text, heard):
             return {"turn": turn, "answered": heard, "cut_off": heard != text}
         case Interrupted(turn, scope):
@@ -134,23 +135,23 @@ def _as_json(entry: Entry) -> dict[str, Any]:
             return {"turn": turn, "never_started": [str(action) for action in actions]}
 
 
-def _as_exchange(entry: Entry) -> Exchange | None:
+def _happened(entry: Entry) -> Happened | None:
     match entry:
         case Said(_, text):
-            return Exchange("user", text)
-        case Planned(_, written):
-            return Exchange("robot", written)
+            return request.Said(text)
+        case Planned(_, answer):
+            return answer
         case Answered(_, text, heard) if heard == text:
             return None  # it is in the plan, or in the feedback
         case Answered(_, _, heard):
             heard = heard or "(nothing that could be heard)"
-            return Exchange("feedback", f"The robot said, before it was cut off: {heard}")
+            return Noted(f"The robot said, before it was cut off: {heard}")
         case Interrupted(_, scope):
-            return Exchange("feedback", f"Interruption: {_BY[scope]}.")
+            return Noted(f"Interruption: {_BY[scope]}.")
         case Acted(_, ran):
-            return Exchange("feedback", f"{ran.action} {ran.result.outcome}. {ran.result.message}".rstrip())
+            return request.Ran(ran.action, ran.result.outcome, ran.result.message)
         case NeverStarted(_, actions):
-            return Exchange("feedback", f"Never started: {', '.join(map(str, actions))}.")
+            return Noted(f"Never started: {', '.join(map(str, actions))}.")
 
 
 _BY: dict[Scope, str] = {

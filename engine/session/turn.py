@@ -29,7 +29,7 @@ from engine.llm.chat import ChatError
 from engine.parts.part import Loading
 from engine.plan import Plan
 from engine.planner.intent import with_intent
-from engine.planner.request import Exchange, Language, NoPlan, PlanRequest, Plans
+from engine.planner.request import Happened, Language, NoPlan, PlanRequest, Plans
 from engine.planner.text.language import language_of
 from engine.robot.robot import Robot
 from engine.session.dispatch import Dispatcher, Ran, Report, Run
@@ -123,7 +123,7 @@ class Turn:
         self._thinking = False
         self._stage: State | None = None  # that thinking has reached
         self._language: Language | None = None  # that was heard
-        self._so_far: tuple[Exchange, ...] = ()  # what had happened in the cycle when it was asked
+        self._so_far: tuple[Happened, ...] = ()  # what had happened in the cycle when it was asked
         self._asked_at = 0.0  # robot time, s
         self._failures: Counter[str] = Counter()
 
@@ -172,7 +172,7 @@ class Turn:
             if isinstance(found, NoPlan):
                 found = replace(found, answer=self.worded(found.answer))
             self.emit(with_intent(found, self._needs.place_names))
-            self._cycle.entries.append(Planned(self.id, found.as_written()))
+            self._cycle.entries.append(Planned(self.id, found))
             if isinstance(found, NoPlan):
                 return await self._answer(found.answer, found.exit_code, _OUTCOMES.get(found.exit_code, "failed"))
             if not found.actions:
@@ -221,13 +221,13 @@ class Turn:
         self._language = "zh" if heard.language == "zh" else None  # else the text itself shows it
 
     def _note(self, text: str) -> None:
-        self._so_far = self._cycle.as_exchanges()
+        self._so_far = self._cycle.happened()
         self.asked = text
         self._cycle.entries.append(Said(self.id, text))
 
     # Thinking
 
-    async def _think(self, text: str, so_far: tuple[Exchange, ...]) -> Plan | NoPlan:
+    async def _think(self, text: str, so_far: tuple[Happened, ...]) -> Plan | NoPlan:
         """Plan ``text``, or what is to follow after feedback."""
         planner = await self._needs.planner.get()
         await self.stay_current()
@@ -267,7 +267,7 @@ class Turn:
     async def _reconsider(self, result: TurnResult) -> Plan | NoPlan | TurnResult:
         """What is to follow, now that a plan has come to its end; how the turn ends where nobody can say."""
         try:
-            found = await self._think("", self._cycle.as_exchanges())
+            found = await self._think("", self._cycle.happened())
         except ChatError as error:
             found = NoPlan(self.asked, error.code, str(error), error.exit_code)
         if not isinstance(found, NoPlan) or not found.nothing_new:

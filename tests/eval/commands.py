@@ -9,7 +9,6 @@ that only looks, what may come of it, each with ``feedback``, ``seen`` and what 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -17,8 +16,9 @@ from typing import Annotated, Any, Final
 import yaml
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
-from engine.planner.request import Exchange, Language
+from engine.planner.request import Happened, Language, Said
 from tests.eval.equivalence import read
+from tests.history import asked, planned, ran
 
 HERE: Final = Path(__file__).parent
 OUTCOMES: Final = ("clarify", "refuse", "impossible", "chat")
@@ -43,18 +43,20 @@ class Turn(_Part):
     feedback: str = Field(default="ok", description="What became of the plan; ok: all of it was done.")
     question: str = ""
 
-    def exchanges(self) -> Iterator[Exchange]:
+    def happened(self) -> Iterator[Happened]:
         """As a planner is told it."""
-        yield Exchange("user", self.user)
+        yield Said(self.user)
         if self.question:
-            yield Exchange("robot", json.dumps({"clarification": self.question}, ensure_ascii=False))
+            yield asked(self.question)
         if self.plan:
             actions = [action.strip() for action in self.plan.split(";")]
-            yield Exchange("robot", json.dumps({"action": actions}, ensure_ascii=False))
+            yield planned(*actions)
             if self.feedback == "ok":
-                yield from (Exchange("feedback", f"{action} ok.") for action in actions)
+                yield from (ran(action) for action in actions)
             else:
-                yield Exchange("feedback", f"{actions[-1]} {self.feedback}")
+                failed = self.feedback.startswith("failed")
+                told = self.feedback.removeprefix("failed").removeprefix("ok").lstrip(".: ")
+                yield ran(actions[-1], "failed" if failed else "ok", told)
 
 
 class Next(_Part):
@@ -84,9 +86,9 @@ class Entry(_Part):
         """The acceptable plans."""
         return plans_in(self.ok)
 
-    def exchanges(self) -> tuple[Exchange, ...]:
+    def happened(self) -> tuple[Happened, ...]:
         """What was said and done before."""
-        return tuple(exchange for turn in self.context for exchange in turn.exchanges())
+        return tuple(entry for turn in self.context for entry in turn.happened())
 
 
 def plans_in(ok: tuple[str, ...]) -> tuple[str, ...]:

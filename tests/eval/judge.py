@@ -10,7 +10,7 @@ from typing import Final, Literal, Protocol
 
 from engine.errors import ExitCode, SaysoError
 from engine.plan import Plan
-from engine.planner.request import Exchange, NoPlan, PlanRequest
+from engine.planner.request import Happened, NoPlan, PlanRequest, Ran, Said
 from tests.eval.commands import Entry, Next, plans_in
 from tests.eval.effects import Step, Words, effects
 from tests.eval.equivalence import accepts, read, slots_right
@@ -53,7 +53,7 @@ class Answer:
     source: str
     seconds: float
     finished: bool = True
-    written: str = ""
+    found: Plan | NoPlan | None = None
     """As an exchange tells it."""
 
 
@@ -80,7 +80,7 @@ class Verdict:
 async def judge(entry: Entry, planner: Plans, words: KnownWords) -> Verdict:
     """Ask the planner, and judge what it says. Where its plan looks, both outcomes are played to it."""
     name = f"judged {next(_cycles)}"
-    request = PlanRequest(entry.say, entry.exchanges(), name, entry.language, holding=entry.holding, seen=entry.seen)
+    request = PlanRequest(entry.say, entry.happened(), name, entry.language, holding=entry.holding, seen=entry.seen)
     answer = await _ask(planner, request)
     ok = acceptable(entry.ok, answer, words, must_go_on=entry.category == "conditional")
     answers = [answer]
@@ -88,7 +88,7 @@ async def judge(entry: Entry, planner: Plans, words: KnownWords) -> Verdict:
         for after in entry.then if answer.outcome == "plan" else ():
             answers.append(await _ask(planner, _after(request, answer, after, words)))
             ok = ok and acceptable(after.ok, answers[-1], words, must_go_on=False)
-    said = " ".join((entry.say, entry.holding, *entry.seen, *(exchange.text for exchange in entry.exchanges())))
+    said = " ".join((entry.say, entry.holding, *entry.seen, *map(_in_words, entry.happened())))
     out_of_nowhere = () if ok or answer.outcome != "plan" else _out_of_nowhere(entry, answer, said, words)
     return Verdict(
         entry=entry,
@@ -147,7 +147,7 @@ def as_answer(found: Plan | NoPlan, seconds: float) -> Answer:
             found.exit_code, "lost" if found.code in LOST or found.code.startswith("model_") else "impossible"
         )
         shown = f"{outcome} ({found.code}): {found.answer}"
-        return Answer(outcome, (), shown, "", seconds, written=found.as_written())
+        return Answer(outcome, (), shown, "", seconds, found=found)
     steps = tuple(
         Step(action.name, tuple(_value(value) for value in action.args.values()))
         for action in found.actions
@@ -155,9 +155,9 @@ def as_answer(found: Plan | NoPlan, seconds: float) -> Answer:
     )
     shown = "; ".join(str(action) for action in found.actions)
     if steps:
-        return Answer("plan", steps, shown, found.source, seconds, found.finished, found.as_written())
+        return Answer("plan", steps, shown, found.source, seconds, found.finished, found)
     outcome = "chat" if found.response else "lost"
-    return Answer(outcome, (), f"{outcome}: {found.response}", found.source, seconds, True, found.as_written())
+    return Answer(outcome, (), f"{outcome}: {found.response}", found.source, seconds, True, found)
 
 
 def _value(value: object) -> str | float:
@@ -166,17 +166,17 @@ def _value(value: object) -> str | float:
 
 def _after(request: PlanRequest, answer: Answer, after: Next, words: Words) -> PlanRequest:
     """What is asked when the plan is done, and this is what came of it."""
-    done = [f"{_shown(step)} ok." for step in answer.steps]
-    done[-1] += f" {after.feedback}"
-    feedback = (Exchange("feedback", line) for line in done)
-    said = (*request.exchanges, Exchange("user", request.text), Exchange("robot", answer.written), *feedback)
+    assert isinstance(answer.found, Plan)
+    *before, last = answer.found.actions
+    done = (*(Ran(action, "ok") for action in before), Ran(last, "ok", after.feedback))
+    said = (*request.happened, Said(request.text), answer.found, *done)
     return PlanRequest(
         "", said, request.cycle, request.language, holding=request.holding, seen=after.seen, sees=_sees(after, words)
     )
 
 
-def _shown(step: Step) -> str:
-    return f"{step.name}({', '.join(f'{arg:g}' if isinstance(arg, float) else arg for arg in step.args)})"
+def _in_words(entry: Happened) -> str:
+    return entry.as_written() if isinstance(entry, Plan | NoPlan) else str(getattr(entry, "text", entry))
 
 
 def _sees(after: Next, words: Words) -> Callable[[str], bool]:

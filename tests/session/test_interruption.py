@@ -11,6 +11,9 @@ from engine.commands import Command, EndTask, Interrupt, Quit, Say, Snapshot, Wa
 from engine.errors import DeviceError, ExitCode
 from engine.events import State
 from engine.parts.part import Part
+from engine.plan import Plan
+from engine.planner.happened import in_words
+from engine.planner.request import Noted, Ran, Said
 from engine.robot.arm import ARM_INITIAL
 from engine.session.session import TurnOver
 from tests.session.conversation import Conversation, SlowVoice, converse
@@ -332,17 +335,16 @@ def test_the_next_request_tells_the_planner_what_ran_what_was_cut_where_and_what
         await talk.pass_time(1.0)
         talk.send(Say("turn right 90 degrees"))
         await talk.result(2)
-        assert talk.planner.asked[0].exchanges == ()
-        assert [(exchange.who, exchange.text) for exchange in talk.planner.asked[1].exchanges] == [
-            ("user", "turn left 90 degrees, go forward 10 metres, beep"),
-            ("robot", '{"action": ["move_left(90, 1)", "move_forward(10, 0.3)", "beep(0.2)"]}'),
-            ("feedback", "move_left(90, 1) ok. Turned 90° left."),
-            ("feedback", "Interruption: the user gave another command."),
-            (
-                "feedback",
-                "move_forward(10, 0.3) interrupted. move_forward(10, 0.3) was interrupted at x 0.00 m, y 0.30 m.",
-            ),
-            ("feedback", "Never started: beep(0.2)."),
+        assert talk.planner.asked[0].happened == ()
+        said, plan, *rest = talk.planner.asked[1].happened
+        assert said == Said("turn left 90 degrees, go forward 10 metres, beep")
+        assert isinstance(plan, Plan)
+        assert list(map(str, plan.actions)) == ["move_left(90, 1)", "move_forward(10, 0.3)", "beep(0.2)"]
+        assert [in_words(entry) for entry in rest if isinstance(entry, Ran | Noted)] == [
+            "move_left(90, 1) ok. Turned 90° left.",
+            "Interruption: the user gave another command.",
+            "move_forward(10, 0.3) interrupted. move_forward(10, 0.3) was interrupted at x 0.00 m, y 0.30 m.",
+            "Never started: beep(0.2).",
         ]
 
     converse(test)
@@ -359,8 +361,8 @@ def test_an_interrupted_answer_is_recorded_up_to_the_last_word_that_was_played()
         assert (ended.outcome, ended.heard) == ("interrupted", "I don't know a")
         talk.send(Say("beep"))
         await talk.result(2)
-        told = [exchange.text for exchange in talk.planner.asked[1].exchanges]
-        assert "The robot said, before it was cut off: I don't know a" in told
+        told = Noted("The robot said, before it was cut off: I don't know a")
+        assert told in talk.planner.asked[1].happened
 
     converse(test, voice=SlowVoice())
 

@@ -13,7 +13,7 @@ from engine.llm.chat import Unreachable
 from engine.perception.memory import WorldMemory
 from engine.plan import Plan, parse_calls
 from engine.planner.build import build_registry
-from engine.planner.request import NoPlan, PlanRequest
+from engine.planner.request import NoPlan, PlanRequest, Ran, Said
 from engine.robot.camera import Picture
 from engine.session.recall import Recall
 from tests.session.conversation import Conversation, converse
@@ -60,8 +60,8 @@ def test_a_plan_that_is_not_finished_is_thought_over_with_what_became_of_it() ->
         assert [body.name for body in talk.bodies(events.ActionFinished)] == ["beep", "wait"]
         first, second = model.asked
         assert (first.text, second.text) == ("look before you leap", "")
-        assert [exchange.who for exchange in second.exchanges] == ["user", "robot", "feedback"]
-        assert second.exchanges[-1].text.startswith("beep(0.2) ok.")
+        assert [type(entry) for entry in second.happened] == [Said, Plan, Ran]
+        assert str(second.happened[-1]).startswith("beep(0.2) ok.")
         assert first.cycle == second.cycle != ""
         assert len(talk.results) == 1
 
@@ -89,7 +89,7 @@ def test_a_question_after_feedback_makes_the_turn_end_with_5() -> None:
         assert [body.question for body in talk.bodies(events.ClarificationAsked)] == ["Which one?"]
         talk.send(Say("the red one"))
         await talk.result(2)
-        assert model.asked[2].exchanges[-1].text == '{"clarification": "Which one?"}'
+        assert model.asked[2].happened[-1] == question
 
     converse(test, plans=model)
 

@@ -11,7 +11,8 @@ from config import load
 from engine.parts.loading import at_home
 from engine.plan import Plan
 from engine.planner.build import build_planner
-from engine.planner.request import Exchange, NoPlan, PlanRequest
+from engine.planner.request import Happened, NoPlan, PlanRequest, Said
+from tests.history import planned, ran
 
 PLANNER = build_planner(at_home(load(environ={})), reader=False)
 
@@ -19,12 +20,11 @@ PLANNER = build_planner(at_home(load(environ={})), reader=False)
 def after(done: str, text: str, failed: str = "") -> str | NoPlan:
     """The plan for ``text`` after the actions ``done`` and the one that ``failed``."""
     actions = [action for action in f"{done};{failed}".split(";") if action]
-    written = ", ".join(f'"{action}"' for action in (*actions, "finishtask()"))
-    exchanges = [Exchange("user", "something"), Exchange("robot", f'{{"action": [{written}]}}')]
-    exchanges += [Exchange("feedback", f"{action} ok. Done.") for action in actions if action != failed]
+    happened: list[Happened] = [Said("something"), planned(*actions, "finishtask()")]
+    happened += [ran(action, message="Done.") for action in actions if action != failed]
     if failed:
-        exchanges.append(Exchange("feedback", f"{failed} failed. It slipped."))
-    found = asyncio.run(PLANNER.plan(PlanRequest(text, tuple(exchanges))))
+        happened.append(ran(failed, "failed", "It slipped."))
+    found = asyncio.run(PLANNER.plan(PlanRequest(text, tuple(happened))))
     return found if isinstance(found, NoPlan) else "; ".join(map(str, found.actions))
 
 

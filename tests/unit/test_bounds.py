@@ -71,7 +71,7 @@ def test_a_task_that_nobody_ends_keeps_its_newest_entries() -> None:
     cycle = TaskCycle(1)
     for number in range(MAX_ENTRIES + 50):
         cycle.entries.append(Said("T", f"request {number}"))
-    assert len(cycle.as_exchanges()) == len(cycle.as_json()) == MAX_ENTRIES
+    assert len(cycle.happened()) == len(cycle.as_json()) == MAX_ENTRIES
     assert cycle.last_said == f"request {MAX_ENTRIES + 49}"
 
 

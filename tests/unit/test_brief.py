@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 from engine.plan import Plan
 from engine.planner.reply import UnreadableReply, read_reply
-from engine.planner.request import Exchange
+from engine.planner.request import Said
 from engine.planner.stages.brief import brief, full
+from tests import history
 from tests.unit.test_two_stage import ODD, Model, asked, names
 
 EXAMPLES: list[dict[str, str]] = [
@@ -64,8 +65,8 @@ def test_nothing_that_a_model_writes_is_too_odd(text: str) -> None:
 
 def test_a_small_model_is_shown_and_writes_lines() -> None:
     model = Model(["pick_object(red box); place_object(sofa)"], local=True)
-    before = (Exchange("user", "hello"), Exchange("robot", '{"response": "Hi."}'), Exchange("feedback", "beep() ok."))
-    plan = asked(model, ODD, exchanges=before)
+    before = (Said("hello"), history.answered("Hi."), history.ran("beep()"))
+    plan = asked(model, ODD, happened=before)
     assert names(plan) == ["pick_object", "place_object"]
     assert isinstance(plan, Plan)
     assert json.loads(plan.as_written())["action"] == ["pick_object(red box)", "place_object(sofa)"]

@@ -21,9 +21,10 @@ from engine.llm.chat import Ask, ChatError, Hear, Message, Reply, Unreachable, _
 from engine.llm.openai import OpenAIChat
 from engine.plan import Plan
 from engine.planner.build import build_planner
-from engine.planner.request import Exchange, PlanRequest
+from engine.planner.request import PlanRequest, Said
 from engine.planner.stages.models import Models
 from tests import virtual_time
+from tests.history import planned, ran
 from tests.model_service import SECRET, STREAM, Answer, Service, Unfinished, chunk, reply, serving, streamed
 from tests.unit.test_two_stage import GOOD, ODD, SETTINGS, Model, planner_with
 
@@ -104,11 +105,11 @@ def test_one_that_fails_is_told_with_its_error_and_so_is_the_one_that_is_asked_i
 def test_a_picture_is_told_by_its_size(size: tuple[int, int]) -> None:
     done, file = cv2.imencode(".png", np.zeros((size[1], size[0], 3), np.uint8))
     assert done
-    exchanges = (Exchange("user", ODD), Exchange("robot", '{"action": ["seewhat()"]}'), Exchange("feedback", "ok."))
-    (call,) = calls_of(Model([GOOD]), "", exchanges=exchanges, picture=file.tobytes())
+    happened = (Said(ODD), planned("seewhat()"), ran("seewhat()"))
+    (call,) = calls_of(Model([GOOD]), "", happened=happened, picture=file.tobytes())
     assert call.messages[-1].text.endswith(f"\n[picture {size[0]}×{size[1]}]")
     assert len(msgspec.json.encode(call)) < 2000
-    (call,) = calls_of(Model([GOOD]), "", exchanges=exchanges, picture=b"\xff\xd8\xff")
+    (call,) = calls_of(Model([GOOD]), "", happened=happened, picture=b"\xff\xd8\xff")
     assert call.messages[-1].text.endswith("\n[picture]")
 
 

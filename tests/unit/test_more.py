@@ -10,7 +10,7 @@ from config import load
 from engine.parts.loading import at_home
 from engine.plan import Plan
 from engine.planner.build import build_planner
-from engine.planner.request import Exchange, NoPlan, PlanRequest
+from engine.planner.request import NoPlan, PlanRequest, Ran, Said
 
 PLANNER = build_planner(at_home(load(environ={})), reader=False)
 
@@ -19,8 +19,7 @@ def after(first: str, then: str) -> Plan | NoPlan:
     """What ``then`` comes to once ``first`` has been done."""
     done = asyncio.run(PLANNER.plan(PlanRequest(first)))
     assert isinstance(done, Plan)
-    feedback = (Exchange("feedback", f"{action} ok.") for action in done.actions)
-    said = (Exchange("user", first), Exchange("robot", done.as_written()), *feedback)
+    said = (Said(first), done, *(Ran(action, "ok") for action in done.actions))
     return asyncio.run(PLANNER.plan(PlanRequest(then, said)))
 
 

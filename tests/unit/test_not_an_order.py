@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 
 from engine.plan import Plan
 from engine.planner.not_an_order import marks, skipped, what_counts, without_contrast
-from engine.planner.planner import Exchange, NoPlan, PlanRequest
+from engine.planner.planner import NoPlan, PlanRequest
+from engine.planner.request import Happened, Said
 from engine.planner.text.language import load
+from tests.history import asked
 from tests.unit.test_two_stage import Model, planner_with
 
 COMMANDS = [
@@ -26,7 +28,7 @@ DRIVES = '{"action": ["navigation(kitchen)"], "response": "Going."}'
 PLANNER = planner_with(Model([DRIVES]))
 
 
-def planned(text: str, *before: Exchange) -> Plan | NoPlan:
+def planned(text: str, *before: Happened) -> Plan | NoPlan:
     """What comes of ``text`` where a model would drive to the kitchen."""
     return asyncio.run(PLANNER.plan(PlanRequest(text, before)))
 
@@ -157,7 +159,7 @@ def test_talk_about_an_order_reaches_no_model() -> None:
 
 
 def test_what_was_taken_back_before_a_question_was_answered_stays_taken_back() -> None:
-    before = (Exchange("user", "pick up the box"), Exchange("robot", '{"clarification": "Which one: the red box?"}'))
+    before = (Said("pick up the box"), asked("Which one: the red box?"))
     found = planned("oh leave it", *before)
     assert isinstance(found, Plan)
     assert not found.actions

@@ -12,7 +12,9 @@ from engine.parts.loading import at_home
 from engine.plan import Plan
 from engine.planner.build import build_planner
 from engine.planner.pending import agreed, chosen
-from engine.planner.planner import Exchange, NoPlan, PlanRequest
+from engine.planner.planner import NoPlan, PlanRequest
+from engine.planner.request import Happened, Said
+from tests import history
 
 SETTINGS = at_home(load(environ={}))
 PLANNER = build_planner(SETTINGS, reader=False)
@@ -20,13 +22,13 @@ PLANNER = build_planner(SETTINGS, reader=False)
 
 def talk(*said: str) -> Plan | NoPlan:
     """What comes of the last of these, said one after the other; everything before it is asked back."""
-    exchanges: tuple[Exchange, ...] = ()
+    happened: tuple[Happened, ...] = ()
     for text in said[:-1]:
-        asked = asyncio.run(PLANNER.plan(PlanRequest(text, exchanges)))
+        asked = asyncio.run(PLANNER.plan(PlanRequest(text, happened)))
         assert isinstance(asked, NoPlan), f"nothing is lacking in {text!r}: {asked}"
         assert asked.exit_code == ExitCode.CLARIFY, f"{text!r} is not asked about: {asked}"
-        exchanges += (Exchange("user", text), Exchange("robot", asked.as_written()))
-    return asyncio.run(PLANNER.plan(PlanRequest(said[-1], exchanges)))
+        happened += (Said(text), asked)
+    return asyncio.run(PLANNER.plan(PlanRequest(said[-1], happened)))
 
 
 def actions(*said: str) -> str:
@@ -178,7 +180,7 @@ def test_an_answer_that_leaves_something_open_is_asked_about_again(said: tuple[s
     ],
 )
 def test_an_answer_may_count_what_was_offered(question: str, answer: str, expected: str) -> None:
-    assert chosen(question, answer) == expected
+    assert chosen(history.asked(question), answer) == expected
 
 
 @pytest.mark.parametrize(
@@ -219,15 +221,15 @@ def test_what_is_no_answer_makes_nothing_move(command: str, answer: str) -> None
 )
 def test_who_agrees_to_an_offer_gets_it(question: str, answer: str, expected: str) -> None:
     asked = NoPlan("im so thirsty", "unclear", question, ExitCode.CLARIFY)
-    exchanges = (Exchange("user", "im so thirsty"), Exchange("robot", asked.as_written()))
-    found = asyncio.run(PLANNER.plan(PlanRequest(answer, exchanges)))
+    happened = (Said("im so thirsty"), asked)
+    found = asyncio.run(PLANNER.plan(PlanRequest(answer, happened)))
     assert isinstance(found, Plan), found
     assert "; ".join(map(str, found.actions)) == expected
 
 
 @pytest.mark.parametrize("answer", ["no", "yes but the cup", "yes and go to the kitchen"])
 def test_anything_but_a_plain_yes_is_no_agreement(answer: str) -> None:
-    assert agreed("Shall I bring you the bottle?", answer) == ""
+    assert agreed(history.asked("Shall I bring you the bottle?"), answer) == ""
 
 
 def test_who_takes_a_command_back_is_not_asked_again() -> None:
@@ -243,8 +245,8 @@ def test_an_answer_does_not_smuggle_in_what_is_refused() -> None:
 
 
 def test_an_answered_question_is_not_answered_again() -> None:
-    done = Exchange("robot", '{"action": ["pick_object(red box)"]}')
-    question = Exchange("robot", '{"clarification": "Which one?"}')
-    exchanges = (Exchange("user", "pick up the thing"), question, Exchange("user", "the red box"), done)
-    found = asyncio.run(PLANNER.plan(PlanRequest("the blue cup", exchanges)))
+    done = history.planned("pick_object(red box)")
+    question = history.asked("Which one?")
+    happened = (Said("pick up the thing"), question, Said("the red box"), done)
+    found = asyncio.run(PLANNER.plan(PlanRequest("the blue cup", happened)))
     assert isinstance(found, NoPlan)

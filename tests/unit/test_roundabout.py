@@ -10,13 +10,14 @@ from config import load
 from engine.parts.loading import at_home
 from engine.plan import Plan
 from engine.planner.build import build_planner
-from engine.planner.request import Exchange, NoPlan, PlanRequest
+from engine.planner.request import Happened, NoPlan, PlanRequest, Said
+from tests import history
 
 PLANNER = build_planner(at_home(load(environ={})), reader=False)
 
 
-def planned(text: str, *exchanges: Exchange, holding: str = "", seen: tuple[str, ...] = ()) -> str:
-    found = asyncio.run(PLANNER.plan(PlanRequest(text, exchanges, holding=holding, seen=seen)))
+def planned(text: str, *happened: Happened, holding: str = "", seen: tuple[str, ...] = ()) -> str:
+    found = asyncio.run(PLANNER.plan(PlanRequest(text, happened, holding=holding, seen=seen)))
     return "; ".join(map(str, found.actions)) if isinstance(found, Plan) else found.code
 
 
@@ -118,13 +119,13 @@ def test_what_moves_the_robot_over_an_edge_or_things_into_walls_stays_refused(te
 def test_furniture_without_a_place_is_offered_by_its_room() -> None:
     asked = asyncio.run(PLANNER.plan(PlanRequest("go to the armchair")))
     assert isinstance(asked, NoPlan)
-    exchanges = (Exchange("user", "go to the armchair"), Exchange("robot", asked.as_written()))
-    assert planned("yes please", *exchanges) == "navigation(B)"
+    happened = (Said("go to the armchair"), asked)
+    assert planned("yes please", *happened) == "navigation(B)"
 
 
 def test_a_thing_is_put_back_only_where_it_was_said_to_be() -> None:
     def after(told: str) -> str:
-        done = (Exchange("user", told), Exchange("robot", '{"action": ["pick_object(white cup)"]}'))
+        done = (Said(told), history.planned("pick_object(white cup)"))
         return planned("put it back where you got it", *done, holding="white cup")
 
     assert after("pick up the white cup from the stool") == "place_object(stool)"
@@ -139,11 +140,7 @@ def test_things_with_names_of_their_own_are_counted(seen: tuple[str, ...], expec
     looks = asyncio.run(PLANNER.plan(PlanRequest(text)))
     assert isinstance(looks, Plan)
     assert not looks.finished
-    said = (
-        Exchange("user", text),
-        Exchange("robot", looks.as_written()),
-        Exchange("feedback", "seewhat() ok."),
-    )
+    said = (Said(text), looks, history.ran("seewhat()"))
     found = asyncio.run(PLANNER.plan(PlanRequest("", said, sees=seen.__contains__)))
     assert isinstance(found, Plan)
     assert "; ".join(map(str, found.actions)) == expected

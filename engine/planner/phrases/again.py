@@ -12,12 +12,11 @@ from itertools import zip_longest
 from math import copysign
 from typing import Final
 
-from engine.errors import PlanError
-from engine.plan import MAX_ACTIONS, ActionCall, Quantity
+from engine.plan import MAX_ACTIONS, Action, ActionCall, Plan, Quantity
 from engine.planner.phrases.conventions import DRIVE_SPEED, TURN_SPEED, Manner
 from engine.planner.phrases.said import Calls, Said, call
-from engine.planner.reply import FINISH, read_reply
-from engine.planner.request import Exchange
+from engine.planner.reply import FINISH
+from engine.planner.request import Happened, Ran
 
 _AGAIN: Final = "again"
 """The name of a stand-in, which is no skill."""
@@ -66,13 +65,13 @@ REFERENCES: Final[Mapping[str, Callable[[Said], Calls]]] = {
 """The stand-in of each intent."""
 
 
-def planned_last(exchanges: Sequence[Exchange]) -> Calls:
+def planned_last(happened: Sequence[Happened]) -> Calls:
     """What was planned last in a task; of a plan that failed, only what has not been done."""
     done = 0
-    for exchange in reversed(exchanges):
-        if exchange.who == "feedback":
-            done += " ok." in exchange.text
-        elif exchange.who == "robot" and (calls := _calls(exchange.text)):
+    for entry in reversed(happened):
+        if isinstance(entry, Ran):
+            done += entry.outcome == "ok"
+        elif isinstance(entry, Plan) and (calls := _calls(entry)):
             return calls[done:] or calls
     return ()
 
@@ -94,12 +93,14 @@ def referred(calls: Calls, before: Calls) -> Calls | None:
     return tuple(found)
 
 
-def _calls(written: str) -> Calls:
-    try:
-        calls = read_reply(written).calls
-    except PlanError:
-        return ()
-    return tuple(_with_units(call) for call in calls if call.name not in (FINISH, "finish_dialogue"))
+def _calls(plan: Plan) -> Calls:
+    actions = (action for action in plan.actions if action.name not in (FINISH, "finish_dialogue"))
+    return tuple(_with_units(_call(action)) for action in actions)
+
+
+def _call(action: Action) -> ActionCall:
+    said = (Quantity(value) if isinstance(value, int | float) else value for value in action.args.values())
+    return ActionCall(action.name, tuple(said), alongside=action.alongside)
 
 
 def _with_units(call: ActionCall) -> ActionCall:

@@ -10,7 +10,8 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
-from engine.planner.request import Exchange
+from engine.plan import Plan
+from engine.planner.request import Happened, Said
 from engine.planner.text.language import alternatives
 from engine.skills.vocabulary import Vocabulary
 
@@ -24,19 +25,19 @@ _BACK: Final = re.compile(
 )
 
 
-def put_back(text: str, holding: str, exchanges: Sequence[Exchange], vocabulary: Vocabulary) -> str:
+def put_back(text: str, holding: str, happened: Sequence[Happened], vocabulary: Vocabulary) -> str:
     """``text`` with the name of where the thing was taken from, where it is held and that was said; else unchanged."""
     if not holding or (found := _BACK.fullmatch(text.strip())) is None:
         return text
     if found["it"] and found["it"].startswith("the ") and found["it"].removeprefix("the ") not in holding:
         return text
-    source = _source(holding, exchanges, vocabulary)
+    source = _source(holding, happened, vocabulary)
     if not source:
         return text
     return f"放到{source}上" if found["it"] is None else f"put it on the {source}"
 
 
-def _source(thing: str, exchanges: Sequence[Exchange], vocabulary: Vocabulary) -> str:
+def _source(thing: str, happened: Sequence[Happened], vocabulary: Vocabulary) -> str:
     """From where the thing was to be taken when it was; empty where nobody said so."""
     names = alternatives(name for name in vocabulary.surfaces() if len(name) > 1)
     said = re.compile(
@@ -44,11 +45,12 @@ def _source(thing: str, exchanges: Sequence[Exchange], vocabulary: Vocabulary) -
         rf"从(?P<zh>{names})",
         re.IGNORECASE,
     )
-    for at in range(len(exchanges) - 1, -1, -1):
-        exchange = exchanges[at]
-        if exchange.who == "robot" and "pick_object(" in exchange.text and thing in exchange.text:
-            words = next((before.text for before in reversed(exchanges[:at]) if before.who == "user"), "")
+    for at in range(len(happened) - 1, -1, -1):
+        plan = happened[at]
+        if isinstance(plan, Plan) and any(a.name == "pick_object" and thing in a.args.values() for a in plan.actions):
+            words = next((before.text for before in reversed(happened[:at]) if isinstance(before, Said)), "")
             # whatever was put somewhere since, or in the same breath, was not taken from there
             sources = {found["en"] or found["zh"] for found in said.finditer(words)}
-            return sources.pop() if len(sources) == 1 and "place_" not in exchange.text else ""
+            placed = any(action.name.startswith("place_") for action in plan.actions)
+            return sources.pop() if len(sources) == 1 and not placed else ""
     return ""

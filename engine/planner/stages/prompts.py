@@ -17,7 +17,9 @@ from typing import Any, Final
 import yaml
 
 from engine.llm.chat import Message
-from engine.planner.request import Exchange, Language
+from engine.plan import Plan
+from engine.planner.happened import in_words
+from engine.planner.request import Happened, Language, NoPlan, Said
 from engine.planner.stages.brief import brief, grammar
 from engine.planner.text.measures import in_figures
 from engine.skills.registry import Skill
@@ -29,8 +31,8 @@ _OF_PEOPLE: Final = frozenset({"stop", "finish_dialogue", "list_skills", "ask_us
 """Skills that a planner has other ways for."""
 _OF_FEEDBACK: Final = frozenset({"finishtask"})
 """A model that is held to the brief form is not asked whether it is done."""
-MAX_EXCHANGES: Final = 24
-"""Earlier exchanges that a model is told, the newest ones."""
+MAX_HAPPENED: Final = 24
+"""Of what happened before, the newest that a model is told."""
 MAX_SEEN: Final = 12
 
 
@@ -69,9 +71,9 @@ class Prompts:
         self._brief = brief
         self._words: Mapping[str, str] = _read("words.yaml")[language]
 
-    def execution(self, exchanges: Sequence[Exchange], now: Now) -> tuple[Message, ...]:
+    def execution(self, happened: Sequence[Happened], now: Now) -> tuple[Message, ...]:
         """The messages for an execution layer."""
-        return (*self.head, *self._conversation(exchanges, self._newest(now)))
+        return (*self.head, *self._conversation(happened, self._newest(now)))
 
     def decision(self, text: str, known: Sequence[str]) -> tuple[Message, ...]:
         """The messages for a decision layer."""
@@ -127,17 +129,18 @@ class Prompts:
         lists = (("places", self._house.places), ("surfaces", self._house.surfaces), ("things", self._house.things))
         return tuple(self._word(key, ", ".join(names) or self._words["nothing"]) for key, names in lists)
 
-    def _conversation(self, exchanges: Sequence[Exchange], newest: str) -> tuple[Message, ...]:
-        """Earlier exchanges as turns of a chat; several that are not the robot's are one turn."""
+    def _conversation(self, happened: Sequence[Happened], newest: str) -> tuple[Message, ...]:
+        """What happened before as turns of a chat; several things that are not the robot's answers are one turn."""
         turns: list[Message] = []
         said: list[str] = []
-        for exchange in exchanges[-MAX_EXCHANGES:]:
-            if exchange.who == "robot":
-                turns += (Message("user", "\n".join(said)), Message("assistant", self._written(exchange.text)))
+        for entry in happened[-MAX_HAPPENED:]:
+            if isinstance(entry, Plan | NoPlan):
+                turns += (Message("user", "\n".join(said)), Message("assistant", self._written(entry.as_written())))
                 said = []
+            elif isinstance(entry, Said):
+                said.append(self._asked(in_figures(entry.text)))
             else:
-                asked = exchange.who == "user"
-                said.append(self._asked(in_figures(exchange.text)) if asked else self._word("feedback", exchange.text))
+                said.append(self._word("feedback", in_words(entry)))
         said.append(newest)
         return (*turns, Message("user", "\n".join(filter(None, said))))
 

@@ -24,12 +24,12 @@ from engine.planner.grounding.doubt import Doubt
 from engine.planner.grounding.questions import question_about
 from engine.planner.grounding.statement import Statement
 from engine.planner.grounding.vagueness import vague
+from engine.planner.happened import in_words, last_said
 from engine.planner.phrases.phrases import Told
 from engine.planner.phrases.said import Calls
 from engine.planner.reply import SCHEMA, STEPS_SCHEMA, Proposal, UnreadableReply, read_reply, read_steps
-from engine.planner.request import Language, NoPlan, PlanRequest
+from engine.planner.request import Language, NoPlan, Noted, PlanRequest, Ran, Said
 from engine.planner.stages.brief import full
-from engine.planner.stages.exchanges import last_said
 from engine.planner.stages.prompts import Now, Prompts
 from engine.skills.registry import NOT_SAID, SkillRegistry, UnknownSkill
 
@@ -136,7 +136,7 @@ class TwoStage:
         """Plan ``request``, or what comes after feedback. ``known`` are facts that may help; ``looks_first``: it
         depends on something, and only what finds that out may be done. Raises :class:`~engine.llm.chat.ChatError`."""
         steps: tuple[str, ...] = ()
-        if self._decision is not None and request.text and not request.exchanges:
+        if self._decision is not None and request.text and not request.happened:
             request.enter("DECIDING")
             steps = await self._decide(request, language, known)
         request.enter("PLANNING")
@@ -186,7 +186,7 @@ class TwoStage:
     async def _ask(self, request: PlanRequest, language: Language, now: Now, wrong: Sequence[tuple[str, str]]) -> Reply:
         def ask(chat: Chat) -> Ask:
             prompts = self._prompts(language, chat)
-            messages: tuple[Message, ...] = prompts.execution(request.exchanges, now)
+            messages: tuple[Message, ...] = prompts.execution(request.happened, now)
             if chat.sees and request.picture is not None:
                 messages = (*messages[:-1], replace(messages[-1], picture=request.picture))
             for answer, why in wrong:
@@ -211,7 +211,7 @@ class TwoStage:
         looks_first: bool,
     ) -> Plan | NoPlan:
         """The plan that a proposal amounts to. Raises :class:`PlanError` when another one is wanted."""
-        goal = request.text or last_said(request.exchanges)
+        goal = request.text or last_said(request.happened)
         if why := proposal.refuse or proposal.impossible or _cannot(proposal):
             if _HARM.search(why):  # small models confuse what they must not with what they cannot do
                 return NoPlan(goal, "refused_by_model", why, ExitCode.REFUSED)
@@ -224,7 +224,7 @@ class TwoStage:
             return NoPlan(goal, "unclear", _UNSURE[language], ExitCode.CLARIFY)
         if len(proposal.calls) > self._max_actions:
             raise PlanError(f"That is {len(proposal.calls)} actions; a plan has {self._max_actions} at most.")
-        said = (*(exchange.text for exchange in request.exchanges if exchange.who == "user"), request.text)
+        said = (*(entry.text for entry in request.happened if isinstance(entry, Said)), request.text)
         actions: tuple[Action, ...] = ()
         calls = self._mend(proposal.calls, request.text) if reply.kind == "local" and request.text else proposal.calls
         for call in calls:
@@ -247,7 +247,7 @@ class TwoStage:
                 raise PlanError("It depends on something: go there and look first, and do nothing else yet.")
         if any(str(action) in request.spent for action in actions):
             return NoPlan(goal, "gave_up", proposal.response or _GAVE_UP[language])
-        feedback = (exchange.text for exchange in request.exchanges if exchange.who == "feedback")
+        feedback = (in_words(entry) for entry in request.happened if isinstance(entry, Ran | Noted))
         seen = (*request.seen, *feedback, *((f"The {request.holding} is in the hand.",) if request.holding else ()))
         if request.holding:  # it need not be picked up again
             actions = tuple(a for a in actions if a.name != "pick_object" or a.args["object"] != request.holding)
@@ -296,7 +296,7 @@ class TwoStage:
         return None
 
     def _given_up(self, request: PlanRequest, error: PlanError, language: Language) -> NoPlan:
-        goal = request.text or last_said(request.exchanges)
+        goal = request.text or last_said(request.happened)
         if isinstance(error, _Unsaid):
             return NoPlan(goal, "ungrounded", _UNSURE[language], ExitCode.CLARIFY)
         if isinstance(error, UnreadableReply | UnknownSkill):
