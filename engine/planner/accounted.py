@@ -43,6 +43,12 @@ _SIDES: Final = (
     ),
 )
 """To which side it goes has to be said."""
+_NO_SIDE: Final = re.compile(
+    r"\b(?:all|that's|it's|you're|am|be) right\b|\bright (?:away|now|here|there|after|before)\b|\bis left\b|"
+    r"\bleft (?:over|me|us)\b"
+)
+"""What "right" and "left" are besides sides."""
+_SIDE: Final = re.compile(r"left|right|左|右")
 _CUT_OFF: Final = re.compile(
     r"\b(?:the|an?|my|your|to|from|into|onto|of|with|u[hm]+|er+m?)[\s.…,-]*$|(?:[放拿搬送带移走开挪端]到|把|从|给|往|向)[\s。…，]*$"
 )
@@ -64,7 +70,8 @@ def accounted(meaning: Meaning) -> bool:
     nodes = list(walk(meaning.nodes))
     text = meaning.text.casefold()
     depends = any(isinstance(node, If) or (isinstance(node, Do) and node.until is not None) for node in nodes)
-    if not depends and (CONDITION.search(IF_POLITE.sub("", meaning.text)) or _EITHER.search(text)):
+    asks = all(node.act in _QUESTIONS for node in nodes if isinstance(node, Do))
+    if not depends and not asks and (CONDITION.search(IF_POLITE.sub("", meaning.text)) or _EITHER.search(text)):
         return False
     if _CUT_OFF.search(text) or not _sides_stand(text, nodes) or not _begins_with_itself(text, nodes):
         return False
@@ -90,8 +97,16 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
 
 
 def _sides_stand(text: str, nodes: Sequence[Node]) -> bool:
+    """Whether each side to which something goes was said, and no turn to the other side has been missed."""
     acts = {node.act for node in nodes if isinstance(node, Do)}
-    return all(not sides & acts or words.search(text) for sides, words in _SIDES)
+    said = [words.search(_NO_SIDE.sub("", text)) is not None for _, words in _SIDES]
+    wanted = [bool(sides & acts) for sides, _ in _SIDES]
+    if not all(there or not sides for there, sides in zip(said, wanted, strict=True)):
+        return False
+    corrected = any(isinstance(node, Instead | Retract | Not) for node in nodes)
+    return (
+        corrected or sum(wanted) != 1 or sum(said) == 1 or any(_SIDE.search(r.words) for n in nodes for r in _roles(n))
+    )
 
 
 def _begins_with_itself(text: str, nodes: Sequence[Node]) -> bool:

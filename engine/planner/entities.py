@@ -7,8 +7,8 @@ further ("the cup on the table") become a second entity beside it."""
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from engine.errors import PlanError
@@ -47,6 +47,17 @@ _NUMBERED: Final = re.compile(
 )
 """A block by its number, however that is said."""
 _ALL: Final = re.compile(r"^(?:all|every|everything|each|both)\b|^(?:所有|全部|每)|都")
+_MEASURE: Final = "[个张只把台本瓶条块件盒袋杯间些颗支根部盏双副罐碗串座扇辆]"
+"""Measure words."""
+_SO_MANY: Final = re.compile(
+    r"(?:(?:the|those|these|my) )?(?P<en>two|three|four|five|[2-5]) (?=[a-z])|"
+    rf"[这那]?(?P<zh>[两二三四五2-5]){_MEASURE}(?=.)"
+)
+_COUNT: Final = {"two": 2, "three": 3, "four": 4, "five": 5, "两": 2, "二": 2, "三": 3, "四": 4, "五": 5}
+_EVERY_ROOM: Final = re.compile(
+    r"^(?:(?:in|into|to|through) )?(?:all|every|each)(?: one)?(?: of)?(?: the| my| our)? (?:single |other )*rooms?\b|"
+    r"^(?:所有的?|每一?个?|各个?|全部的?)(?:房间|屋子|屋)"
+)
 _SUPERLATIVE: Final = re.compile(
     r"\b(?:left|right|upper|lower|top|bottom)[ -]?most\b"
     r"|\b(?:big|larg|small|tall|short|heavi|light|thinn?|old|new)est\b"
@@ -62,6 +73,19 @@ _IT: Final = re.compile(
     r"it|them|that|this|that one|this one|these|those|the (?:thing|object|item|one|same)|"
     r"它|它们|这个|那个|这|那|这东西|那东西|这个东西|那个东西"
 )
+_HELD: Final = re.compile(
+    r"(?:the thing|whatever|what|that(?: what)?|anything|everything|the one)(?: it is)?(?: that)? "
+    r"(?:you(?:'re| are|'ve| have)?(?: got)?|is|there is|you have there)(?: now| still)? ?"
+    r"(?:holding|carrying|gripping|hold|carry|got|have|(?:got )?in (?:your|the) (?:hand|gripper|claw|grip|fingers?))"
+    r"(?: in (?:your|the) (?:hand|gripper|claw|grip|fingers?))?(?: there)?"
+    r"|你?(?:手里|手上|爪子里|夹子里)(?:[拿抓夹攥拎]着?)?的?(?:[那这]个?)?(?:东西|玩意儿?)?|你?[拿抓夹攥拎]着?的(?:那个)?东西"
+)
+"""What is held, in other words than its name."""
+_NOTHING_SAID: Final = re.compile(
+    r"(?:\b(?:the|a|an|my|your|that|this|to|u[hm]+|e+r?h?m+|er|hmm+|well|whatsit|thingy|thingamajig|thingummy|doodah|"
+    r"whatchamacallit|what's it called|what's its name|you know|the one)\b[ ,.]*)+|(?:那个|这个|嗯|呃|啥|什么来着)+"
+)
+"""Words of somebody who has not found the word."""
 _THERE: Final = re.compile(r"there|over there|that (?:place|spot)|the same place|那|那里|那儿|那边")
 _PERSON: Final = re.compile(
     r"\b(?:person|people|man|men|woman|women|boy|girl|kid|kids|child|children|guest|guests|everyone|everybody|someone|"
@@ -80,12 +104,14 @@ _SIDES: Final[tuple[tuple[Side, re.Pattern[str]], ...]] = (
         r"前|前面|前方|正前方|中间|正中|面前"
     )),
 )  # fmt: skip
+_ZH_INNER: Final = re.compile(rf"(?<=[\u3400-\u9fff])的?[这那]一?{_MEASURE}(?=[\u3400-\u9fff])")
+"""In the middle of a noun phrase: "white, that cup" is "that white cup"."""
 _ZH_FRONT: Final = re.compile(
-    "^(?:(?:[这那](?:[个张只把台本瓶条块件盒袋杯间些]|一[个张只把台本瓶条块件]|儿的?|里的?)?|[一两几某每](?:[个张只把台本瓶条块件间])|"
-    "[我你他她咱](?:们|家)?的|所有的?|全部的?|在|到|去|从))+(?=.)"
+    rf"^(?:(?:[这那](?:一?{_MEASURE}|儿的?|里的?)?|[一两几某每]{_MEASURE})|"
+    "[我你他她咱](?:们|家)?的|所有的?|全部的?|在|到|去|从)+(?=.)"
 )
 _ZH_BACK: Final = re.compile(
-    "(?:上面|里面|下面|旁边|边上|那边|那儿|那里|这边|这儿|前面|后面|跟前|附近|上头|里头|上|里|下|边|旁|处|中)$"
+    "(?:[这那](?:边|儿|里|头|屋|间屋?|间?房间?|块儿?|个地方)|[上里下前后外]面|旁边|边上|跟前|附近|[上里]头|上|里|下|边|旁|处|中)$"
 )
 
 
@@ -107,10 +133,14 @@ class Entity:
     """The speaker, or where the speaker is."""
     refers: bool = False
     """It stands for something that was named before ("it", "there")."""
+    held: bool = False
+    """It stands for what is in the hand."""
     every: bool = False
     """All of its kind are meant."""
     superlative: bool = False
     """It is the biggest, the leftmost, the last one of several: no name tells which."""
+    vague: bool = False
+    """Nothing is named: the word was not found."""
     which: str = ""
     """The question which one is meant, where the words fit several."""
     at: Entity | None = None
@@ -139,8 +169,11 @@ class Entities:
         for side, pattern in _SIDES:
             if pattern.fullmatch(plain):
                 return Entity(words, side=side)
-        if _IT.fullmatch(plain) or _THERE.fullmatch(plain):
-            return Entity(words, refers=True)
+        if _IT.fullmatch(plain) or _THERE.fullmatch(plain) or _HELD.fullmatch(plain):
+            return Entity(words, refers=True, held=_HELD.fullmatch(plain) is not None)
+        if _NOTHING_SAID.fullmatch(plain):
+            return Entity(words, vague=True)
+        plain = plain.removesuffix("'s")
         chinese = is_chinese(plain)
         inner = plain if chinese else _OUTER.sub("", plain)
         head, where = (plain, "") if chinese or _BUT.search(inner) else _parted(plain)
@@ -158,6 +191,9 @@ class Entities:
             superlative=_SUPERLATIVE.search(head) is not None,
             at=self.of(where) if where else None,
         )
+        many = _SO_MANY.match(plain)
+        if many is not None and len(self.members(found)) == _number_of(many["en"] or many["zh"]):
+            found = replace(found, every=True)  # "the two cups" of a house that has two
         return _with_question(found, which)
 
     def near(self, words: str) -> str:
@@ -165,17 +201,41 @@ class Entities:
         plain = " ".join(words.casefold().split()).strip(" ,.!?;:")
         return next(iter(_chinese(plain) if is_chinese(plain) else _english(_parted(plain)[0])), plain)
 
+    def members(self, group: Entity) -> tuple[str, ...]:
+        """The names of all things of this house that are meant by a group ("all the cups"); nothing where the house
+        has none, or they are of no kind ("everything")."""
+        if not group.thing or group.thing == "thing":
+            return ()
+        known = self._vocabulary.inventory()
+        return tuple(name for name in self._vocabulary.fitting(group.thing) if name in known)
+
+    def rooms(self) -> tuple[str, ...]:
+        """The rooms of this house, in the order of the map."""
+        return self._vocabulary.all_rooms()
+
+    def rooms_meant(self, words: str) -> bool:
+        """Whether ``words`` are all rooms of the house."""
+        return _EVERY_ROOM.search(" ".join(words.casefold().split())) is not None
+
     def _first(self, resolve: Callable[[str], str], candidates: list[str], which: list[str]) -> str | None:
         for words in candidates:
             try:
                 found = resolve(words)
             except Ambiguous as several:
+                if (only := self._only_one(several.names, candidates[0])) is not None:
+                    return resolve(only)
                 which.append(several.message)
                 return None
             except PlanError:
                 continue
             return found if self._fits_room(words, candidates[0], found) else None
         return None
+
+    def _only_one(self, names: Sequence[str], phrase: str) -> str | None:
+        """The only one of several whose every word stands in the phrase: "the chair on the west side"."""
+        said = set(phrase.split())
+        meant = [name for name in names if set(name.split()) <= said]
+        return meant[0] if len(meant) == 1 else None
 
     def _fits_room(self, words: str, whole: str, found: str) -> bool:
         """ "The bathroom sink" is no sink of the kitchen: what stands in front of the name must not be another room."""
@@ -240,6 +300,10 @@ def _with_question(entity: Entity, which: list[str]) -> Entity:
     return Entity(entity.words, person=entity.person, every=entity.every, which=which[0], at=entity.at)
 
 
+def _number_of(word: str) -> int:
+    return _COUNT.get(word) or int(word)
+
+
 def _parted(plain: str) -> tuple[str, str]:
     """A phrase, and where that is said to be: "the cup on the table"."""
     inner = _OUTER.sub("", plain)
@@ -263,7 +327,7 @@ def _english(phrase: str) -> Iterator[str]:
 
 
 def _chinese(phrase: str) -> Iterator[str]:
-    plain = phrase
+    plain = _ZH_INNER.sub("的", phrase)
     while (shorter := _ZH_FRONT.sub("", plain)) != plain:
         plain = shorter
     yield plain

@@ -8,7 +8,7 @@ word that skills use, or to an error that names what is known.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, get_args
 
@@ -41,6 +41,11 @@ class Ambiguous(PlanError):
 
     code = "ambiguous"
     exit_code = ExitCode.CLARIFY
+
+    def __init__(self, message: str, names: Sequence[str] = ()) -> None:
+        super().__init__(message)
+        self.names = names
+        """What it may mean."""
 
 
 class UnknownColour(PlanError):
@@ -143,7 +148,7 @@ class Vocabulary:
         if len(alike) == 1:
             return alike[0]
         if alike:
-            raise Ambiguous(f"Which {plain}: {', '.join(alike[:-1])} or {alike[-1]}?")
+            raise Ambiguous(f"Which {plain}: {', '.join(alike[:-1])} or {alike[-1]}?", alike)
         known = ", ".join((*(piece.name for piece in self._furniture.values()), FLOOR))
         raise UnknownPlace(f"I don't know where {word!r} is.", hint=f"I know: {known}.")
 
@@ -163,6 +168,10 @@ class Vocabulary:
     def places(self) -> tuple[str, ...]:
         """Every word for a place of the map."""
         return tuple(dict.fromkeys(self._place_words()))
+
+    def all_rooms(self) -> tuple[str, ...]:
+        """The name of each room, in the order of the map."""
+        return tuple(room.name for room in self._rooms.values())
 
     def things(self) -> tuple[str, ...]:
         """The names that things have here, beyond what perception calls them."""

@@ -56,6 +56,17 @@ def told(argument: Quantity | str) -> str:
         ("light | go {colour: 红色}", "light(red)"),
         ("light | make it {colour: green coloured}", "light(green)"),
         ("repeat forward end | {0.times: twice} {1.amount: 1 m}", "move_forward(1 m); move_forward(1 m)"),
+        ("go look | go to {1.place: every room} and look",
+         "scan_room(hall); scan_room(living room); scan_room(kitchen); scan_room(study); scan_room(bedroom)"),
+        ("clean | clean {place: all rooms} but {except: the hall} and {except: the study}",
+         "clean_room(living room); clean_room(kitchen); clean_room(bedroom)"),
+        ("bring | {thing: all the cups} but {except: the blue one} to {place: the desk}", "carry(white cup, N)"),
+        ("put | 除了{except: 红色的}，{thing: 所有的盒子}都放到{place: 书桌上}",
+         "pick_object(blue box); place_object(desk); pick_object(green box); place_object(desk); "
+         "pick_object(yellow box); place_object(desk)"),
+        ("put | {thing: all the red things} on {place: the desk}", "tidy(red, desk)"),
+        ("follow until event end | follow {1.person: me} until {2.topic: I say stop}", "person_follow()"),
+        ("turn_left until seen end | turn left until you see {2.thing: the ball}", "locate(ball)"),
         ("arm_up together beep | arm up and beep", "arm_up(); beep()"),
     ],
 )  # fmt: skip
@@ -84,6 +95,8 @@ def test_what_was_not_said_is_asked_for(flat: Entities, line: str, question: str
     ("line", "what"),
     [("open | open {thing: the door}", "act"), ("bring | take {thing: the ball} to {person: Anna}", "person"),
      ("forward until seen end | on until you see {2.thing: the ball}", "until"),
+     ("pick_up | take {thing: everything} but {except: the ball}", "role"),
+     ("follow until is end | follow {1.person: me} until {2.thing: the lamp} is {2.state: on}", "until"),
      ("follow | follow {person: me} to {place: the bed}", "role"),
      ("repeat beep end | {0.times: many times} beep", "times")],
 )  # fmt: skip

@@ -12,7 +12,7 @@ from typing import Final
 from engine.planner import amounts
 from engine.planner.doing.doing import MOST, Doing, Roles, Unable
 from engine.planner.doing.handling import bring, clean, drop, pick_up, put, sort, throw_away, tidy
-from engine.planner.doing.looking import check, count, describe, find, look
+from engine.planner.doing.looking import check, count, describe, find, look, untimed
 from engine.planner.doing.moving import (
     charge,
     come,
@@ -30,6 +30,7 @@ from engine.planner.doing.moving import (
     unspecified,
     wait,
 )
+from engine.planner.doing.several import one_by_one, spread
 from engine.planner.doing.signals import arm_turn, beep, just, light, often, remember, say, tell
 from engine.planner.phrases.said import Calls, call
 from engine.understanding.meaning import Do, If, Repeat
@@ -38,7 +39,7 @@ from engine.understanding.meaning import Do, If, Repeat
 def calls_of(nodes: Sequence[Do | If | Repeat], doing: Doing) -> Calls:
     """The calls for what is wanted, behind those that ``doing`` has already. Raises Open, Which, NowhereKnown and
     Unable; conditions are somebody else's business."""
-    for node in nodes:
+    for node in spread(nodes, doing):
         if isinstance(node, Repeat):
             _repeat(node, doing)
         elif isinstance(node, Do):
@@ -60,8 +61,9 @@ def _repeat(node: Repeat, doing: Doing) -> None:
 
 
 def _do(act: Do, doing: Doing) -> None:
-    if act.until is not None:
+    if act.until is not None and (act := untimed(act)).until is not None:
         raise Unable("until")
+    act = one_by_one(act, doing)
     roles = Roles(act)
     found = _ACTS.get(act.act)
     if found is None:

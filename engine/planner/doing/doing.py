@@ -13,7 +13,7 @@ from engine.plan import MAX_ACTIONS, ActionCall
 from engine.planner.entities import Entities, Entity
 from engine.planner.phrases.said import Question
 from engine.understanding.acts import RoleName
-from engine.understanding.meaning import Do
+from engine.understanding.meaning import Do, Role
 
 _VAGUE: Final = re.compile(r"\b(?:some|any)?(?:thing|one|stuff)$|\banother$|东西$|一个$|个$")
 """Ends of what names nothing in particular."""
@@ -76,6 +76,10 @@ class Doing:
         """A thing as skills know it; "it" is what was named last. An unknown one is given on as it was said: whoever
         checks it says what is known."""
         found = self.entity(words)
+        if found.vague:
+            raise Open("which_thing")
+        if found.held and self.in_hand:
+            self.named = self.in_hand
         if found.refers:
             if not (self.named or self.holding):
                 raise Open("which_thing")
@@ -92,7 +96,7 @@ class Doing:
         found = self.entity(words)
         if found.refers and self.place:
             return self.place
-        if found.refers or found.side or (found.place is None and found.superlative):
+        if found.vague or found.refers or found.side or (found.place is None and found.superlative):
             raise Open("where")
         if found.place is None:
             if found.person:
@@ -122,18 +126,23 @@ class Roles:
 
     def __init__(self, act: Do) -> None:
         self.act = act
-        self._used: set[RoleName] = set()
+        self._used: list[Role] = []
 
     def words(self, name: RoleName) -> str:
-        self._used.add(name)
-        return self.act.words(name)
+        """The words of the first role of this name; a second one is not used by that."""
+        first = next((role for role in self.act.roles if role.name == name), None)
+        if first is None:
+            return ""
+        self._used.append(first)
+        return first.words
 
     def all(self, name: RoleName) -> tuple[str, ...]:
-        self._used.add(name)
-        return self.act.all(name)
+        found = [role for role in self.act.roles if role.name == name]
+        self._used += found
+        return tuple(role.words for role in found)
 
     def must_be_used(self) -> None:
         """Raises Unable where a role is left over. How gently something is done may be left to the skill."""
-        left = next((role for role in self.act.roles if role.name not in self._used and role.name != "manner"), None)
+        left = next((role for role in self.act.roles if role not in self._used and role.name != "manner"), None)
         if left is not None:
             raise Unable("role", left.words)

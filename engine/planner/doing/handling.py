@@ -165,15 +165,13 @@ def tidy(doing: Doing, roles: Roles) -> Calls:
 
 
 def clean(doing: Doing, roles: Roles) -> Calls:
-    words = roles.words("place") or roles.words("thing")
-    if not words:
-        return call("clean_room")
-    found = doing.entity(words)
-    if found.refers:
-        return call("clean_room")
-    if found.room is None:
-        raise Unable("act")
-    return call("clean_room", found.room)
+    made: Calls = ()
+    for words in roles.all("place") or roles.all("thing"):
+        found = doing.entity(words)
+        if found.room is None and not found.refers:
+            raise Unable("act")
+        made += call("clean_room") if found.room is None else call("clean_room", found.room)
+    return made or call("clean_room")
 
 
 def sort(doing: Doing, roles: Roles) -> Calls:

@@ -164,8 +164,9 @@ def follow(doing: Doing, roles: Roles) -> Calls:
     words = roles.words("person") or roles.words("thing")
     plain = words.casefold()
     if "line" in plain or "tape" in plain or "stripe" in plain or "线" in plain:
-        colour = colour_of(doing, plain)
-        return call("follow_line", colour) if colour else call("follow_line")
+        colour, where = colour_of(doing, plain), roles.words("source") or roles.words("place")
+        going = call("navigation", doing.spot(where)) if where and doing.entity(where).place is not None else ()
+        return (*going, *(call("follow_line", colour) if colour else call("follow_line")))
     if "qr" in plain or "二维码" in plain:
         return call("qr_follow")
     tag = amounts.number(words)

@@ -1,0 +1,110 @@
+"""Requests about several things or places at once: "all the cups but the blue one", "go to every room and look"."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+from engine.planner.doing.doing import Doing, Unable
+from engine.planner.entities import Entity
+from engine.understanding.acts import RoleName
+from engine.understanding.meaning import Do, If, Repeat, Role
+
+_THERE: Final = frozenset({
+    "look", "count", "describe", "check", "find", "read", "say", "beep", "light", "light_off", "nod", "shake", "wave",
+    "applaud", "greet", "answer", "wait", "turn_around", "remember", "arm_up", "arm_down",
+})  # fmt: skip
+"""Acts that are done at each place that the robot goes to, where no other place is said."""
+_WITH_THINGS: Final = frozenset({"bring", "put", "throw_away"})
+"""Acts that are done with one thing after the other."""
+_EVERYWHERE: Final[tuple[RoleName, ...]] = ("place", "thing", "person")
+
+
+def one_by_one(act: Do, doing: Doing) -> Do:
+    """The act with the things of this house that "all the cups but the blue one" are; as it is where it has no such
+    group, and for what a skill does with all things of a colour."""
+    if act.act not in _WITH_THINGS or not any(_is_group(doing, words, act) for words in act.all("thing")):
+        return act
+    without = act.all("except")
+    roles: list[Role] = []
+    for role in act.roles:
+        if role.name == "thing" and _is_group(doing, role.words, act):
+            roles += [replace(role, words=name) for name in _members(doing, role.words, without)]
+        elif role.name != "except":
+            roles.append(role)
+    return replace(act, roles=tuple(roles))
+
+
+def _is_group(doing: Doing, words: str, act: Do) -> bool:
+    found = doing.entity(words)
+    of_colour = bool(found.thing and found.thing.endswith(" thing")) and not act.words("except")
+    return (found.every or bool(act.words("except"))) and bool(doing.entities.members(found)) and not of_colour
+
+
+def _members(doing: Doing, words: str, without: Sequence[str]) -> tuple[str, ...]:
+    group = doing.entity(words)
+    names = doing.entities.members(group)
+    left_out = {name for other in without for name in _left_out(doing, other, group)}
+    if without and not left_out & set(names):
+        raise Unable("role", without[0])
+    return tuple(name for name in names if name not in left_out)
+
+
+def _left_out(doing: Doing, words: str, group: Entity) -> tuple[str, ...]:
+    """What "the blue one" is of "all the cups"."""
+    found = doing.entity(words)
+    kind = (group.thing or "").split()[-1:]
+    if found.thing and found.thing.endswith(" thing") and kind:
+        found = replace(found, thing=f"{found.thing.removesuffix('thing')}{kind[0]}")  # "the blue one" of the cups
+    return doing.entities.members(found) or ((found.thing,) if found.thing else ())
+
+
+def places(doing: Doing, words: str, without: Sequence[str]) -> tuple[str, ...]:
+    """The rooms that "every room" are, but for those that are not meant; nothing where no room is meant."""
+    if not doing.entities.rooms_meant(words):
+        return ()
+    left_out = {doing.entity(other).room for other in without}
+    if without and None in left_out:
+        raise Unable("role", without[0])
+    return tuple(room for room in doing.entities.rooms() if room not in left_out)
+
+
+def spread(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If | Repeat, ...]:
+    """The nodes with one journey for each room, where all are meant; what is done there is done in each."""
+    made: list[Do | If | Repeat] = []
+    rest = list(nodes)
+    while rest:
+        node = rest.pop(0)
+        rooms, act = _rooms_of(node, doing)
+        if not rooms or act is None:
+            made.append(node)
+            continue
+        there: list[Do] = []
+        while act.act == "go" and rest and isinstance(rest[0], Do) and _is_there(rest[0]):
+            there.append(rest.pop(0))  # type: ignore[arg-type]
+        for room in rooms:
+            role = Role("place", room, 0, 0)
+            looks = bool(there) and there[0].act == "look" and not there[0].roles
+            made += [] if looks else [_at(act, role)]
+            made += [replace(inner, roles=(role,)) if looks and inner is there[0] else inner for inner in there]
+    return tuple(made)
+
+
+def _rooms_of(node: Do | If | Repeat, doing: Doing) -> tuple[tuple[str, ...], Do | None]:
+    if isinstance(node, Do) and node.act != "patrol" and node.until is None:
+        for words in (words for name in _EVERYWHERE for words in node.all(name)):
+            if rooms := places(doing, words, node.all("except")):
+                return rooms, node
+    return (), None
+
+
+def _is_there(act: Do) -> bool:
+    return act.act in _THERE and not act.words("place") and act.until is None
+
+
+def _at(act: Do, room: Role) -> Do:
+    """The act in one room instead of in all of them."""
+    others = (role for role in act.roles if role.name not in ("except", "place"))
+    kept = tuple(role for role in others if not (act.act in ("go", "clean", "tidy", "look") and role.name == "thing"))
+    return replace(act, roles=(room, *kept))
