@@ -54,7 +54,7 @@ check: $(INSTALLED)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-# Trains the learned reader anew, in about half an hour on two cores. PUBLIC is a folder with HuRIC and GPSR, if any.
+# Trains the learned reader anew, in an hour or so on two cores. PUBLIC is a folder with HuRIC and GPSR, if any.
 reader: $(INSTALLED)
 	@$(BIN)/sayso models pull multilingual-e5-small
 	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[train]'

@@ -11,16 +11,19 @@ from types import MappingProxyType
 from typing import Final, Literal, NamedTuple
 
 RoleName = Literal[
-    "thing", "place", "source", "person", "amount", "time", "times", "manner", "colour", "text", "topic", "state"
-]
+    "thing", "place", "source", "person", "except", "amount", "time", "times", "manner", "colour", "text", "topic",
+    "state",
+]  # fmt: skip
 """What a part of a request is to its act.
 
 thing: what is acted on: an object, furniture, a device, a line. place: where to, or where it happens. source: where
-the thing is now. person: whom it is done to or for ("me" too). amount: a distance or an angle. time: a duration or a
-moment. times: how often. manner: how, at which speed. colour: of a light. text: words to be said or asked. topic:
-what is asked about. state: what something is to be or is asked to be ("open", "empty"). """
+the thing is now. person: whom it is done to or for ("me" too). except: which of those are not meant. amount: a
+distance or an angle. time: a duration or a moment. times: how often. manner: how, at which speed. colour: of a light.
+text: words to be said or asked. topic: what is asked about. state: what something is to be or is asked to be ("open",
+"empty")."""
 ROLES: Final[tuple[RoleName, ...]] = (
-    "thing", "place", "source", "person", "amount", "time", "times", "manner", "colour", "text", "topic", "state",
+    "thing", "place", "source", "person", "except", "amount", "time", "times", "manner", "colour", "text", "topic",
+    "state",
 )  # fmt: skip
 
 
@@ -38,7 +41,7 @@ def _acts() -> dict[str, Act]:
         acts[name] = Act(tuple(role for role in ROLES if role in roles.split()), means)
 
     # Moving the base
-    add("go", "place thing person manner", "drive to a place, a thing or a person")
+    add("go", "place thing person except manner", "drive to a place, a thing or a person")
     add("come", "person manner", "come to the speaker")
     add("forward", "amount time manner", "drive straight ahead")
     add("backward", "amount time manner", "drive straight back")
@@ -56,31 +59,31 @@ def _acts() -> dict[str, Act]:
     add("drive_shape", "thing amount times manner", "drive a figure: a square, a circle, an eight")
     add("follow", "person thing place source", "follow someone, or something such as a line or a colour")
     add("guide", "person place source", "lead someone to a place")
-    add("patrol", "place times time", "go round several places again and again")
+    add("patrol", "place except times time", "go round several places again and again")
     add("stop", "time", "stand still")
-    add("wait", "time place", "wait for a time")
+    add("wait", "time place person", "wait for a time")
     add("drift", "", "drive a drift")
     add("dance", "time", "dance")
     # Handling things
-    add("pick_up", "thing source manner", "take a thing into the gripper")
-    add("put", "thing place manner", "put a thing somewhere; without a place: put it down here")
-    add("bring", "thing person place source manner", "fetch a thing and bring it to someone or somewhere")
+    add("pick_up", "thing source except manner", "take a thing into the gripper")
+    add("put", "thing place except manner", "put a thing somewhere; without a place: put it down here")
+    add("bring", "thing person place source except manner", "fetch a thing and bring it to someone or somewhere")
     add("drop", "thing", "let go of what is held")
-    add("throw_away", "thing source", "put a thing into the bin")
-    add("tidy", "thing place source", "put things that lie about where they belong, or to a given place")
-    add("clean", "place thing", "clean a room or a surface")
-    add("sort", "thing manner place", "sort things, by colour or by tag number")
+    add("throw_away", "thing source except", "put a thing into the bin")
+    add("tidy", "thing place source except", "put things that lie about where they belong, or to a given place")
+    add("clean", "place thing except", "clean a room or a surface")
+    add("sort", "thing manner place except", "sort things, by colour or by tag number")
     add("push", "thing place amount", "push or move a thing without picking it up")
-    add("open", "thing", "open a door, a drawer, a window, a box")
-    add("close", "thing", "close a door, a drawer, a window, a box")
-    add("switch_on", "thing place", "turn a device or the lights of a house on")
-    add("switch_off", "thing place", "turn a device or the lights of a house off")
+    add("open", "thing except", "open a door, a drawer, a window, a box")
+    add("close", "thing except", "close a door, a drawer, a window, a box")
+    add("switch_on", "thing place except", "turn a device or the lights of a house on")
+    add("switch_off", "thing place except", "turn a device or the lights of a house off")
     # Looking
-    add("look", "place thing person", "look, or look around, and say what is there")
-    add("find", "thing person place", "search for a thing or a person, or tell where it is")
-    add("count", "thing person place", "count things or people and tell how many")
+    add("look", "place thing person except", "look, or look around, and say what is there")
+    add("find", "thing person place except", "search for a thing or a person, or tell where it is")
+    add("count", "thing person place except", "count things or people and tell how many")
     add("describe", "thing person place topic", "look at a thing or a person and tell what it is like")
-    add("check", "thing person place state", "look whether something is so")
+    add("check", "thing person place state except", "look whether something is so")
     add("read", "thing", "read a text, a label or a code aloud")
     # The robot's own arm and signals
     add("arm_up", "", "raise the arm")
@@ -97,10 +100,10 @@ def _acts() -> dict[str, Act]:
     add("light_off", "", "switch its own light off")
     # Speaking
     add("say", "text times", "say given words aloud, to nobody in particular")
-    add("tell", "person text topic place", "go and tell someone something")
+    add("tell", "person text topic place except", "go and tell someone something")
     add("ask", "person text topic place", "go and ask someone something")
     add("answer", "topic person", "tell something it knows: the time, its name, a joke")
-    add("greet", "person place", "greet someone")
+    add("greet", "person place except", "greet someone")
     add("meet", "person place", "go to someone and get to know them")
     add("introduce", "person place", "introduce someone to others")
     # What it knows of itself
@@ -134,10 +137,11 @@ ACTS: Final[Mapping[str, Act]] = MappingProxyType(_acts())
 
 CONDITIONS: Final[Mapping[str, Act]] = MappingProxyType(
     {
-        "seen": Act(("thing", "place", "person"), "there is such a thing or person (there)"),
-        "unseen": Act(("thing", "place", "person"), "there is no such thing or person (there)"),
-        "is": Act(("thing", "place", "person", "state"), "something or someone is in a state: open, empty, asleep"),
-        "event": Act(("topic",), "anything else: when the bell rings, if it rains, when I say so"),
+        "seen": Act(("thing", "place", "person", "times"), "there is such a thing or person (there)"),
+        "unseen": Act(("thing", "place", "person", "times"), "there is no such thing or person (there)"),
+        "is": Act(("thing", "place", "person", "times", "state"), "something or someone is in a state: open, asleep"),
+        "is_not": Act(("thing", "place", "person", "times", "state"), "something or someone is not in a state"),
+        "event": Act(("times", "topic"), "anything else: when the bell rings, if it rains, when I say so"),
     }
 )
-"""What a request can depend on."""
+"""What a request can depend on. ``times`` is there where it is to be done each time that it holds ("whenever")."""

@@ -56,6 +56,7 @@ class Base:
         self._tensors = self._directory(at)
         self._split_before: dict[tuple[str, bool], list[int]] = {}
         word = self._tensors["emb.word"]
+        self._places = self.vector("emb.pos").reshape(-1, WIDTH)[:MAX_PIECES] + self.vector("emb.type")[:WIDTH]
         row = WIDTH // _BLOCK * _BLOCK_BYTES
         self._words = self._bytes[word : word + words * row].reshape(words, row)
 
@@ -69,8 +70,8 @@ class Base:
         return [*ids, END], [*owners, -1]
 
     def vectors(self, ids: Sequence[int]) -> Floats:
-        """Word vectors of pieces, shape (pieces, 384)."""
-        return _dequantised(self._words[list(ids)]).reshape(len(ids), WIDTH)
+        """What the encoder reads: the vectors of pieces and of their positions, shape (pieces, 384)."""
+        return _dequantised(self._words[list(ids)]).reshape(len(ids), WIDTH) + self._places[: len(ids)]
 
     def matrix(self, name: str, columns: int) -> Floats:
         """A quantised matrix, shape (rows, columns): ``l0.q.w``."""

@@ -1,7 +1,8 @@
 """The learned reader: finds the meaning of a request with a small network, on one core, in some milliseconds.
 
 The network writes symbols and points at words (``training/network.py``); a grammar allows only what is a meaning
-(``symbols.py``). How sure it is, is the product of the likelihoods of all that it wrote.
+(``symbols.py``). How sure it is, is the product of the likelihoods of all that it wrote, each against that of what it
+is certain of.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ LAYERS: Final = 2
 """Of the decoder; the network is made with the same."""
 HEADS: Final = 6
 MAX_UNITS: Final = 90
+CERTAIN: Final = 0.95
+"""How likely a symbol is of which the network is certain: training lets it be no surer (label smoothing)."""
 _NO_ORDER: Final = frozenset({"about", "instead", "not", "retract"})
 _NO_ORDER_IDS: Final = tuple(IDS[symbol] for symbol in sorted(_NO_ORDER))
 
@@ -108,7 +111,7 @@ def _written(text: str, found: list[Unit], decoder: Any, fixed: dict[str, Any], 
         best = int(likelihoods.argmax())
         if SYMBOLS[allowed[best]] not in _NO_ORDER:
             order *= 1 - sum(float(likelihoods[allowed.index(one)]) for one in _NO_ORDER_IDS if one in allowed)
-        symbol, sure = allowed[best], sure * float(likelihoods[best])
+        symbol, sure = allowed[best], sure * min(1.0, float(likelihoods[best]) / CERTAIN)
         if SYMBOLS[symbol] == DONE:
             return meaning_of(text, steps, "learned", sure, 1 - order)
         grammar.feed(SYMBOLS[symbol])

@@ -42,7 +42,9 @@ class Grammar:
             return list(ACTS)
         if last == "about":
             return [*ACTS, "if", "repeat", *(["end"] if self._open else [DONE])]
-        if last in ("then", "else", "repeat"):
+        if last == "then":
+            return [*_FIRST, "else"]  # nothing is to be done where it holds: "unless"
+        if last in ("else", "repeat"):
             return [*self._roles, *_FIRST]
         if last == "together":
             return list(ACTS)
@@ -50,7 +52,7 @@ class Grammar:
         if self._open[-1:] == ["if"]:  # in its condition
             return [*follow, "then"]
         if last == BEGIN:
-            return [*_FIRST]
+            return [*_FIRST, "retract"]  # what was said before this request
         follow += [*_FIRST, "together", "retract"]
         if self._open[-1:] == ["until"]:  # its condition is one
             return [*self._roles, "end"]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import random
 import re
 import sys
 import time
@@ -24,10 +25,12 @@ from engine.han import is_chinese
 from engine.planner.build import learned_reader
 from engine.understanding.meaning import Meaning, meaning_of
 from engine.understanding.notation import Example, Step, read
+from engine.understanding.training import gpsr, huric
 from tests.bench.report import figures, machine
 
-HELD_OUT: Final = Path(__file__).parents[2] / "assets" / "understanding" / "sentences" / "09.txt"
-"""Written by somebody whose sentences the reader has not learnt from."""
+SENTENCES: Final = Path(__file__).parents[2] / "assets" / "understanding" / "sentences"
+HELD_OUT: Final = (SENTENCES / "from_meanings" / "09.txt", SENTENCES / "own" / "79.txt")
+"""Written by two whose sentences the reader has not learnt from."""
 BUCKETS: Final = (0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 1.01)
 KINDS: Final = {
     "about": "spoken about", "retract": "taken back", "not": "forbidden", "instead": "corrected", "if": "condition",
@@ -69,7 +72,8 @@ class Reading:
 def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="sayso bench understanding", description=__doc__)
     parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")
-    parser.add_argument("--set", type=Path, nargs="+", default=[HELD_OUT], metavar="FILE")
+    parser.add_argument("--set", type=Path, nargs="+", default=list(HELD_OUT), metavar="FILE")
+    parser.add_argument("--public", type=Path, metavar="DIR", help="the thirds of HuRIC and GPSR that are left out")
     parser.add_argument("--wrong", action="store_true", help="tell on stderr what was read wrongly")
     args = parser.parse_args(argv)
     reader = learned_reader(load().models.folder or paths().models)
@@ -77,17 +81,18 @@ def main(argv: list[str] | None = None) -> int:
         parser.error("the learned reader has no base; run `sayso models pull multilingual-e5-small`")
     reader.read("go")
     readings = []
-    for example in _examples(args.set):
+    for kind, example in _examples(args.set) if args.public is None else _public(args.public):
         began = time.perf_counter()
         found = reader.read(example.text)
         seconds = time.perf_counter() - began
         wanted = meaning_of(example.text, example.steps)
         language = "zh" if is_chinese(example.text) else "en"
-        readings.append(Reading(kind_of(example.steps), language, wanted, found, seconds))
+        readings.append(Reading(kind, language, wanted, found, seconds))
         if args.wrong and not readings[-1].right:
             sure = f"{found.confidence:.2f}" if found is not None else "-"
             sys.stderr.write(f"✗ {sure} {example.text}\n    {readings[-1].found_plain}\n    {_plain(wanted)}\n")
-    result = summary([str(path.name) for path in args.set], readings)
+    names = [path.name for path in args.set] if args.public is None else ["HuRIC", "GPSR"]
+    result = summary(names, readings)
     if args.json:
         sys.stdout.write(json.dumps(result, ensure_ascii=False) + "\n")
     else:
@@ -95,9 +100,16 @@ def main(argv: list[str] | None = None) -> int:
     return int(ExitCode.DONE)
 
 
-def _examples(files: Iterable[Path]) -> list[Example]:
+def _examples(files: Iterable[Path]) -> list[tuple[str, Example]]:
     lines = (line for file in files for line in file.read_text("utf-8").splitlines())
-    return [read(line) for line in lines if line.strip() and not line.startswith("#")]
+    examples = (read(line) for line in lines if line.strip() and not line.startswith("#"))
+    return [(kind_of(example.steps), example) for example in examples]
+
+
+def _public(folder: Path) -> list[tuple[str, Example]]:
+    people = huric.examples(folder / "huric_en_part.jsonl")[1]
+    grammar = gpsr.examples(folder / "gpsr", 5 * len(people), random.Random(1))[1][: len(people)]
+    return [("HuRIC", example) for example in people] + [("GPSR", example) for example in grammar]
 
 
 def kind_of(steps: Sequence[Step]) -> str:

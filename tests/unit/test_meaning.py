@@ -96,7 +96,7 @@ def test_a_line_that_is_none_is_refused(line: str) -> None:
 
 
 def test_every_sentence_to_learn_from_can_be_written_as_it_is_read() -> None:
-    lines = [line for file in SENTENCES.glob("*.txt") for line in file.read_text("utf-8").splitlines()]
+    lines = [line for file in SENTENCES.glob("*/*.txt") for line in file.read_text("utf-8").splitlines()]
     assert len(lines) > 10_000
     for line in lines:
         example = read(line)

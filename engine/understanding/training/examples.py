@@ -20,6 +20,7 @@ from engine.han import is_chinese
 from engine.understanding.acts import ACTS
 from engine.understanding.notation import Example, NotationError, Step, read
 
+SHARE: Final = 0.35
 _SINGLE_ONLY: Final = frozenset({"fragment", "talk", "yes", "no", "about", "instead", "fact"})
 _SWAPPED: Final = frozenset({"thing", "place", "source", "person", "amount", "time", "times", "colour", "text"})
 
@@ -80,12 +81,14 @@ class Variations:
     examples: Sequence[Example]
     habits: dict[str, Habits]
     random: random.Random
+    thinned: Sequence[Example] = ()
+    """Of these, each epoch takes another ``SHARE``."""
     _fillers: dict[tuple[str, str, str], list[str]] = field(default_factory=lambda: defaultdict(list))
     _pools: dict[tuple[str, str], list[str]] = field(default_factory=lambda: defaultdict(list))
     _joinable: dict[str, list[Example]] = field(default_factory=lambda: defaultdict(list))
 
     def __post_init__(self) -> None:
-        for example in self.examples:
+        for example in (*self.examples, *self.thinned):
             language = language_of(example.text)
             act = ""
             for step in example.steps:
@@ -100,12 +103,16 @@ class Variations:
                 self._joinable[language].append(example)
 
     def epoch(self) -> Iterator[Example]:
-        """One variation of each example, and joined ones: as many again as a third of them."""
-        for example in self.examples:
+        """One variation of each example, and joined ones: as many again as a fifth of them."""
+        some = self.random.sample(list(self.thinned), int(len(self.thinned) * SHARE))
+        for example in (*self.examples, *some):
             yield self._dressed(self._refilled(example) if self.random.random() < 0.5 else example)
         for language, joinable in sorted(self._joinable.items()):
-            for _ in range(len(joinable) // 3):
+            for _ in range(len(joinable) * (len(self.examples) + len(some)) // (5 * self._all())):
                 yield self._dressed(self._joined(language, joinable))
+
+    def _all(self) -> int:
+        return max(1, len(self.examples) + len(self.thinned))
 
     def _refilled(self, example: Example) -> Example:
         """The same with other words in some of its roles."""
@@ -122,8 +129,8 @@ class Variations:
                 pool = self._pools[language, step.symbol]
             start, end = moved[index].start, moved[index].end
             if any(
-                other is not step and other.start >= 0 and other.start < step.end and step.start < other.end
-                for other in example.steps
+                at != index and other.start >= 0 and other.start < step.end and step.start < other.end
+                for at, other in enumerate(example.steps)
             ):
                 continue
             new = self.random.choice(pool)

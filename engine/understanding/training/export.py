@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Final
 
 import onnx
 import torch
@@ -14,6 +15,8 @@ from engine.understanding.base import WIDTH
 from engine.understanding.learned import HEADS, LAYERS
 from engine.understanding.symbols import SYMBOLS
 from engine.understanding.training.network import POINTING, Network
+
+GRAPHS: Final = ("encoder.onnx", "decoder.onnx")
 
 
 class Reading(nn.Module):
@@ -61,23 +64,34 @@ def names(of: str) -> list[str]:
 
 def export(network: Network, folder: Path) -> None:
     """Write both graphs."""
-    network.eval()
     folder.mkdir(parents=True, exist_ok=True)
-    width = WIDTH // HEADS
-    with TemporaryDirectory() as temporary, torch.no_grad():
+    with TemporaryDirectory() as temporary:
         plain = Path(temporary)
+        export_plain(network, plain)
+        for name in GRAPHS:
+            quantize_dynamic(
+                plain / name, folder / name, per_channel=True, reduce_range=True, weight_type=QuantType.QInt8
+            )
+            sign(folder / name)
+
+
+def export_plain(network: Network, folder: Path) -> None:
+    """Write both graphs as they are trained, in 32 bits."""
+    network.eval()
+    width = WIDTH // HEADS
+    with torch.no_grad():
         span, pointing = torch.zeros(1, 1, WIDTH), torch.zeros(1, 5, POINTING)
         keys = [torch.zeros(1, HEADS, 5, width)] * 2 * LAYERS
         past = [torch.zeros(1, HEADS, 3, width)] * 2 * LAYERS
         torch.onnx.export(
-            Reading(network), (torch.zeros(1, 7, WIDTH), torch.zeros(1, 5, 7)), str(plain / "encoder.onnx"),
+            Reading(network), (torch.zeros(1, 7, WIDTH), torch.zeros(1, 5, 7)), str(folder / GRAPHS[0]),
             input_names=["words", "pool"], output_names=["spans", "starts", "ends", *names("sentence")],
             dynamic_axes={"words": {1: "pieces"}, "pool": {1: "units", 2: "pieces"}}, dynamo=False, opset_version=17,
         )  # fmt: skip
         torch.onnx.export(
             Writing(network),
             (torch.zeros(1, 1).long(), torch.zeros(1).long(), span, pointing, pointing, *keys, *past),
-            str(plain / "decoder.onnx"),
+            str(folder / GRAPHS[1]),
             input_names=["symbol", "place", "span", "starts_of", "ends_of", *names("sentence"), *names("past")],
             output_names=["symbols", "starts", "ends", *names("now")],
             dynamic_axes={"starts_of": {1: "units"}, "ends_of": {1: "units"},
@@ -85,11 +99,6 @@ def export(network: Network, folder: Path) -> None:
                           **{name: {2: "before"} for name in names("past")}},
             dynamo=False, opset_version=17,
         )  # fmt: skip
-        for name in ("encoder.onnx", "decoder.onnx"):
-            quantize_dynamic(
-                plain / name, folder / name, per_channel=True, reduce_range=True, weight_type=QuantType.QInt8
-            )
-            sign(folder / name)
 
 
 def sign(file: Path) -> None:

@@ -14,7 +14,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from engine.understanding.base import MAX_PIECES, WIDTH, Base
+from engine.understanding.base import WIDTH, Base
 from engine.understanding.learned import HEADS, LAYERS
 from engine.understanding.symbols import MAX_STEPS, SYMBOLS
 
@@ -62,13 +62,10 @@ class EncoderLayer(nn.Module):
 
 
 class Encoder(nn.Module):
-    """The first ``layers`` layers of the base, over the word vectors of pieces."""
+    """The first ``layers`` layers of the base, over what ``Base.vectors`` gives for pieces."""
 
     def __init__(self, base: Base, layers: int, dropout: float) -> None:
         super().__init__()
-        self.positions = nn.Parameter(torch.from_numpy(base.vector("emb.pos")).view(-1, WIDTH)[:MAX_PIECES].clone())
-        kind = torch.from_numpy(base.vector("emb.type"))[:WIDTH]
-        self.positions.data += kind
         self.norm = nn.LayerNorm(WIDTH, eps=EPSILON)
         self.norm.weight.data = torch.from_numpy(base.vector("emb.ln.w"))
         self.norm.bias.data = torch.from_numpy(base.vector("emb.ln.b"))
@@ -87,7 +84,7 @@ class Encoder(nn.Module):
             self.layers.append(layer)
 
     def forward(self, words: Tensor, mask: Tensor) -> Tensor:
-        x = self.norm(words + self.positions[: words.shape[1]])
+        x = self.norm(words)
         for layer in self.layers:
             x = layer(x, mask)
         return x

@@ -1,6 +1,6 @@
 """Train the learned reader: ``make reader``, or ``python -m engine.understanding.training.train``.
 
-On two processor cores this takes about half an hour. It learns from the sentences in ``assets/understanding`` and,
+On two processor cores this takes an hour or so. It learns from the sentences in ``assets/understanding`` and,
 where they are at hand, from HuRIC and the grammar of RoboCup's GPSR task. The result is committed: it holds what
 training changed. The base is fetched like the other models."""
 
@@ -22,13 +22,14 @@ from torch.nn import functional
 from config import paths
 from engine.models.store import ModelStore
 from engine.understanding.base import MAX_PIECES, MODEL, WIDTH, Base
-from engine.understanding.learned import MAX_UNITS
+from engine.understanding.learned import CERTAIN, MAX_UNITS
 from engine.understanding.notation import Example
 from engine.understanding.symbols import BEGIN, DONE, IDS, MAX_STEPS
 from engine.understanding.training import gpsr, huric
 from engine.understanding.training.examples import Variations, habits, written
 from engine.understanding.training.export import export
 from engine.understanding.training.network import Network
+from engine.understanding.training.resume import resume
 from engine.understanding.units import units
 
 BATCH: Final = 48
@@ -38,9 +39,12 @@ GRAMMAR: Final = 1200
 """Sentences of the public grammar that are learnt from."""
 ASSETS: Final = Path("assets/understanding")
 SENTENCES: Final = ASSETS / "sentences"
+MADE_UP: Final = "from_meanings"
+"""The folder of sentences for meanings that were put together by chance: less natural than the others."""
 HABITS: Final = ASSETS / "habits.yaml"
 RATE: Final = {"encoder": 1e-4, "decoder": 4e-4}
-SMOOTHING: Final = 0.05
+RESUMED: Final = 0.45
+"""Of the rates, where it goes on from what has been learnt."""
 
 
 class Encoded:
@@ -101,7 +105,7 @@ def batch_of(items: Sequence[Encoded], base: Base) -> dict[str, Tensor]:
 def loss_of(network: Network, batch: dict[str, Tensor]) -> Tensor:
     """Cross entropy of symbols and of pointers."""
     symbols, starts, ends = network(batch)
-    total = functional.cross_entropy(symbols.flatten(0, 1), batch["wanted"].flatten(), label_smoothing=SMOOTHING)
+    total = functional.cross_entropy(symbols.flatten(0, 1), batch["wanted"].flatten(), label_smoothing=1 - CERTAIN)
     for scores, wanted in ((starts, batch["starts"]), (ends, batch["ends"])):
         if bool((wanted >= 0).any()):
             total = total + 0.5 * functional.cross_entropy(scores.flatten(0, 1), wanted.flatten())
@@ -151,37 +155,50 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=ASSETS, help="folder of the graphs; default: that of the reader")
     parser.add_argument("--public", type=Path, metavar="DIR", help="folder with HuRIC and GPSR, learnt from too")
-    parser.add_argument("--leave-out", nargs="*", default=["09"], metavar="NAME", help="files to measure with only")
+    parser.add_argument("--leave-out", nargs="*", default=["09", "79"], metavar="NAME", help="files to measure with")
     parser.add_argument("--base", type=Path, help="the encoder's file; default: as `sayso models pull` fetched it")
-    parser.add_argument("--epochs", type=int, default=6)
+    parser.add_argument("--epochs", type=int, default=10)
+    parser.add_argument("--resume", type=Path, metavar="DIR", help="go on from the graphs in this folder, more gently")
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     torch.manual_seed(arguments.seed)
     chance = random.Random(arguments.seed)
     store = ModelStore(paths().models)
     base = Base(arguments.base or store.find(MODEL) / store.file(MODEL).name)
-    files = sorted(SENTENCES.glob("*.txt"))
-    learnt = written(file for file in files if file.stem not in arguments.leave_out)
+    files = sorted(SENTENCES.glob("*/*.txt"))
+    kept = [file for file in files if file.stem not in arguments.leave_out]
+    learnt = written(file for file in kept if file.parent.name != MADE_UP)
+    thinned = written(file for file in kept if file.parent.name == MADE_UP)
     held = encoded(written(file for file in files if file.stem in arguments.leave_out), base)
     if arguments.public is not None:
         learnt += 2 * huric.examples(arguments.public / "huric_en_part.jsonl")[0]
         learnt += gpsr.examples(arguments.public / "gpsr", GRAMMAR, chance)[0]
-    _tell(f"{len(learnt)} sentences to learn from, {len(held)} to measure with")
+    _tell(f"{len(learnt) + len(thinned)} sentences to learn from, {len(held)} to measure with")
     network = Network(base, layers=LAYERS_OF_BASE)
-    network.encoder.positions.requires_grad_(False)
-    variations = Variations(learnt, habits(HABITS), chance)
-    for _ in _epochs(network, variations, held, base, chance, arguments.epochs):
+    if arguments.resume is not None:
+        resume(network, arguments.resume)
+    pace = 1.0 if arguments.resume is None else RESUMED
+    variations = Variations(learnt, habits(HABITS), chance, thinned)
+    for _ in _epochs(network, variations, held, base, chance, arguments.epochs, pace):
         export(network, arguments.out)  # each time: whoever stops it keeps what it has learnt
     return 0
 
 
 def _epochs(
-    network: Network, variations: Variations, held: list[Encoded], base: Base, chance: random.Random, epochs: int
+    network: Network,
+    variations: Variations,
+    held: list[Encoded],
+    base: Base,
+    chance: random.Random,
+    epochs: int,
+    pace: float,
 ) -> Iterator[None]:
     steps = epochs * (sum(1 for _ in variations.epoch()) // BATCH + 1)
-    tuned = [parameter for parameter in network.encoder.parameters() if parameter.requires_grad]
     optimiser = torch.optim.AdamW(
-        [{"params": tuned, "lr": RATE["encoder"]}, {"params": network.decoder.parameters(), "lr": RATE["decoder"]}],
+        [
+            {"params": network.encoder.parameters(), "lr": pace * RATE["encoder"]},
+            {"params": network.decoder.parameters(), "lr": pace * RATE["decoder"]},
+        ],
         weight_decay=0.01,
     )
     warm = max(1, steps // 20)
