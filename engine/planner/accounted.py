@@ -70,7 +70,8 @@ def accounted(meaning: Meaning) -> bool:
     nodes = list(walk(meaning.nodes))
     text = meaning.text.casefold()
     depends = any(isinstance(node, If) or (isinstance(node, Do) and node.until is not None) for node in nodes)
-    asks = all(node.act in _QUESTIONS for node in nodes if isinstance(node, Do))
+    acts = _acts(nodes)
+    asks = bool(acts) and acts <= _QUESTIONS
     if not depends and not asks and (CONDITION.search(IF_POLITE.sub("", meaning.text)) or _EITHER.search(text)):
         return False
     if _CUT_OFF.search(text) or not _sides_stand(text, nodes) or not _begins_with_itself(text, nodes):
@@ -82,7 +83,7 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
     """Words because of which something is no order."""
     if nodes and all(isinstance(node, Instead) for node in nodes):
         return True  # "no, not that one, the other": it corrects what was said before
-    acts = {node.act for node in nodes if isinstance(node, Do)}
+    acts = _acts(nodes)
     quoted = [role.words.casefold() for node in nodes for role in _roles(node) if role.name in _OF_WORDS]
     for mark in marks(meaning.text):
         if any(isinstance(node, _NODES[mark.kind]) for node in nodes):
@@ -98,15 +99,13 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
 
 def _sides_stand(text: str, nodes: Sequence[Node]) -> bool:
     """Whether each side to which something goes was said, and no turn to the other side has been missed."""
-    acts = {node.act for node in nodes if isinstance(node, Do)}
-    said = [words.search(_NO_SIDE.sub("", text)) is not None for _, words in _SIDES]
-    wanted = [bool(sides & acts) for sides, _ in _SIDES]
-    if not all(there or not sides for there, sides in zip(said, wanted, strict=True)):
-        return False
+    acts, plain = _acts(nodes), _NO_SIDE.sub("", text)
+    said = {sides for sides, words in _SIDES if words.search(plain)}
+    wanted = {sides for sides, _ in _SIDES if sides & acts}
     corrected = any(isinstance(node, Instead | Retract | Not) for node in nodes)
-    return (
-        corrected or sum(wanted) != 1 or sum(said) == 1 or any(_SIDE.search(r.words) for n in nodes for r in _roles(n))
-    )
+    described = any(_SIDE.search(role.words) for node in nodes for role in _roles(node))
+    missed = len(wanted) == 1 < len(said) and not corrected and not described
+    return wanted <= said and not missed
 
 
 def _begins_with_itself(text: str, nodes: Sequence[Node]) -> bool:
@@ -140,6 +139,10 @@ def _placed(mark: Mark, meaning: Meaning) -> bool:
     others = [role.start for node in walk(meaning.nodes) for role in _roles(node) if role.start not in wanted]
     forbidden = [start for start in others if start > at]
     return not behind or (bool(forbidden) and min(forbidden) < min(behind))
+
+
+def _acts(nodes: Sequence[Node]) -> set[str]:
+    return {node.act for node in nodes if isinstance(node, Do)}
 
 
 def _roles(node: Node) -> Sequence[Role]:

@@ -53,7 +53,6 @@ _SO_MANY: Final = re.compile(
     r"(?:(?:the|those|these|my) )?(?P<en>two|three|four|five|[2-5]) (?=[a-z])|"
     rf"[这那]?(?P<zh>[两二三四五2-5]){_MEASURE}(?=.)"
 )
-_COUNT: Final = {"two": 2, "three": 3, "four": 4, "five": 5, "两": 2, "二": 2, "三": 3, "四": 4, "五": 5}
 _EVERY_ROOM: Final = re.compile(
     r"^(?:(?:in|into|to|through) )?(?:all|every|each)(?: one)?(?: of)?(?: the| my| our)? (?:single |other )*rooms?\b|"
     r"^(?:所有的?|每一?个?|各个?|全部的?)(?:房间|屋子|屋)"
@@ -85,7 +84,7 @@ _NOTHING_SAID: Final = re.compile(
     r"(?:\b(?:the|a|an|my|your|that|this|to|u[hm]+|e+r?h?m+|er|hmm+|well|whatsit|thingy|thingamajig|thingummy|doodah|"
     r"whatchamacallit|what's it called|what's its name|you know|the one)\b[ ,.]*)+|(?:那个|这个|嗯|呃|啥|什么来着)+"
 )
-"""Words of somebody who has not found the word."""
+"""What a speaker says who has not found the word."""
 _THERE: Final = re.compile(r"there|over there|that (?:place|spot)|the same place|那|那里|那儿|那边")
 _PERSON: Final = re.compile(
     r"\b(?:person|people|man|men|woman|women|boy|girl|kid|kids|child|children|guest|guests|everyone|everybody|someone|"
@@ -169,8 +168,10 @@ class Entities:
         for side, pattern in _SIDES:
             if pattern.fullmatch(plain):
                 return Entity(words, side=side)
-        if _IT.fullmatch(plain) or _THERE.fullmatch(plain) or _HELD.fullmatch(plain):
-            return Entity(words, refers=True, held=_HELD.fullmatch(plain) is not None)
+        if _IT.fullmatch(plain) or _THERE.fullmatch(plain):
+            return Entity(words, refers=True)
+        if _HELD.fullmatch(plain):
+            return Entity(words, refers=True, held=True)
         if _NOTHING_SAID.fullmatch(plain):
             return Entity(words, vague=True)
         plain = plain.removesuffix("'s")
@@ -192,7 +193,7 @@ class Entities:
             at=self.of(where) if where else None,
         )
         many = _SO_MANY.match(plain)
-        if many is not None and len(self.members(found)) == _number_of(many["en"] or many["zh"]):
+        if many is not None and len(self.members(found)) == number(many["en"] or many["zh"]):
             found = replace(found, every=True)  # "the two cups" of a house that has two
         return _with_question(found, which)
 
@@ -298,10 +299,6 @@ def _with_question(entity: Entity, which: list[str]) -> Entity:
     if not which or entity.place or entity.surface or entity.thing:
         return entity
     return Entity(entity.words, person=entity.person, every=entity.every, which=which[0], at=entity.at)
-
-
-def _number_of(word: str) -> int:
-    return _COUNT.get(word) or int(word)
 
 
 def _parted(plain: str) -> tuple[str, str]:

@@ -53,6 +53,12 @@ def open_command(happened: Sequence[Happened]) -> tuple[str, ...]:
     return tuple(reversed(said))
 
 
-def in_words(entry: Ran | Noted) -> str:
-    """What became of something, in words for a model."""
-    return str(entry) if isinstance(entry, Ran) else entry.text
+def in_words(entry: Happened) -> str:
+    """The same in words: what was said, an answer as models write it, what became of an action."""
+    match entry:
+        case Plan() | NoPlan():
+            return entry.as_written()
+        case Ran():
+            return str(entry)
+        case Said(text) | Noted(text):
+            return text

@@ -2,8 +2,8 @@
 
 In this order: what must not be done is refused; an answer completes the command that lacked something; what the learned
 reader holds to be no order is not done; plain commands fit a phrase template; others are what the learned reader makes
-of them; what depends on a condition begins with a look; the rest goes to large models. Whatever proposes
-actions, only the skill registry turns them into a plan: one wrong action and nothing of it runs.
+of them; what depends on a condition begins with a look; the rest goes to large models. Only the skill registry turns
+proposed actions into a plan: one wrong action and nothing of it runs.
 """
 
 from __future__ import annotations
@@ -37,7 +37,6 @@ from engine.planner.phrases.again import planned_last
 from engine.planner.phrases.more import more
 from engine.planner.phrases.phrases import Before, Matched, NoMatch, PhrasePlanner, Told, UnknownPlace
 from engine.planner.phrases.piecewise import is_piecewise
-from engine.planner.phrases.said import Calls
 from engine.planner.readings.corrections import is_taken_back
 from engine.planner.readings.first_look import CONDITION, IF_POLITE, first_look
 from engine.planner.readings.put_back import put_back
@@ -82,10 +81,6 @@ class _Heard:
     language: Language
     before: Before
     match: Matched | UnknownPlace | NoMatch
-
-    def unmatched(self, understood: str) -> UnknownPlace | NoMatch:
-        """What the phrases make of it, where their plan was not taken."""
-        return NoMatch(self.text, understood) if isinstance(self.match, Matched) else self.match
 
 
 class Planner:
@@ -176,12 +171,10 @@ class Planner:
             self._read,
             self._looked_first,
             self._withheld,
-            self._asked_back,
         ):
             if (found := await step(heard)) is not None:
                 return found
-        left = match if isinstance(match, NoMatch) else NoMatch(text, self._phrases(language).understood)
-        return await self._by_model(request, language, left)
+        return await self._asked_back(heard)
 
     # The steps of planning: each answers, or leaves the request to the next one
 
@@ -190,15 +183,12 @@ class Planner:
         nothing = Plan(heard.text, (), SAID[heard.language]["all_right"], "phrases")
         if (left := self._orders.left(heard.text, heard.language)) is not None:
             return await self.plan(replace(heard.request, text=left)) if left else nothing
-        return nothing if is_taken_back(heard.text) and not self._agreement(heard) else None
-
-    def _agreement(self, heard: _Heard) -> Calls | str:
-        question = last_question(heard.request.happened)
-        return agreed(question, heard.text) if question is not None else ""
+        return nothing if is_taken_back(heard.text) else None
 
     async def _agreed(self, heard: _Heard) -> Plan | NoPlan | None:
         """What the robot has offered, and the user says yes to."""
-        offered = self._agreement(heard)
+        question = last_question(heard.request.happened)
+        offered = agreed(question, heard.text) if question is not None else ""
         if not offered:
             return None
         if isinstance(offered, str):
@@ -263,10 +253,11 @@ class Planner:
         look = self._looking_first.plan(heard.text, condition, heard.language)
         return await self._by_model(heard.request, heard.language, look) if isinstance(look, NoMatch) else look
 
-    async def _asked_back(self, heard: _Heard) -> Plan | NoPlan | None:
-        """Why there is no plan: something is open, unknown, impossible or unclear."""
-        request, text, language = heard.request, heard.text, heard.language
-        match = heard.unmatched(self._phrases(language).understood)
+    async def _asked_back(self, heard: _Heard) -> Plan | NoPlan:
+        """Why there is no plan: something is open, unknown, impossible or unclear; else the answer of a large model."""
+        request, text, language, match = heard.request, heard.text, heard.language, heard.match
+        if isinstance(match, Matched):  # its plan was not taken
+            match = NoMatch(text, self._phrases(language).understood)
         if question := self._asking_back.question(request, text, language):
             return question
         if isinstance(match, UnknownPlace):
@@ -277,7 +268,7 @@ class Planner:
             return NoPlan(text, "impossible", why)
         if not (request.happened or request.holding) and len(text.split()) <= FEW_WORDS and vague(text):
             return NoPlan(text, "unclear", SAID[language]["which_thing"], ExitCode.CLARIFY)
-        return None
+        return await self._by_model(request, language, match)
 
     def _understood(
         self, text: str, language: Language, before: Before, said: str

@@ -18,8 +18,8 @@ from engine.plan import ActionCall, Plan
 from engine.planner import about_itself, amounts
 from engine.planner.accounted import accounted
 from engine.planner.doing.acts import calls_of
+from engine.planner.doing.conditions import of_itself, seen
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable, Which
-from engine.planner.doing.looking import of_itself, seen
 from engine.planner.entities import Entities
 from engine.planner.happened import last_question, last_said, open_command
 from engine.planner.phrases.phrases import PhrasePlanner, UnknownPlace

@@ -24,19 +24,16 @@ from engine.errors import ExitCode
 from engine.han import is_chinese
 from engine.planner.build import learned_reader
 from engine.understanding.meaning import Meaning, meaning_of
-from engine.understanding.notation import Example, Step, read
+from engine.understanding.notation import Example
 from engine.understanding.training import gpsr, huric
+from engine.understanding.training.coverage import kind_of
+from engine.understanding.training.examples import written
 from tests.bench.report import figures, machine
 
 SENTENCES: Final = Path(__file__).parents[2] / "assets" / "understanding" / "sentences"
 HELD_OUT: Final = (SENTENCES / "from_meanings" / "09.txt", SENTENCES / "own" / "79.txt")
 """Written by two whose sentences the reader has not learnt from."""
 BUCKETS: Final = (0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 1.01)
-KINDS: Final = {
-    "about": "spoken about", "retract": "taken back", "not": "forbidden", "instead": "corrected", "if": "condition",
-    "until": "until", "repeat": "repeated",
-}  # fmt: skip
-"""The kind of a sentence whose meaning holds such a symbol; the first one counts."""
 _AROUND: Final = re.compile(
     r"^(?:(?:to|in|into|on|onto|at|from|for|of|with|by|the|a|an|my|your|our|this|that|those|these|some|is|are|if|whether)\s+)+"
     r"|^(?:在|到|去|从|把|给|那个?|这个?|我的)+(?=.)|\s+(?:please|there|here)$|[上里]$"
@@ -101,24 +98,13 @@ def main(argv: list[str] | None = None) -> int:
 
 
 def _examples(files: Iterable[Path]) -> list[tuple[str, Example]]:
-    lines = (line for file in files for line in file.read_text("utf-8").splitlines())
-    examples = (read(line) for line in lines if line.strip() and not line.startswith("#"))
-    return [(kind_of(example.steps), example) for example in examples]
+    return [(kind_of(example.steps), example) for example in written(files)]
 
 
 def _public(folder: Path) -> list[tuple[str, Example]]:
     people = huric.examples(folder / "huric_en_part.jsonl")[1]
     grammar = gpsr.examples(folder / "gpsr", 5 * len(people), random.Random(1))[1][: len(people)]
     return [("HuRIC", example) for example in people] + [("GPSR", example) for example in grammar]
-
-
-def kind_of(steps: Sequence[Step]) -> str:
-    """What kind of sentence it is."""
-    symbols = [step.symbol for step in steps if step.start < 0]
-    for symbol, kind in KINDS.items():
-        if symbol in symbols:
-            return kind
-    return "one act" if len(symbols) == 1 else "several acts"
 
 
 def summary(names: Sequence[str], readings: Sequence[Reading]) -> dict[str, Any]:

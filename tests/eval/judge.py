@@ -10,7 +10,8 @@ from typing import Final, Literal, Protocol
 
 from engine.errors import ExitCode, SaysoError
 from engine.plan import Plan
-from engine.planner.request import Happened, NoPlan, PlanRequest, Ran, Said
+from engine.planner.happened import in_words
+from engine.planner.request import NoPlan, PlanRequest, Ran, Said
 from tests.eval.commands import Entry, Next, plans_in
 from tests.eval.effects import Step, Words, effects
 from tests.eval.equivalence import accepts, read, slots_right
@@ -54,7 +55,7 @@ class Answer:
     seconds: float
     finished: bool = True
     found: Plan | NoPlan | None = None
-    """As an exchange tells it."""
+    """What the planner answered."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +89,7 @@ async def judge(entry: Entry, planner: Plans, words: KnownWords) -> Verdict:
         for after in entry.then if answer.outcome == "plan" else ():
             answers.append(await _ask(planner, _after(request, answer, after, words)))
             ok = ok and acceptable(after.ok, answers[-1], words, must_go_on=False)
-    said = " ".join((entry.say, entry.holding, *entry.seen, *map(_in_words, entry.happened())))
+    said = " ".join((entry.say, entry.holding, *entry.seen, *map(in_words, entry.happened())))
     out_of_nowhere = () if ok or answer.outcome != "plan" else _out_of_nowhere(entry, answer, said, words)
     return Verdict(
         entry=entry,
@@ -173,10 +174,6 @@ def _after(request: PlanRequest, answer: Answer, after: Next, words: Words) -> P
     return PlanRequest(
         "", said, request.cycle, request.language, holding=request.holding, seen=after.seen, sees=_sees(after, words)
     )
-
-
-def _in_words(entry: Happened) -> str:
-    return entry.as_written() if isinstance(entry, Plan | NoPlan) else str(getattr(entry, "text", entry))
 
 
 def _sees(after: Next, words: Words) -> Callable[[str], bool]:

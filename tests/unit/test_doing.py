@@ -8,10 +8,11 @@ from config import load
 from engine.parts.loading import at_home
 from engine.plan import Quantity
 from engine.planner.doing.acts import calls_of
+from engine.planner.doing.conditions import of_itself
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable
 from engine.planner.entities import Entities
 from engine.planner.worlds.house import build_vocabulary
-from engine.understanding.meaning import meaning_of
+from engine.understanding.meaning import If, meaning_of
 from engine.understanding.notation import read
 
 
@@ -104,6 +105,36 @@ def test_what_no_skill_does_is_told_and_nothing_of_it_is_left_out(flat: Entities
     with pytest.raises(Unable) as why:
         done(flat, line)
     assert why.value.what == what
+
+
+@pytest.mark.parametrize(
+    ("line", "empty", "ball"),
+    [
+        ("if is then beep end | if {1.person: you} are {1.state: holding something} beep", False, True),
+        ("if event then beep end | if {1.topic: you're carrying something} beep", False, True),
+        ("if is then beep end | if {1.thing: your hand} is {1.state: empty} beep", True, False),
+        (
+            "if is_not then beep end | if {1.person: you} aren't {1.state: holding} {1.thing: the ball} beep",
+            True,
+            False,
+        ),
+        ("if is then beep end | {1.person: 你}要是{1.state: 拿着东西}就响一声", False, True),
+        ("if is then beep end | if {1.thing: the box} is {1.state: empty} beep", None, None),
+        ("if event then beep end | if {1.topic: it rains} beep", None, None),
+    ],
+)
+def test_what_it_holds_is_known_without_a_look(
+    flat: Entities, line: str, empty: bool | None, ball: bool | None
+) -> None:
+    example = read(line)
+    [node] = meaning_of(example.text, example.steps).wanted()
+    assert isinstance(node, If)
+    assert [of_itself(Doing(flat, held), node.condition) for held in ("", "ball")] == [empty, ball]
+
+
+def test_what_is_held_has_other_names(flat: Entities) -> None:
+    assert done(flat, "throw_away | bin {thing: what you've got in your hand}", "bottle") == "place_in_bin()"
+    assert done(flat, "put | {thing: 你手里拿着的东西}放{place: 书桌上}", "ball") == "place_object(desk)"
 
 
 def test_a_place_that_is_not_here_is_named_as_it_was_said(flat: Entities) -> None:

@@ -48,6 +48,8 @@ LIMIT_S = 30.0
 ALIKE = 0.1
 """By how much likelihoods and probabilities of one sound may differ between two processes: on processors with AVX2 only
 an int8 model does not calculate the same everywhere, and log-probabilities 0.04 apart were seen."""
+NOISE_ALIKE = 0.5
+"""The same for what is no speech: there 0.2 was seen."""
 COMMAND = "go_to_the_kitchen.wav"
 SENTENCES = ("go_to_the_bedroom_then_turn_around.wav", "move_forward_one_metre.wav", "turn_left_ninety_degrees.wav") * 3
 ME = psutil.Process()
@@ -132,18 +134,14 @@ def test_it_answers_as_the_recogniser_in_this_process_does() -> None:
 
 
 def assert_alike(there: Transcript | Rejected, here: Transcript | Rejected) -> None:
-    """The same words, and likelihoods that differ by no more than two processes may; of what is rejected, the same
-    reason: how unlikely noise is depends on how a processor rounds (on one with AVX2 only, by 0.2)."""
-    if isinstance(here, Rejected):
-        assert isinstance(there, Rejected)
-        assert (there.reason, there.text) == (here.reason, here.text)
-        return
+    """The same words or the same reason, and likelihoods that differ by no more than two processes may."""
     assert there.decoding is not None
     assert here.decoding is not None
     assert there.decoding.decode_s > 0
     rounded = {"avg_logprob": there.decoding.avg_logprob, "no_speech_probability": there.decoding.no_speech_probability}
+    alike = ALIKE if isinstance(here, Transcript) else NOISE_ALIKE
     for name, value in rounded.items():
-        assert value == pytest.approx(getattr(here.decoding, name), abs=ALIKE), name
+        assert value == pytest.approx(getattr(here.decoding, name), abs=alike), name
     assert there.decoding == replace(here.decoding, decode_s=there.decoding.decode_s, **rounded)
     if isinstance(here, Transcript):
         assert isinstance(there, Transcript)

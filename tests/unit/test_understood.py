@@ -21,8 +21,10 @@ from engine.planner.understood import MAYBE, SURE, Understood
 from engine.understanding.learned import LearnedReader
 from engine.understanding.meaning import Meaning, meaning_of
 from engine.understanding.notation import read
+from engine.understanding.training.coverage import kind_of
+from engine.understanding.training.examples import written
 from tests.bench.planner import PHRASES, _settings
-from tests.bench.understanding import HELD_OUT, kind_of
+from tests.bench.understanding import HELD_OUT
 from tests.bench.understanding import main as bench
 from tests.history import asked, planned
 
@@ -220,8 +222,7 @@ def test_the_committed_reader_understands_most_of_what_it_has_not_learnt_from(
 def test_nothing_moves_on_sentences_that_are_taken_back_or_forbidden(trained: LearnedReader) -> None:
     del trained
     planner: Planner = build.build_planner(at_home(_settings(PHRASES, [])))
-    lines = [line for file in HELD_OUT for line in file.read_text("utf-8").splitlines() if line]
-    no_orders = [e for e in map(read, lines) if not meaning_of(e.text, e.steps).wanted()]
+    no_orders = [e for e in written(HELD_OUT) if not meaning_of(e.text, e.steps).wanted()]
     assert {kind_of(example.steps) for example in no_orders} >= {"taken back", "forbidden", "spoken about"}
 
     moved = []

@@ -10,9 +10,10 @@ from dataclasses import replace
 from typing import Final
 
 from engine.planner import amounts
+from engine.planner.doing.conditions import untimed
 from engine.planner.doing.doing import MOST, Doing, Roles, Unable
 from engine.planner.doing.handling import bring, clean, drop, pick_up, put, sort, throw_away, tidy
-from engine.planner.doing.looking import check, count, describe, find, look, untimed
+from engine.planner.doing.looking import check, count, describe, find, look
 from engine.planner.doing.moving import (
     charge,
     come,

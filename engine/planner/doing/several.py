@@ -18,6 +18,8 @@ _THERE: Final = frozenset({
 """Acts that are done at each place that the robot goes to, where no other place is said."""
 _WITH_THINGS: Final = frozenset({"bring", "put", "throw_away"})
 """Acts that are done with one thing after the other."""
+_OF_ROOMS: Final = frozenset({"go", "clean", "tidy", "look"})
+"""Acts whose thing may be the rooms themselves."""
 _EVERYWHERE: Final[tuple[RoleName, ...]] = ("place", "thing", "person")
 
 
@@ -60,43 +62,36 @@ def _left_out(doing: Doing, words: str, group: Entity) -> tuple[str, ...]:
     return doing.entities.members(found) or ((found.thing,) if found.thing else ())
 
 
-def places(doing: Doing, words: str, without: Sequence[str]) -> tuple[str, ...]:
-    """The rooms that "every room" are, but for those that are not meant; nothing where no room is meant."""
-    if not doing.entities.rooms_meant(words):
-        return ()
-    left_out = {doing.entity(other).room for other in without}
-    if without and None in left_out:
-        raise Unable("role", without[0])
-    return tuple(room for room in doing.entities.rooms() if room not in left_out)
-
-
 def spread(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If | Repeat, ...]:
     """The nodes with one journey for each room, where all are meant; what is done there is done in each."""
     made: list[Do | If | Repeat] = []
-    rest = list(nodes)
-    while rest:
-        node = rest.pop(0)
-        rooms, act = _rooms_of(node, doing)
-        if not rooms or act is None:
-            made.append(node)
+    left = list(nodes)
+    while left:
+        act = left.pop(0)
+        rooms = _rooms_of(act, doing) if isinstance(act, Do) else ()
+        if not isinstance(act, Do) or not rooms:
+            made.append(act)
             continue
         there: list[Do] = []
-        while act.act == "go" and rest and isinstance(rest[0], Do) and _is_there(rest[0]):
-            there.append(rest.pop(0))  # type: ignore[arg-type]
+        while act.act == "go" and left and isinstance(node := left[0], Do) and _is_there(node):
+            there.append(node)
+            del left[0]
+        if there and there[0].act == "look" and not there[0].roles:
+            act = there.pop(0)  # a look at a room goes there
         for room in rooms:
-            role = Role("place", room, 0, 0)
-            looks = bool(there) and there[0].act == "look" and not there[0].roles
-            made += [] if looks else [_at(act, role)]
-            made += [replace(inner, roles=(role,)) if looks and inner is there[0] else inner for inner in there]
+            made += [_at(act, Role("place", room, 0, 0)), *there]
     return tuple(made)
 
 
-def _rooms_of(node: Do | If | Repeat, doing: Doing) -> tuple[tuple[str, ...], Do | None]:
-    if isinstance(node, Do) and node.act != "patrol" and node.until is None:
-        for words in (words for name in _EVERYWHERE for words in node.all(name)):
-            if rooms := places(doing, words, node.all("except")):
-                return rooms, node
-    return (), None
+def _rooms_of(act: Do, doing: Doing) -> tuple[str, ...]:
+    """The rooms that "every room" are, but for those that are not meant; nothing where no act goes to all rooms."""
+    named = any(doing.entities.rooms_meant(words) for name in _EVERYWHERE for words in act.all(name))
+    if not named or act.act == "patrol" or act.until is not None:
+        return ()
+    left_out = {words: doing.entity(words).room for words in act.all("except")}
+    if unknown := next((words for words, room in left_out.items() if room is None), None):
+        raise Unable("role", unknown)
+    return tuple(room for room in doing.entities.rooms() if room not in left_out.values())
 
 
 def _is_there(act: Do) -> bool:
@@ -105,6 +100,5 @@ def _is_there(act: Do) -> bool:
 
 def _at(act: Do, room: Role) -> Do:
     """The act in one room instead of in all of them."""
-    others = (role for role in act.roles if role.name not in ("except", "place"))
-    kept = tuple(role for role in others if not (act.act in ("go", "clean", "tidy", "look") and role.name == "thing"))
-    return replace(act, roles=(room, *kept))
+    gone = {"except", "place"} | ({"thing"} if act.act in _OF_ROOMS else set())
+    return replace(act, roles=(room, *(role for role in act.roles if role.name not in gone)))

@@ -14,11 +14,15 @@ from typing import Final
 
 from engine.understanding.acts import ACTS, CONDITIONS
 from engine.understanding.meaning import meaning_of
-from engine.understanding.notation import STRUCTURE, Example, NotationError, read
+from engine.understanding.notation import STRUCTURE, Example, NotationError, Step, read
 from engine.understanding.symbols import DONE, MAX_STEPS, ROLE_NAMES, Grammar
-from engine.understanding.training.examples import language_of
+from engine.understanding.training.examples import SENTENCES, language_of, lines
 
-SENTENCES: Final = Path("assets/understanding/sentences")
+KINDS: Final = {
+    "about": "spoken about", "retract": "taken back", "not": "forbidden", "instead": "corrected", "if": "condition",
+    "until": "until", "repeat": "repeated",
+}  # fmt: skip
+"""The kind of a sentence whose meaning holds such a symbol; the first one counts."""
 _FEW: Final = 40
 """An act with fewer sentences in a language is named in the report."""
 
@@ -42,14 +46,13 @@ def wrong(example: Example) -> str:
     return "" if DONE in grammar.allowed() else "something is not closed"
 
 
-def kind_of(example: Example) -> str:
-    """The kind of request: what is hardest about it."""
-    symbols = [step.symbol for step in example.steps]
-    for kind in ("if", "until", "repeat", "about", "not", "retract", "instead", "together"):
-        if kind in symbols:
+def kind_of(steps: Sequence[Step]) -> str:
+    """What kind of sentence it is."""
+    symbols = [step.symbol for step in steps if step.start < 0]
+    for symbol, kind in KINDS.items():
+        if symbol in symbols:
             return kind
-    acts = sum(symbol in ACTS for symbol in symbols)
-    return "one act" if acts <= 1 else "two acts" if acts == 2 else "more acts"
+    return "one act" if len(symbols) == 1 else "several acts"
 
 
 def checked(files: Iterable[Path]) -> tuple[list[Example], list[str]]:
@@ -57,9 +60,7 @@ def checked(files: Iterable[Path]) -> tuple[list[Example], list[str]]:
     examples, errors = list[Example](), list[str]()
     for file in files:
         known = set[str]()
-        for number, line in enumerate(file.read_text("utf-8").splitlines(), 1):
-            if not line.strip() or line.startswith("#"):
-                continue
+        for number, line in lines(file):
             try:
                 example = read(line)
                 why = wrong(example)
@@ -78,17 +79,17 @@ def checked(files: Iterable[Path]) -> tuple[list[Example], list[str]]:
 
 def report(examples: Sequence[Example]) -> str:
     """How many sentences there are of each language and kind, and what is rare."""
-    kinds = Counter((language_of(example.text), kind_of(example)) for example in examples)
+    kinds = Counter((language_of(example.text), kind_of(example.steps)) for example in examples)
     uses = Counter((language_of(example.text), step.symbol) for example in examples for step in example.steps)
-    lines = [f"{'':12}{'English':>9}{'Chinese':>9}"]
-    lines += [f"{kind:12}{kinds['en', kind]:>9}{kinds['zh', kind]:>9}" for kind in dict.fromkeys(k for _, k in kinds)]
+    table = [f"{'':12}{'English':>9}{'Chinese':>9}"]
+    table += [f"{kind:12}{kinds['en', kind]:>9}{kinds['zh', kind]:>9}" for kind in dict.fromkeys(k for _, k in kinds)]
     of = Counter(language_of(example.text) for example in examples)
-    lines.append(f"{'all':12}{of['en']:>9}{of['zh']:>9}")
+    table.append(f"{'all':12}{of['en']:>9}{of['zh']:>9}")
     for language in ("en", "zh"):
         rare = [f"{name} {uses[language, name]}" for name in (*STRUCTURE, *CONDITIONS, *ACTS)
                 if uses[language, name] < _FEW]  # fmt: skip
-        lines.append(f"fewer than {_FEW} in {language}: {', '.join(rare) or 'none'}")
-    return "\n".join(lines)
+        table.append(f"fewer than {_FEW} in {language}: {', '.join(rare) or 'none'}")
+    return "\n".join(table)
 
 
 def main() -> int:

@@ -20,7 +20,10 @@ from engine.han import is_chinese
 from engine.understanding.acts import ACTS
 from engine.understanding.notation import Example, NotationError, Step, read
 
+SENTENCES: Final = Path("assets/understanding/sentences")
+"""A folder of folders of files of sentences."""
 SHARE: Final = 0.35
+"""Of the thinned sentences, what an epoch takes."""
 _SINGLE_ONLY: Final = frozenset({"fragment", "talk", "yes", "no", "about", "instead", "fact"})
 _SWAPPED: Final = frozenset({"thing", "place", "source", "person", "amount", "time", "times", "colour", "text"})
 
@@ -42,13 +45,18 @@ def habits(path: Path) -> dict[str, Habits]:
     return {language: Habits(**{key: tuple(words) for key, words in of.items()}) for language, of in found.items()}
 
 
+def lines(path: Path) -> Iterator[tuple[int, str]]:
+    """The lines of a file with their numbers; a line with # is a comment."""
+    for number, line in enumerate(path.read_text("utf-8").splitlines(), 1):
+        if line.strip() and not line.startswith("#"):
+            yield number, line
+
+
 def written(paths: Iterable[Path]) -> list[Example]:
-    """All examples of some files; a line with # is a comment. Raises :class:`NotationError` with file and line."""
+    """All examples of some files. Raises :class:`NotationError` with file and line."""
     examples = []
     for path in paths:
-        for number, line in enumerate(path.read_text("utf-8").splitlines(), 1):
-            if not line.strip() or line.startswith("#"):
-                continue
+        for number, line in lines(path):
             try:
                 examples.append(read(line))
             except NotationError as error:
@@ -104,15 +112,12 @@ class Variations:
 
     def epoch(self) -> Iterator[Example]:
         """One variation of each example, and joined ones: as many again as a fifth of them."""
-        some = self.random.sample(list(self.thinned), int(len(self.thinned) * SHARE))
-        for example in (*self.examples, *some):
+        taken = [*self.examples, *self.random.sample(list(self.thinned), int(len(self.thinned) * SHARE))]
+        for example in taken:
             yield self._dressed(self._refilled(example) if self.random.random() < 0.5 else example)
         for language, joinable in sorted(self._joinable.items()):
-            for _ in range(len(joinable) * (len(self.examples) + len(some)) // (5 * self._all())):
+            for _ in range(len(joinable) * len(taken) // (5 * (len(self.examples) + len(self.thinned)))):
                 yield self._dressed(self._joined(language, joinable))
-
-    def _all(self) -> int:
-        return max(1, len(self.examples) + len(self.thinned))
 
     def _refilled(self, example: Example) -> Example:
         """The same with other words in some of its roles."""

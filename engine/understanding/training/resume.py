@@ -13,7 +13,7 @@ import torch
 from onnx import ModelProto, numpy_helper
 
 from engine.understanding.base import Floats
-from engine.understanding.symbols import SYMBOLS
+from engine.understanding.symbols import IDS
 from engine.understanding.training.export import GRAPHS, export_plain
 from engine.understanding.training.network import Network
 
@@ -23,13 +23,13 @@ _OF_SYMBOLS = ("decoder.symbols.weight", "decoder.next.weight", "decoder.next.bi
 
 def resume(network: Network, folder: Path) -> None:
     """Take the weights of the graphs in ``folder``. Raises OSError, and ValueError where they are another network's."""
+    graphs = [onnx.load(folder / name) for name in GRAPHS]
     weights = dict[str, Floats]()
     with TemporaryDirectory() as temporary:
         export_plain(network, Path(temporary))
-        for name in GRAPHS:
-            graph = onnx.load(folder / name)
+        for name, graph in zip(GRAPHS, graphs, strict=True):
             weights |= _named(graph) | _multiplied(graph, onnx.load(Path(temporary) / name), network)
-    known = {found.key: found.value for found in graph.metadata_props}["symbols"].split()
+    known = {found.key: found.value for found in graphs[0].metadata_props}["symbols"].split()
     state = network.state_dict()
     missing = [name for name in state if name not in weights]
     if missing:
@@ -37,9 +37,9 @@ def resume(network: Network, folder: Path) -> None:
     for name, parameter in state.items():
         new = torch.from_numpy(weights[name])
         if name in _OF_SYMBOLS:
-            rows = [(SYMBOLS.index(symbol), row) for row, symbol in enumerate(known) if symbol in SYMBOLS]
-            for to, row in rows:
-                parameter[to] = new[row]
+            for row, symbol in enumerate(known):
+                if symbol in IDS:
+                    parameter[IDS[symbol]] = new[row]
         else:
             parameter.copy_(new)
 

@@ -26,7 +26,7 @@ from engine.understanding.learned import CERTAIN, MAX_UNITS
 from engine.understanding.notation import Example
 from engine.understanding.symbols import BEGIN, DONE, IDS, MAX_STEPS
 from engine.understanding.training import gpsr, huric
-from engine.understanding.training.examples import Variations, habits, written
+from engine.understanding.training.examples import SENTENCES, Variations, habits, written
 from engine.understanding.training.export import export
 from engine.understanding.training.network import Network
 from engine.understanding.training.resume import resume
@@ -38,7 +38,6 @@ LAYERS_OF_BASE: Final = 6
 GRAMMAR: Final = 1200
 """Sentences of the public grammar that are learnt from."""
 ASSETS: Final = Path("assets/understanding")
-SENTENCES: Final = ASSETS / "sentences"
 MADE_UP: Final = "from_meanings"
 """The folder of sentences for meanings that were put together by chance: less natural than the others."""
 HABITS: Final = ASSETS / "habits.yaml"
