@@ -41,9 +41,9 @@ _BUT: Final = re.compile(
     r"(?=\S)|不是|除了"
 )
 _NUMBERED: Final = re.compile(
-    r"(?:block|cube|box|tag|marker|apriltag)s?(?: (?:with|that has|marked|labelled|labeled|numbered))*(?: (?:a|the))?"
-    r"(?: (?:tag|number|no))*"
-    r" (?P<n>[\w]+)(?: on it)?|(?:number|tag|tag number) (?P<m>[\w]+)|(?P<zh>[\d一二三四五六七八九十]+)号.*"
+    r"(?:block|cube|box|tag|marker|apriltag|one)s?(?: (?:with|that has|marked|labelled|labeled|numbered))*"
+    r"(?: (?:a|the))?(?: (?:tag|number|no))*"
+    r" (?P<n>[\w]+)(?: tag)?(?: on it)?|(?:number|tag|tag number) (?P<m>[\w]+)|(?P<zh>[\d一二三四五六七八九十]+)号.*"
 )
 """A block by its number, however that is said."""
 _ALL: Final = re.compile(r"^(?:all|every|everything|each|both)\b|^(?:所有|全部|每)|都")
@@ -80,6 +80,15 @@ _HELD: Final = re.compile(
     r"|你?(?:手里|手上|爪子里|夹子里)(?:[拿抓夹攥拎]着?)?的?(?:[那这]个?)?(?:东西|玩意儿?)?|你?[拿抓夹攥拎]着?的(?:那个)?东西"
 )
 """What is held, in other words than its name."""
+_STUFF: Final = frozenset({"one", "ones", "stuff", "things", "objects", "items", "bits", "pieces"})
+"""Nouns for things of any kind."""
+_ONE: Final = re.compile(r"(?P<which>[\w -]+) ones?")
+_ONE_ZH: Final = re.compile(rf"(?:[这那]{_MEASURE}?)?(?P<which>[\u3400-\u9fff]+?)色?的(?:那{_MEASURE}?)?")
+"""One of a kind that was named before: "the blue one"."""
+_REMEMBERED: Final = re.compile(
+    r"(?:(?:the|that|your|my) )?(?:saved|stored|remembered|memori[sz]ed|marked|noted|recorded) "
+    r"(?:place|spot|position|point|pose|location)|(?:刚才|你)?(?:记住|记下|保存)(?:下来)?的(?:那个)?(?:位置|地方|点)"
+)
 _NOTHING_SAID: Final = re.compile(
     r"(?:\b(?:the|a|an|my|your|that|this|to|u[hm]+|e+r?h?m+|er|hmm+|well|whatsit|thingy|thingamajig|thingummy|doodah|"
     r"whatchamacallit|what's it called|what's its name|you know|the one)\b[ ,.]*)+|(?:那个|这个|嗯|呃|啥|什么来着)+"
@@ -165,6 +174,8 @@ class Entities:
         plain = " ".join(words.casefold().replace("’", "'").split()).strip(' ,.!?;:，。！？；：、"“”')
         if _ME.fullmatch(plain):
             return Entity(words, place=ZERO_SYMBOL, me=True)
+        if _REMEMBERED.fullmatch(plain):
+            return Entity(words, place=ZERO_SYMBOL)
         for side, pattern in _SIDES:
             if pattern.fullmatch(plain):
                 return Entity(words, side=side)
@@ -196,6 +207,22 @@ class Entities:
         if many is not None and len(self.members(found)) == number(many["en"] or many["zh"]):
             found = replace(found, every=True)  # "the two cups" of a house that has two
         return _with_question(found, which)
+
+    def like(self, words: str, thing: str) -> str | None:
+        """What "the blue one", or "the blue", is where one like ``thing`` is meant; None where it is none of those."""
+        plain = " ".join(words.casefold().split()).strip(" ,.!?;:，。！？；：、")
+        chinese = is_chinese(plain)
+        found = _ONE_ZH.fullmatch(plain) if chinese else _ONE.fullmatch(_DETERMINERS.sub("", _BEHIND.sub("", plain)))
+        which = found["which"] if found is not None else ""
+        of_any_kind = self.of(f"{which}东西" if chinese else f"{which} thing").thing if which else self.of(words).thing
+        if of_any_kind is not None and of_any_kind.endswith(" thing"):
+            which = of_any_kind.removesuffix(" thing")
+        if not which or not thing:
+            return None
+        try:
+            return self._object(f"{which} {thing.split()[-1]}")
+        except PlanError:
+            return None
 
     def near(self, words: str) -> str:
         """``words`` as a name that may be asked back: without what stands around it."""
@@ -286,7 +313,7 @@ class Entities:
         if chinese or not candidates:
             return None
         *before, noun = candidates[0].split()
-        noun = "thing" if noun in ("one", "ones") else noun
+        noun = "thing" if noun in _STUFF else noun
         for colour in before:  # "the shiny red cup": what is known of it, and its colour
             try:
                 return self._object(f"{colour} {noun}")

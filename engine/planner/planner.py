@@ -241,7 +241,8 @@ class Planner:
             return NoPlan(text, "impossible", why)
         if question := self._asking_back.question(request, text, language):
             return question
-        found = await asyncio.to_thread(self._learned.plan, request, text, language)
+        named = heard.before.things.named
+        found = await asyncio.to_thread(self._learned.plan, request, text, language, named)
         plain = isinstance(match, UnknownPlace)  # all but a place that is not here was plain to the phrases
         return None if isinstance(found, NoPlan) and plain else found
 

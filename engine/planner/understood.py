@@ -20,6 +20,7 @@ from engine.planner.accounted import accounted
 from engine.planner.doing.acts import calls_of
 from engine.planner.doing.conditions import of_itself, seen
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable, Which
+from engine.planner.doing.looking import topic_of
 from engine.planner.entities import Entities
 from engine.planner.happened import last_question, last_said, open_command
 from engine.planner.phrases.phrases import PhrasePlanner, UnknownPlace
@@ -34,7 +35,7 @@ from engine.skills.vocabulary import Vocabulary
 from engine.understanding.acts import ACTS, RoleName
 from engine.understanding.meaning import About, Do, If, Instead, Meaning, Node, Not, Repeat, Retract, Role
 
-SURE: Final = 0.6
+SURE: Final = 0.5
 """How sure the reader has to be, 0 to 1, for something to move."""
 MAYBE: Final = 0.25
 """How sure it has to be for a plan that moves nothing, and for the question whether something that moves is meant."""
@@ -57,16 +58,6 @@ _SOMEBODY: Final = re.compile(r"him|her|them|they|he|she|someone|somebody|他们
 _NO_ORDERS: Final = frozenset({"talk", "fact"})
 _OF_THE_SESSION: Final = frozenset({"answer", "yes", "no", "fragment", "again", "undo", "resume", "other"})
 """Acts that others than this reader answer: those of the conversation, and what no skill serves."""
-_TOPICS: Final = (
-    ("holding", re.compile(r"\bh(?:o|e)ld|\bgrip|\bcarry|in your hand|拿着|手里|抓着")),
-    ("battery", re.compile(r"batter|charge|power|juice|电")),
-    ("stopped", re.compile(r"\bwhy\b|\bstop|wrong|fail|为什么|怎么停|出错|问题")),
-    ("seewhat", re.compile(r"\bsee(?:s|ing)?\b|\blook|camera|in view|看|镜头")),
-    ("report_pose", re.compile(r"\bwhere|position|location|room|standing|哪|位置")),
-    ("list_skills", re.compile(r"\bable\b|can you do|abilit|skill|会做|本事|功能")),
-    ("done", re.compile(r"\bd(?:o|id|one|oing)\b|\baction|\brecent|\bup to\b|\blast\b|finish|刚才|做了|干了|完成")),
-)
-"""What a question to the robot about itself is about, in the order in which it is tried."""
 
 
 class Reads(Protocol):
@@ -114,12 +105,13 @@ class Understood:
         told = "forbidden" if meaning.has(Not) or meaning.has(Retract) else "told"
         return NoPlan(text, "no_order", SAID[language][f"no_order_{told}"], ExitCode.CLARIFY)
 
-    def plan(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
-        """The plan of a request; None where this reader hands it on."""
+    def plan(self, request: PlanRequest, text: str, language: Language, named: str = "") -> Plan | NoPlan | None:
+        """The plan of a request; None where this reader hands it on. ``named`` is the thing that was named last."""
         meaning = self._confirmed(request, text) or self._merged(request, text) or self.meaning(text)
         if meaning is None or meaning.confidence < MAYBE or not accounted(meaning):
             return None
         wanted = tuple(node for node in meaning.wanted() if _is_order(node))
+        wanted = tuple(node for node in wanted if not _is_answer(node)) or wanted
         if not wanted:
             return None
         if len(wanted) == 1 and isinstance(act := wanted[0], Do):
@@ -134,7 +126,7 @@ class Understood:
         request.read(_told(meaning))
         if meaning.doubt > DOUBT and not meaning.has(Retract) and not meaning.has(Not):
             return NoPlan(text, "no_order", SAID[language]["no_order_doubt"], ExitCode.CLARIFY)
-        found = self.of(wanted, request, text, language)
+        found = self.of(wanted, request, text, language, named)
         denies = any(meaning.has(kind) for kind in (Not, Retract, About))
         if meaning.confidence < SURE and isinstance(found, Plan) and (denies or self._moves(found)):
             steps = SAID[language]["then"].join(step.rstrip(".。") for step in found.steps)
@@ -156,8 +148,7 @@ class Understood:
 
     def _reported(self, act: Do, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
         """What the robot tells about itself: from what is on record, or with a skill."""
-        about = f"{act.words('topic')} {text}".casefold()
-        kind = next((kind for kind, pattern in _TOPICS if pattern.search(about)), "")
+        kind = topic_of(f"{act.words('topic')} {text}")
         if kind in ("report_pose", "seewhat", "list_skills"):
             return self._planned(text, (ActionCall(kind),), language)
         answer = about_itself.of(kind, request.on_record, request.holding, language)
@@ -172,7 +163,7 @@ class Understood:
         named: str = "",
     ) -> Plan | NoPlan | None:
         """The plan of what is wanted; ``named`` is the thing that "it" is at first."""
-        doing = Doing(self._entities, request.holding, named)
+        doing = Doing(self._entities, request.holding, named, greeting=SAID[language]["hello"])
         acts = tuple(self._completed(node) if isinstance(node, Do) else node for node in acts)
         phrases = self._phrases(language)
         try:
@@ -238,9 +229,9 @@ class Understood:
         if not role.instead_of:
             return role
         if role.name == "thing":
-            new, old = self._entities.of(role.words).thing, self._entities.of(role.instead_of).thing
-            if new and old and new.endswith(" thing"):
-                return replace(role, words=f"{new.removesuffix(' thing')} {old.split()[-1]}")
+            old = self._entities.near(role.instead_of)
+            if (alike := self._entities.like(role.words, self._entities.of(role.instead_of).thing or old)) is not None:
+                return replace(role, words=alike)
         if role.name in ("amount", "time") and (number := amounts.number(role.words)) is not None:
             unit = next((unit for unit in _UNITS if amounts.quantity(role.instead_of, unit) is not None), "")
             return replace(role, words=f"{number:g} {unit}")
@@ -292,6 +283,11 @@ def _told(meaning: Meaning) -> MeaningRead:
 
 def _is_order(node: Node) -> bool:
     return not (isinstance(node, Do) and node.act in _NO_ORDERS)
+
+
+def _is_answer(node: Node) -> bool:
+    """ "Fine, then …": what follows it is the order."""
+    return isinstance(node, Do) and node.act in ("yes", "no")
 
 
 def _only_wanted(nodes: Sequence[Node]) -> tuple[Do | If | Repeat, ...]:

@@ -28,7 +28,7 @@ def done(flat: Entities, line: str, holding: str = "") -> str:
 
 
 def told(argument: Quantity | str) -> str:
-    return f"{argument.value:g} {argument.unit}" if isinstance(argument, Quantity) else argument
+    return f"{argument.value:g} {argument.unit}".strip() if isinstance(argument, Quantity) else argument
 
 
 @pytest.mark.parametrize(
@@ -68,6 +68,46 @@ def told(argument: Quantity | str) -> str:
         ("put | {thing: all the red things} on {place: the desk}", "tidy(red, desk)"),
         ("follow until event end | follow {1.person: me} until {2.topic: I say stop}", "person_follow()"),
         ("turn_left until seen end | turn left until you see {2.thing: the ball}", "locate(ball)"),
+        ("bring put | take {1.thing: the ball} over to {1.place: the bedroom}, put {2.thing: it} on {2.place: the bed}",
+         "pick_object(ball); place_object(bed)"),
+        ("bring put | get {1.thing: the blue cup} from {1.source: the bedroom}, leave {2.thing: it} on "
+         "{2.place: the counter}", "navigation(C); pick_object(blue cup); place_object(counter)"),
+        ("bring bring | get {1.thing: the ball} and hand {2.thing: it} to {2.person: me}", "carry(ball, zero)"),
+        ("bring bring | {1.thing: the ball} to {1.place: the kitchen}, then to {2.place: the study} {2.thing: it}",
+         "carry(ball, A); carry(ball, D)"),
+        ("bring put | bring {1.thing: the ball} to {1.place: the kitchen} and put {2.thing: it} down",
+         "carry(ball, A)"),
+        ("tidy | remove {thing: any red things higher than 5 cm}", "color_remove_higher(red, 0.05 m)"),
+        ("tidy | clear {thing: tagged blocks that stick up over ten centimetres}", "apriltag_remove_higher(0.1 m)"),
+        ("tidy | 把{thing: 高过五厘米的方块}清掉", "apriltag_remove_higher(0.05 m)"),
+        ("put | put {thing: block three} in {place: its proper place}", "apriltag_sort(3)"),
+        ("sort | put {thing: block three} where it belongs", "apriltag_sort(3)"),
+        ("follow tidy | along {1.thing: the blue line} and clear {2.thing: whatever is in the way}",
+         "follow_line_clear(blue)"),
+        ("bring bring | get {1.person: me} {1.thing: the red box}, then {2.thing: the blue one} ~2.person",
+         "carry(red box, zero); carry(blue box, zero)"),
+        ("bring bring | 给{1.person: 我}拿{1.thing: 红色的盒子}，再拿{2.thing: 蓝的那个}",
+         "carry(red box, zero); carry(blue box, zero)"),
+        ("put | {thing: all the blue stuff} on {place: the bed}", "tidy(blue, bed)"),
+        ("pick_up | {thing: the one with the number two tag on it}", "pick_object(block 2)"),
+        ("remember go go_back | save it, go to {2.place: the desk}, back to {3.place: the saved position}",
+         "get_current_pose(); navigation(N); navigation(zero)"),
+        ("patrol | make the rounds through {place: the house}", "patrol()"),
+        ("leave go | leave {1.place: the kitchen} for {2.place: the study}", "navigation(D)"),
+        ("look report | look at {1.place: the desk} and {2.topic: report}", "navigation(N); seewhat()"),
+        ("go report | go to {1.place: the desk} and report {2.topic: where you are}", "navigation(N); report_pose()"),
+        ("light wait switch_off | {1.colour: red} light, wait {2.time: a second}, turn {3.thing: it} off",
+         "light(red); wait(1 s); light(off)"),
+        ("meet | meet {person: me} in {place: the kitchen}", "navigation(A)"),
+        ("greet | say hello to {person: everyone} in {place: the kitchen}", "navigation(A); say(Hello.)"),
+        ("find | is there {thing: anything} on {place: the desk}", "navigation(N); seewhat()"),
+        ("wait | wait for {person: me} at {place: the kitchen door}", "navigation(T)"),
+        ("throw_away | {thing: everything green} goes in the bin", "tidy(green, bin)"),
+        ("put bring | {1.thing: the ball} to {1.place: the desk}, fetch {2.thing: the bottle} from {2.source: there}",
+         "pick_object(ball); place_object(desk); carry(bottle, zero, desk)"),
+        ("bring throw_away | fetch {1.thing: the ball} and toss {2.thing: it}", "pick_object(ball); place_in_bin()"),
+        ("bring put | bring {1.person: me} {1.thing: the ball} and put {2.thing: the bottle} on {2.place: the desk}",
+         "carry(ball, zero); pick_object(bottle); place_object(desk)"),
         ("arm_up together beep | arm up and beep", "arm_up(); beep()"),
     ],
 )  # fmt: skip

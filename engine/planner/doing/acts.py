@@ -12,18 +12,21 @@ from typing import Final
 from engine.planner import amounts
 from engine.planner.doing.conditions import untimed
 from engine.planner.doing.doing import MOST, Doing, Roles, Unable
+from engine.planner.doing.errands import FOLLOW_AND_CLEAR, as_errands
 from engine.planner.doing.handling import bring, clean, drop, pick_up, put, sort, throw_away, tidy
-from engine.planner.doing.looking import check, count, describe, find, look
+from engine.planner.doing.looking import check, count, describe, find, look, report
 from engine.planner.doing.moving import (
     charge,
     come,
     drive_shape,
     face,
     follow,
+    follow_and_clear,
     go,
     go_back,
     guide,
     leave,
+    meet,
     move,
     patrol,
     turn,
@@ -32,7 +35,7 @@ from engine.planner.doing.moving import (
     wait,
 )
 from engine.planner.doing.several import one_by_one, spread
-from engine.planner.doing.signals import arm_turn, beep, just, light, often, remember, say, tell
+from engine.planner.doing.signals import arm_turn, beep, greet, just, light, often, remember, say, switch, tell
 from engine.planner.phrases.said import Calls, call
 from engine.understanding.meaning import Do, If, Repeat
 
@@ -40,7 +43,7 @@ from engine.understanding.meaning import Do, If, Repeat
 def calls_of(nodes: Sequence[Do | If | Repeat], doing: Doing) -> Calls:
     """The calls for what is wanted, behind those that ``doing`` has already. Raises Open, Which, NowhereKnown and
     Unable; conditions are somebody else's business."""
-    for node in spread(nodes, doing):
+    for node in as_errands(spread(nodes, doing), doing):
         if isinstance(node, Repeat):
             _repeat(node, doing)
         elif isinstance(node, Do):
@@ -94,7 +97,9 @@ _ACTS: Final[Mapping[str, Callable[[Doing, Roles], Calls]]] = {
     "charge": charge,
     "drive_shape": drive_shape,
     "follow": follow,
+    FOLLOW_AND_CLEAR: follow_and_clear,
     "guide": guide,
+    "meet": meet,
     "patrol": patrol,
     "stop": just("stop"),
     "wait": wait,
@@ -125,8 +130,12 @@ _ACTS: Final[Mapping[str, Callable[[Doing, Roles], Calls]]] = {
     "beep": beep,
     "light": light,
     "light_off": lambda doing, roles: call("light", "off"),
+    "switch_on": switch("white"),
+    "switch_off": switch("off"),
     "say": say,
     "tell": tell,
+    "greet": greet,
+    "report": report,
     "skills": just("list_skills"),
     "remember": remember,
     "end_task": just("finish_dialogue"),

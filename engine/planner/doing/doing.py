@@ -61,6 +61,8 @@ class Doing:
     """The thing that was named last, as skills know it."""
     place: str = ""
     """The symbol of the place that was named last."""
+    greeting: str = "Hello."
+    """In the speaker's language."""
     calls: list[ActionCall] = field(default_factory=list)
 
     def entity(self, words: str) -> Entity:
@@ -72,9 +74,17 @@ class Doing:
             raise Which(found.which)
         return found
 
+    def where(self, words: str) -> Entity:
+        """What words for a place name; "there" is the place that was named last."""
+        found = self.entity(words)
+        return self.entities.of(self.place) if found.refers and self.place else found
+
     def thing(self, words: str) -> str:
         """A thing as skills know it; "it" is what was named last. An unknown one is given on as it was said: whoever
         checks it says what is known."""
+        if self.named and (alike := self.entities.like(words, self.named)) is not None:
+            self.named = alike
+            return alike
         found = self.entity(words)
         if found.vague:
             raise Open("which_thing")

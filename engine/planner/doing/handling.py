@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from typing import Final
+
+from engine.han import is_chinese
 from engine.plan import Quantity
 from engine.planner import amounts
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable
@@ -59,12 +63,13 @@ def put(doing: Doing, roles: Roles) -> Calls:
     return made
 
 
+_WHERE_IT_BELONGS: Final = re.compile(r"\b(?:its|their)\b.*\b(?:place|spot|home|position)|\bbelongs?\b|该[在放]|原位")
+
+
 def _put_one(doing: Doing, words: str, place: str, source: str) -> Calls:
     if not place:
         return (*fetched(doing, words, source), *call("putdown"))
-    target = doing.entity(place)
-    if target.refers:
-        target = doing.entities.of(doing.place) if doing.place else target
+    target = doing.where(place)
     if target.every:
         raise Unable("role", place)
     group = doing.entity(words)
@@ -73,6 +78,8 @@ def _put_one(doing: Doing, words: str, place: str, source: str) -> Calls:
         if not colour or target.surface is None:
             raise Unable("every", words)
         return call("tidy", colour, target.surface)
+    if target.place is not None:
+        doing.place = target.place
     surface = target.surface
     if surface is not None and surface not in (target.room, None):
         put = call("place_in_bin") if surface == BIN else call("place_object", surface)
@@ -81,6 +88,8 @@ def _put_one(doing: Doing, words: str, place: str, source: str) -> Calls:
         if doing.held(doing.thing(words)):
             return (*call("navigation", target.place or ZERO_SYMBOL), *call("putdown"))
         return carried(doing, words, target.place or ZERO_SYMBOL, source)
+    if _WHERE_IT_BELONGS.search(place.casefold()) and _numbered(words):
+        return call("apriltag_sort", Quantity(amounts.number(words) or 0, ""))
     if target.refers or target.side or place.casefold() in ("down", "away", "aside"):
         if target.refers or target.side == "ahead":
             return (*fetched(doing, words, source), *call("putdown"))
@@ -94,7 +103,7 @@ def carried(doing: Doing, words: str, place: str, source: str) -> Calls:
         return (*call("navigation", place), *call("putdown"))
     if doing.in_hand:
         raise Unable("full", doing.in_hand)
-    at = doing.entity(source) if source else doing.entities.of(words).at
+    at = doing.where(source) if source else doing.entities.of(words).at
     where = (at.surface or at.room) if at is not None else None
     if source and where is None:
         raise NowhereKnown(doing.entities.near(source))
@@ -141,6 +150,8 @@ def throw_away(doing: Doing, roles: Roles) -> Calls:
         if doing.entity(words).refers and doing.in_hand and not made:
             doing.named = doing.in_hand
             made += call("place_in_bin")
+        elif doing.entity(words).every and (colour := colour_of(doing, doing.entity(words).thing or "")):
+            made += call("tidy", colour, BIN)
         else:
             made += (*fetched(doing, words, source or source_of(doing, roles, words)), *call("place_in_bin"))
     return made
@@ -148,6 +159,11 @@ def throw_away(doing: Doing, roles: Roles) -> Calls:
 
 def tidy(doing: Doing, roles: Roles) -> Calls:
     thing, place, source = roles.words("thing"), roles.words("place"), roles.words("source")
+    if thing and not place and (height := _taller_than(thing)) is not None:
+        colour = colour_of(doing, thing.casefold())
+        return call("color_remove_higher", colour, height) if colour else call("apriltag_remove_higher", height)
+    if thing and not place and _numbered(thing):
+        return sort(doing, roles)
     room = doing.entity(thing or place or source)
     if room.room and not (thing and place):
         return call("clean_room", room.room)
@@ -162,6 +178,24 @@ def tidy(doing: Doing, roles: Roles) -> Calls:
     if not thing and not place and not source:
         return call("clean_room")
     raise Open("where_put")
+
+
+_TALLER: Final = re.compile(r"(?:tall|high|more|above|over|exceed|upwards?|bigger).*|[高超]")
+
+
+def _taller_than(words: str) -> Quantity | None:
+    """The height of "blocks taller than 4 cm"."""
+    plain = words.casefold()
+    found = _TALLER.search(plain)
+    metres = amounts.quantity(plain if is_chinese(plain) else plain[found.start() :], "m") if found else None
+    return Quantity(metres, "m") if metres is not None else None
+
+
+def _numbered(words: str) -> bool:
+    """Whether it is one block with a number."""
+    return (
+        amounts.number(words) is not None and re.search(r"block|cube|tag|marker|方块|积木|标签|号", words) is not None
+    )
 
 
 def clean(doing: Doing, roles: Roles) -> Calls:

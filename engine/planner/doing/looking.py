@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from typing import Final
+
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable
 from engine.planner.doing.handling import source_of
 from engine.planner.doing.moving import anybody, turned
@@ -47,6 +50,8 @@ def find(doing: Doing, roles: Roles) -> Calls:
         sought = found.thing or "person"
     elif not thing:
         raise Open("which_thing")
+    elif _ANYTHING.fullmatch(thing.casefold()):  # what there is
+        return looked(doing, place) if place else call("seewhat")
     else:
         found = doing.entity(thing)
         if found.thing is None and found.place is not None:
@@ -55,6 +60,9 @@ def find(doing: Doing, roles: Roles) -> Calls:
     place = place or source_of(doing, roles, thing)
     going = call("navigation", doing.spot(place)) if place and doing.entity(place).place else ()
     return (*going, *call("locate", sought))
+
+
+_ANYTHING: Final = re.compile(r"(?:any|some|every)thing|what|什么|啥|东西|什么东西")
 
 
 def count(doing: Doing, roles: Roles) -> Calls:
@@ -79,3 +87,34 @@ def describe(doing: Doing, roles: Roles) -> Calls:
     if roles.words("person"):
         raise Unable("act")
     return looked(doing, words, is_thing=words == roles.words("thing")) if words else call("seewhat")
+
+
+def report(doing: Doing, roles: Roles) -> Calls:
+    """Where it is, what it can do, or what is to be seen there; other questions about itself are no actions."""
+    kind = topic_of(roles.words("topic"))
+    if kind in ("report_pose", "list_skills"):
+        return call(kind)
+    if kind not in ("", "seewhat"):
+        raise Unable("act")
+    looked = bool(doing.calls) and doing.calls[-1].name in _LOOKING
+    return () if looked else call("seewhat")
+
+
+_LOOKING: Final = frozenset({"seewhat", "scan_room", "locate"})
+"""Actions that tell what they see."""
+_TOPICS: Final = (
+    ("holding", re.compile(r"\bh(?:o|e)ld|\bgrip|\bcarry|in your hand|拿着|手里|抓着")),
+    ("battery", re.compile(r"batter|charge|power|juice|电")),
+    ("stopped", re.compile(r"\bwhy\b|\bstop|wrong|fail|为什么|怎么停|出错|问题")),
+    ("seewhat", re.compile(r"\bsee(?:s|ing)?\b|\blook|camera|in view|看|镜头")),
+    ("report_pose", re.compile(r"\bwhere|position|location|room|standing|哪|位置")),
+    ("list_skills", re.compile(r"\bable\b|can you do|abilit|skill|会做|本事|功能")),
+    ("done", re.compile(r"\bd(?:o|id|one|oing)\b|\baction|\brecent|\bup to\b|\blast\b|finish|刚才|做了|干了|完成")),
+)
+"""What a question to the robot about itself is about, in the order in which it is tried."""
+
+
+def topic_of(words: str) -> str:
+    """What a question to the robot about itself is about: an action, or what is on record; empty for anything else."""
+    about = words.casefold()
+    return next((name for name, pattern in _TOPICS if pattern.search(about)), "")

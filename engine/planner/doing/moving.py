@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
+from typing import Final
 
 from engine.plan import Quantity
 from engine.planner import amounts
@@ -113,6 +115,13 @@ def come(doing: Doing, roles: Roles) -> Calls:
     return call("navigation", ZERO_SYMBOL)
 
 
+def meet(doing: Doing, roles: Roles) -> Calls:
+    """To where the speaker wants to be met."""
+    come(doing, roles)
+    place = roles.words("place")
+    return call("navigation", doing.spot(place) if place else ZERO_SYMBOL)
+
+
 def go_back(doing: Doing, roles: Roles) -> Calls:
     words = roles.words("place")
     found = doing.entity(words) if words else None
@@ -163,10 +172,8 @@ def drive_shape(doing: Doing, roles: Roles) -> Calls:
 def follow(doing: Doing, roles: Roles) -> Calls:
     words = roles.words("person") or roles.words("thing")
     plain = words.casefold()
-    if "line" in plain or "tape" in plain or "stripe" in plain or "线" in plain:
-        colour, where = colour_of(doing, plain), roles.words("source") or roles.words("place")
-        going = call("navigation", doing.spot(where)) if where and doing.entity(where).place is not None else ()
-        return (*going, *(call("follow_line", colour) if colour else call("follow_line")))
+    if _LINE.search(plain):
+        return _along(doing, roles, "follow_line")
     if "qr" in plain or "二维码" in plain:
         return call("qr_follow")
     tag = amounts.number(words)
@@ -187,6 +194,22 @@ def follow(doing: Doing, roles: Roles) -> Calls:
     if found is not None and not found.known:
         raise Unable("person", words)
     return call("person_follow")
+
+
+_LINE: Final = re.compile(r"line|tape|stripe|线")
+
+
+def follow_and_clear(doing: Doing, roles: Roles) -> Calls:
+    """Along a line, taking away what lies on it."""
+    if _LINE.search(roles.words("thing").casefold()) is None:
+        raise Unable("act")
+    return _along(doing, roles, "follow_line_clear")
+
+
+def _along(doing: Doing, roles: Roles, skill: str) -> Calls:
+    colour, where = colour_of(doing, roles.words("thing").casefold()), roles.words("source") or roles.words("place")
+    going = call("navigation", doing.spot(where)) if where and doing.entity(where).place is not None else ()
+    return (*going, *(call(skill, colour) if colour else call(skill)))
 
 
 def anybody(plain: str) -> bool:
@@ -212,9 +235,14 @@ def guide(doing: Doing, roles: Roles) -> Calls:
 
 
 def patrol(doing: Doing, roles: Roles) -> Calls:
-    places = [words for words in roles.all("place") if not doing.entity(words).every]
+    places = [
+        words for words in roles.all("place") if not doing.entity(words).every and not _WHOLE.search(words.casefold())
+    ]
     symbols = [symbol for words in places for symbol in _several(doing, words)]
     return call("patrol", ",".join(symbols)) if symbols else call("patrol")
+
+
+_WHOLE: Final = re.compile(r"\b(?:house|home|flat|apartment|place|floor|building|premises)$|家|房子|屋子|各处|到处")
 
 
 def _several(doing: Doing, words: str) -> list[str]:
@@ -228,6 +256,8 @@ def _several(doing: Doing, words: str) -> list[str]:
 
 def wait(doing: Doing, roles: Roles) -> Calls:
     place, time = roles.words("place"), roles.words("time")
+    if any(not doing.entity(words).me for words in roles.all("person")):
+        raise Unable("person", roles.words("person"))
     seconds = amounts.quantity(time, "s")
     if seconds is None and place and not time:
         return call("navigation", doing.spot(place))

@@ -54,6 +54,22 @@ def light(doing: Doing, roles: Roles) -> Calls:
     return call("light", _SAME_COLOUR.get(plain, plain))
 
 
+def switch(colour: str) -> Callable[[Doing, Roles], Calls]:
+    """The robot's own light, switched on or off; it has no other device."""
+
+    def switch(doing: Doing, roles: Roles) -> Calls:
+        things = roles.all("thing")
+        lit = bool(doing.calls) and any(made.name == "light" for made in doing.calls)
+        own = [_LIGHT.search(words.casefold()) or (lit and doing.entity(words).refers) for words in things]
+        if not things or not all(own):
+            raise Unable("act")
+        return call("light", colour)
+
+    return switch
+
+
+_LIGHT: Final = re.compile(r"\b(?:lights?|lamps?|leds?|torch|headlights?)$|灯$")
+
 _COLOURS: Final = (
     "white",
     "red",
@@ -95,6 +111,17 @@ def tell(doing: Doing, roles: Roles) -> Calls:
             raise Unable("person", person)
         going += call("navigation", doing.spot(person))
     return (*going, *call("say", text))
+
+
+def greet(doing: Doing, roles: Roles) -> Calls:
+    """Said before whoever is there."""
+    place, persons = roles.words("place"), roles.all("person")
+    going: Calls = call("navigation", doing.spot(place)) if place else ()
+    for person in persons:
+        who = doing.entity(person)
+        if not who.me and _EVERYBODY.search(person.casefold()) is None:
+            raise Unable("person", person)
+    return (*going, *call("say", doing.greeting))
 
 
 _EVERYBODY: Final = re.compile(

@@ -22,7 +22,7 @@ from engine.understanding.notation import Example, NotationError, Step, read
 
 SENTENCES: Final = Path("assets/understanding/sentences")
 """A folder of folders of files of sentences."""
-SHARE: Final = 0.35
+SHARE: Final = 0.15
 """Of the thinned sentences, what an epoch takes."""
 _SINGLE_ONLY: Final = frozenset({"fragment", "talk", "yes", "no", "about", "instead", "fact"})
 _SWAPPED: Final = frozenset({"thing", "place", "source", "person", "amount", "time", "times", "colour", "text"})

@@ -1,0 +1,65 @@
+"""What acts mean beside one another: people tell one errand in two acts ("get the ball, then put it on the bed")."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+from engine.planner.doing.doing import Doing
+from engine.understanding.meaning import Do, If, Repeat
+
+FOLLOW_AND_CLEAR: Final = "follow_and_clear"
+"""The act of following a line and taking away what lies on it, which people tell in two."""
+_IN_THE_WAY: Final = re.compile(r"\bway\b|\bpath\b|block|obstacle|obstruct|挡|障碍|拦")
+_GOING: Final = frozenset({"go", "come", "go_back", "charge", "look", "meet", "wait"})
+"""Acts that go somewhere else, so that a place is left by them."""
+
+
+def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If | Repeat, ...]:
+    """The nodes with those made one that are one errand."""
+    made: list[Do | If | Repeat] = []
+    for node in nodes:
+        last = made[-1] if made else None
+        if isinstance(last, Do) and isinstance(node, Do):
+            if last.act == "leave" and node.act in _GOING:
+                made.pop()  # whoever goes elsewhere has left
+            elif last.act == "follow" and _clears_the_way(node):
+                made[-1] = replace(last, act=FOLLOW_AND_CLEAR)
+                continue
+            elif last.act == "bring" and _same_thing(last, node, doing):
+                made.pop()
+                made += _errand(last, node)
+                continue
+        made.append(node)
+    return tuple(made)
+
+
+def _errand(fetch: Do, then: Do) -> tuple[Do, ...]:
+    """What is done with a thing that is fetched, where the next act says more: "take the ball to the bedroom, put it on
+    the bed" picks it up only; what has been brought is not put down once more."""
+    picked = tuple(role for role in fetch.roles if role.name in ("thing", "source"))
+    says_where, says_more = (any(act.words(name) for name in ("place", "person")) for act in (fetch, then))
+    match then.act:
+        case "put" if not says_more:
+            return (fetch,)
+        case "bring" if not says_where:
+            return (replace(then, roles=(*picked, *(role for role in then.roles if role.name != "thing"))),)
+        case "throw_away" if says_where:
+            return (fetch, then)
+        case "put" | "throw_away":
+            return (Do("pick_up", picked), then)
+    return (fetch, then)
+
+
+def _clears_the_way(act: Do) -> bool:
+    return act.act in ("tidy", "push", "throw_away") and _IN_THE_WAY.search(act.words("thing").casefold()) is not None
+
+
+def _same_thing(first: Do, second: Do, doing: Doing) -> bool:
+    """Whether both are about one thing, which the second may call "it"."""
+    if len(first.all("thing")) != 1 or first.until is not None:
+        return False
+    found = doing.entity(second.words("thing") or "it")
+    return found.refers or found.thing == doing.entity(first.words("thing")).thing is not None
