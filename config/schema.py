@@ -392,8 +392,9 @@ class ExternalParameter(Section):
     )
     min: float | None = Field(default=None, description="Smallest number allowed.")
     max: float | None = Field(default=None, description="Largest number allowed.")
-    kind: Literal["place", "places", "colour", "sentence"] | None = Field(
-        default=None, description="Of words; places are separated by commas or and."
+    kind: Literal["place", "places", "object", "surface", "room", "colour", "thing_colour", "sentence"] | None = Field(
+        default=None,
+        description="Of words: places are separated by commas or and; colour is that of the light.",
     )
     default: float | str | None = Field(default=None, description="null: an argument is required.")
 
@@ -423,6 +424,38 @@ def _variable(name: str) -> str:
 Variable = Annotated[str, AfterValidator(_variable)]
 
 
+class Telling(Section):
+    """How one action of a skill is told. A slot {name} stands for the argument of that name; what is in [brackets] is
+    left out where an argument in it was not given."""
+
+    when: dict[str, str] = Field(
+        default={}, description="Arguments that it holds for: a word, or negative or positive of a number."
+    )
+    step: str = Field(min_length=1, description="A sentence: Drive {distance} back[ at {speed}].")
+    doing: str | None = Field(
+        default=None, description="What it is doing then: driving back; null: as the step; empty: it speaks for itself."
+    )
+
+
+class SkillWords(Section):
+    """The words of a skill in one language."""
+
+    called: str = Field(default="", description="Its name in lists and forms; empty: the name that programs use.")
+    arguments: dict[str, str] = Field(default={}, description="What its parameters are called there.")
+    told: tuple[Telling, ...] = Field(default=(), description="How it is told; the first that fits is taken.")
+    asked: tuple[str, ...] = Field(
+        default=(),
+        description="How it is asked for: water the {plant} [for {time}]; (a|b) is a choice, [a] may be left out.",
+    )
+
+
+class SkillRecord(Section):
+    """The words of a skill in every language that is spoken (assets/skills has those of the built-in ones)."""
+
+    en: SkillWords = SkillWords()
+    zh: SkillWords = SkillWords()
+
+
 class ExternalSkill(Section):
     """A skill that is a program of its own (the protocol is in engine/skills/external/protocol.py)."""
 
@@ -437,12 +470,26 @@ class ExternalSkill(Section):
         default=(), description="Variables that it sees beside PATH, HOME, LANG and the like, by their names."
     )
     parameters: dict[str, ExternalParameter] = {}
+    words: SkillRecord = Field(
+        default=SkillRecord(), description="How it is asked for and told, in each language; without it, models only."
+    )
     silence_s: float | None = Field(
         default=5, gt=0, le=3600, description="The action fails when the program says nothing for so long; null: never."
     )
     endless: bool = Field(
         default=False, description="It goes on until told otherwise: session.turn_limit_s does not end it."
     )
+
+    @model_validator(mode="after")
+    def _slots(self) -> ExternalSkill:
+        for language in (self.words.en, self.words.zh):
+            sentences = [*language.asked, *(text for told in language.told for text in (told.step, told.doing or ""))]
+            named = {*language.arguments, *(name for told in language.told for name in told.when)}
+            named |= {slot for sentence in sentences for slot in re.findall(r"\{([^{}]*)\}", sentence)}
+            for name in sorted(named - self.parameters.keys()):
+                known = ", ".join(sorted(self.parameters)) or "none"
+                raise ValueError(f"words: there is no parameter {name!r}; there is: {known}")
+        return self
 
     @field_validator("parameters")
     @classmethod

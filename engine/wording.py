@@ -1,7 +1,8 @@
 """Our own sentences, as the robot says them: in English, or in the language of whoever asked.
 
 Skills, events and logs are English, so that programs, recordings and models can rely on them; only the mouth speaks
-Chinese. A catalogue (``assets/wording/zh.yaml``) has a template for every sentence, with named slots. A text is read
+Chinese. A catalogue (``assets/wording/zh.yaml``, and what the records in ``assets/skills`` call skills) has a template
+for every sentence, with named slots. A text is read
 from the outside in: one sentence after the other, then what stands in the slots of each (reasons, places, things,
 lists, amounts), which are put into Chinese by the same catalogue and by the names of the house. What is not in the
 catalogue stays as it is: nothing that was to be said is lost.
@@ -23,6 +24,7 @@ from engine.errors import SceneError
 from engine.han import is_chinese
 from engine.planner.request import Language
 from engine.planner.worlds.house import build_vocabulary
+from engine.skills.record import records
 
 Called = Callable[[str], Sequence[str]]
 """Every name, in any language, of what has this one in the house; that name itself where there is none."""
@@ -227,7 +229,7 @@ class Catalogue:
 def catalogue() -> Catalogue:
     """Chinese, read when it is spoken."""
     read = yaml.load(_FILE.read_text("utf-8"), Loader=_Loader)  # noqa: S506 - a safe one
-    words, templates = dict(read["words"]), []
+    words, templates = {**_of_skills(), **read["words"]}, []
     for section in read["said"].values():
         for written, told in section.items():
             templates.append(Template(written, told))
@@ -239,11 +241,20 @@ def catalogue() -> Catalogue:
     )
 
 
+def _of_skills() -> dict[str, str]:
+    """What skills and their arguments are called."""
+    chinese = {name: record.zh for name, record in records().items()}
+    called = {name: words.called for name, words in chinese.items() if words.called}
+    return {name: said for words in chinese.values() for name, said in words.arguments.items()} | called
+
+
 def build_wording(settings: Settings) -> Wording:
     """The wording of a robot that knows this house; its names are read when they are needed."""
 
     @lru_cache(maxsize=1000)
     def called(name: str) -> Sequence[str]:
+        if (declared := settings.skills.get(name)) is not None and declared.words.zh.called:
+            return (name, declared.words.zh.called)
         place = settings.places.get(name)  # actions name places by their symbols
         try:
             return build_vocabulary(settings).words_for(name if place is None else place.name)

@@ -78,11 +78,10 @@ def build_planner(
     skills = registry or build_registry(settings, world=world)
     places = settings.places if world is None else world.places
     vocabulary = build_vocabulary(settings) if world is None else world.vocabulary()
-    offered = frozenset(skill.name for skill in skills)
 
     @cache
     def phrases(language: Language) -> PhrasePlanner:
-        return PhrasePlanner(places, language, vocabulary=vocabulary, skills=offered)
+        return PhrasePlanner(places, language, vocabulary=vocabulary, skills=skills)
 
     @cache
     def made(language: Language, brief: bool, sees: bool) -> Prompts:

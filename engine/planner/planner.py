@@ -16,12 +16,12 @@ from itertools import islice
 from typing import Final
 
 from engine.commands import MAX_TEXT, too_long
-from engine.errors import ExitCode
+from engine.errors import ExitCode, PlanError
 from engine.events import PlanSource
 from engine.hearing.readings import Afterthought, Completeness
 from engine.llm.chat import Chat, ChatError, Message
 from engine.perception.naming import CHINESE, KINDS
-from engine.plan import Action, Plan
+from engine.plan import Action, Plan, parse_calls
 from engine.planner import about_itself
 from engine.planner.afterthoughts import afterthought
 from engine.planner.answering import Answering
@@ -62,6 +62,8 @@ MAX_READINGS: Final = 40
 """Of a sentence, other than word by word."""
 FEW_WORDS: Final = 6
 """A vague sentence of so few words is asked about at once; a longer one may say somewhere what is meant."""
+_CALL: Final = re.compile(r"\s*([a-z]\w*)\s*\(")
+"""What an action begins with that is written as such."""
 _ASKS_FIRST: Final = re.compile(
     r"\b(?:is|are) there\b.*\b(?:then|and)\b|\?\W*(?:if )?(?:yes|yeah|no|so|not)\b", re.IGNORECASE
 )
@@ -150,6 +152,8 @@ class Planner:
         """Plan what was asked for, or what comes after feedback; raises nothing."""
         if (why := too_long(request.text)) is not None:
             return NoPlan(request.text[:MAX_TEXT], "too_long", why)
+        if (written := self._written(request)) is not None:
+            return written
         text = put_back(request.text, request.holding, request.happened, self._vocabulary)
         text = self._wishes.order(text, request.seen) or last_said(request.happened)
         language = self._language or request.language or language_of(text)
@@ -175,6 +179,22 @@ class Planner:
             if (found := await step(heard)) is not None:
                 return found
         return await self._asked_back(heard)
+
+    def _written(self, request: PlanRequest) -> Plan | NoPlan | None:
+        """The plan of actions that are written as such: ``navigation(place="kitchen"); beep()``."""
+        name = _CALL.match(request.text)
+        if name is None or not self._validation.offers(name[1]):
+            return None
+        if (refused := refusal(request.text)) is not None:
+            return NoPlan(request.text, f"refused_{refused.kind}", refused.reason, ExitCode.REFUSED)
+        try:
+            found = self._validation.of(request.text, parse_calls(request.text), (), "")
+        except PlanError as error:
+            return NoPlan(request.text, error.code, str(error), ExitCode(error.exit_code))
+        if isinstance(found, NoPlan):
+            return found
+        told = self._tell(found.actions, self._language or request.language or "en")
+        return replace(found, steps=told.steps, response=told.response)
 
     # The steps of planning: each answers, or leaves the request to the next one
 

@@ -44,6 +44,10 @@ class Validation:
         """What a skill occupies while it runs."""
         return self._registry[skill].occupies
 
+    def offers(self, skill: str) -> bool:
+        """Whether there is a skill of this name."""
+        return any(skill == one.name for one in self._registry)
+
     def plan(self, text: str, told: Matched) -> Plan | NoPlan:
         """The plan of what was understood of ``text``."""
         return self.of(text, told.calls, told.steps, told.response)

@@ -15,12 +15,14 @@ from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
+from config.schema import SkillRecord
 from engine.errors import ExitCode, PlanError
 from engine.events import Value
 from engine.plan import Action, ActionCall, Argument, Quantity
 from engine.robot.robot import Capability
 from engine.skills.context import SkillContext
 from engine.skills.outcome import Result
+from engine.skills.record import record_of
 from engine.skills.units import Unit, convert
 
 
@@ -107,6 +109,13 @@ class Skill:
     run: Run
     endless: bool = False
     """It goes on until told otherwise: no time limit ends it."""
+    own_words: SkillRecord | None = None
+    """Of an external skill."""
+
+    @property
+    def words(self) -> SkillRecord:
+        """What it is called, and how it is told and asked for, in each language."""
+        return self.own_words if self.own_words is not None else record_of(self.name)
 
     @property
     def summary(self) -> str:

@@ -25,7 +25,7 @@ from engine.skills.registry import SkillRegistry
 SETTINGS = load(environ={})
 VOCABULARY = build_vocabulary(SETTINGS)
 REGISTRY = build_registry(SETTINGS)
-PHRASES = PhrasePlanner(SETTINGS.places, vocabulary=VOCABULARY)
+PHRASES = PhrasePlanner(SETTINGS.places, vocabulary=VOCABULARY, skills=REGISTRY)
 
 
 def actions_of(written: str, registry: SkillRegistry = REGISTRY) -> tuple[Action, ...]:
@@ -254,7 +254,7 @@ def planned(text: str, phrases: PhrasePlanner) -> tuple[Action, ...]:
 
 @pytest.mark.parametrize("language", ["en", "zh"])
 def test_whatever_the_phrases_plan_is_grounded_in_its_sentence(language: str) -> None:
-    phrases = PhrasePlanner(SETTINGS.places, language, vocabulary=VOCABULARY)
+    phrases = PhrasePlanner(SETTINGS.places, language, vocabulary=VOCABULARY, skills=REGISTRY)
     plans = {text: plan for text in sentences() if (plan := planned(text, phrases))}
     assert len(plans) > (200 if language == "en" else 20)
     doubted = {

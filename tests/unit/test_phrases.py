@@ -30,9 +30,9 @@ PLACES = {
     "D": Place(name="room 2", aliases=("St. Mary's",), position=SPOT),
     "E": Place(name="charging dock", aliases=("charger", "home"), position=SPOT),
 }
-PLANNER = PhrasePlanner(PLACES)
 ALL: frozenset[Capability] = frozenset({"base", "arm", "camera", "voice"})
 PATROL = external_skill("patrol", load_settings(environ={}).skills["patrol"])
+PLANNER = PhrasePlanner(PLACES, skills=(*LIBRARY, PATROL))
 REGISTRY = SkillRegistry([*LIBRARY, PATROL], capabilities=ALL, vocabulary={"place": Places(PLACES).symbol})
 COMMANDS = Path(__file__).parents[3] / "shared" / "data" / "commands_dev.json"
 

@@ -20,7 +20,7 @@ from tests.unit.test_phrases import shown
 SETTINGS = load_settings(environ={})
 REGISTRY = build_registry(SETTINGS)
 PLANNERS = {
-    language: PhrasePlanner(SETTINGS.places, language, vocabulary=build_vocabulary(SETTINGS))
+    language: PhrasePlanner(SETTINGS.places, language, vocabulary=build_vocabulary(SETTINGS), skills=REGISTRY)
     for language in ("en", "zh")
 }
 

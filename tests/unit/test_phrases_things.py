@@ -20,8 +20,8 @@ from engine.skills.vocabulary import House, Vocabulary
 from tests.unit.test_phrases import shown
 
 SETTINGS = load(environ={})
-PLANNER = PhrasePlanner(SETTINGS.places, vocabulary=build_vocabulary(SETTINGS))
 REGISTRY = build_registry(SETTINGS)
+PLANNER = PhrasePlanner(SETTINGS.places, vocabulary=build_vocabulary(SETTINGS), skills=REGISTRY)
 
 
 def plan(text: str) -> str:
@@ -390,7 +390,7 @@ def test_nothing_but_what_was_said_is_ever_touched(text: str) -> None:
 
 
 def test_phrases_for_what_the_robot_cannot_do_are_left_out() -> None:
-    clumsy = PhrasePlanner(SETTINGS.places, skills={"navigation", "locate"})
+    clumsy = PhrasePlanner(SETTINGS.places, skills=[REGISTRY["navigation"], REGISTRY["locate"]])
     assert isinstance(clumsy.plan("find the cup"), Matched)
     for said in ("pick up the cup", "put it down", "follow me", "clean up"):
         assert isinstance(clumsy.plan(said), NoMatch)

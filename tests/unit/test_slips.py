@@ -17,7 +17,7 @@ from engine.skills.registry import NOT_SAID
 SETTINGS = at_home(load(environ={}))
 VOCABULARY = build_vocabulary(SETTINGS)
 REGISTRY = build_registry(SETTINGS)
-PHRASES = PhrasePlanner(SETTINGS.places, vocabulary=VOCABULARY)
+PHRASES = PhrasePlanner(SETTINGS.places, vocabulary=VOCABULARY, skills=REGISTRY)
 
 
 @pytest.mark.parametrize(

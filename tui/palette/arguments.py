@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tui.palette.requests import Values
+from tui.palette.calls import Values
 from tui.shown.facts import printable
 from tui.words import strings
 

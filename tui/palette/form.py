@@ -17,9 +17,9 @@ from textual.widgets import Input, Static
 
 from engine.skills.registry import Skill
 from tui.palette.arguments import Blank, NotRight, values
+from tui.palette.calls import as_written
 from tui.palette.entries import about_skill
 from tui.palette.over import Over
-from tui.palette.requests import is_plain, request
 from tui.shown.facts import printable
 from tui.widgets.ask import Guess
 from tui.widgets.completion import Completion
@@ -146,7 +146,7 @@ class Form(Over):
 
     def _composed(self) -> str:
         """The request. Raises :class:`NotRight` while there is none."""
-        return request(self._skill, values({line.blank: line.value for line in self._lines}))
+        return as_written(self._skill, values({line.blank: line.value for line in self._lines}))
 
     def _show(self) -> None:
         """What may stand in the line that has the keyboard, and what the request is."""
@@ -158,7 +158,4 @@ class Form(Over):
         except NotRight as error:
             self._result.update(Content.styled(str(error), "$text-warning"))
             return
-        shown = Content.styled(strings.FORM_BECOMES.format(printable(text)), "bold")
-        if not is_plain(self._skill, text):
-            shown = Content.assemble(shown, "\n", Content.styled(strings.FORM_MODEL, "$text-muted"))
-        self._result.update(shown)
+        self._result.update(Content.styled(strings.FORM_BECOMES.format(printable(text)), "bold"))

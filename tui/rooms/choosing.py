@@ -99,12 +99,12 @@ class Choosing:
     async def _fill(self, skill: Skill) -> None:
         """Ask for the arguments of a skill, if it has any."""
         from tui.palette.arguments import blanks
+        from tui.palette.calls import as_written
         from tui.palette.form import Form
-        from tui.palette.requests import request
 
         stage = self._stage
         if not skill.parameters or stage.offer is None or stage.handle is None:
-            self._write(request(skill, {}))
+            self._write(as_written(skill, {}))
             return
         seen = tuple(dict.fromkeys(thing.name for thing in stage.handle.world().things))
         keys = strings.FORM_KEYS.format(**stage.shown_keys)

@@ -497,7 +497,6 @@ FORM_NO_NUMBER: Final = "{name} is a number, such as 1.5"
 FORM_RANGE: Final = "{name} is {low:g} to {high:g} {unit}"
 FORM_MISSING: Final = "{name} is missing"
 FORM_BECOMES: Final = "› {}"
-FORM_MODEL: Final = "only a large model understands this"
 NOT_KEPT: Final = "What you type is not kept for later sessions: {}"
 
 # Copying and saving

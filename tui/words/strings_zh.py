@@ -472,7 +472,6 @@ FORM_WORDS: Final = "文字"
 FORM_NO_NUMBER: Final = "{name} 是数字，如 1.5"
 FORM_RANGE: Final = "{name} 为 {low:g} 到 {high:g} {unit}"
 FORM_MISSING: Final = "缺少 {name}"
-FORM_MODEL: Final = "只有大模型能懂这句话"
 NOT_KEPT: Final = "你输入的内容不会保留到以后的会话：{}"
 
 # Copying and saving

@@ -1,20 +1,23 @@
 """Telling people what a plan does: one sentence for each step, and one short answer for all of it.
 
-The words come from the phrase file, the facts from the actions themselves, so that what is announced is what is done.
+The words come from the language records of the skills and from the phrase file, the facts from the actions themselves,
+so that what is announced is what is done.
 What skills know by its English name is told by the one it has in the language of the answer, where there is one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import groupby
-from typing import Any
+from typing import Any, Final
 
-from config.schema import Place
+from config.schema import Place, Telling
 from engine.han import is_chinese
-from engine.plan import ActionCall, Quantity
+from engine.plan import ActionCall, Argument, Quantity
 from engine.planner.text.words import digits
 from engine.skills.places import ZERO_SYMBOL
+from engine.skills.registry import Parameter, Skill
 from engine.skills.vocabulary import Vocabulary
 
 MAX_TOLD = 4
@@ -24,7 +27,14 @@ MAX_TOLD = 4
 class Answers:
     """The answers of one language."""
 
-    def __init__(self, sections: Mapping[str, Any], places: Mapping[str, Place], vocabulary: Vocabulary) -> None:
+    def __init__(
+        self,
+        sections: Mapping[str, Any],
+        places: Mapping[str, Place],
+        vocabulary: Vocabulary,
+        skills: Mapping[str, Skill],
+    ) -> None:
+        self._skills = skills
         self._words: Mapping[str, Any] = sections["answers"]
         self._chinese = sections["language"] == "zh"
         self._vocabulary = vocabulary
@@ -73,77 +83,41 @@ class Answers:
         return str(self._words["sentence"]).format(told=f"{sentence[0].upper()}{sentence[1:]}") if sentence else ""
 
     def _tell(self, call: ActionCall, form: int) -> str:
-        name, fields = self._fields(call)
-        pattern: str = self._words["skills"][name][form]
-        return pattern.format_map(fields)
+        """An action in a sentence of its own (form 0), or as what is being done (form 1)."""
+        skill = self._skills[call.name]
+        names = [parameter.name for parameter in skill.parameters]
+        given = {**dict(zip(names, call.positional, strict=False)), **call.named}
+        words = skill.words.zh if self._chinese else skill.words.en
+        telling = next((one for one in words.told if _fits(one, skill, given)), None)
+        if telling is None:  # nobody has found words for it
+            return (words.called or skill.summary, "")[form]
+        full_stop = self._words["sentence"].format(told="")
+        doing = telling.step.removesuffix(full_stop) if telling.doing is None else telling.doing
+        told = {parameter.name: self._argument(parameter, given.get(parameter.name)) for parameter in skill.parameters}
+        unusual = {p.name for p in skill.parameters if given.get(p.name, p.default) not in ("", p.default)}
+        return _filled((telling.step, doing)[form], told, {*given} & unusual)
 
-    def _fields(self, call: ActionCall) -> tuple[str, dict[str, str]]:
-        """Under which name the call is told, and the words for its arguments."""
-        match call.name, call.positional:
-            case "move_forward" | "move_sideways", (Quantity(distance), *speed):
-                ways = ("forward", "back") if call.name == "move_forward" else ("left", "right")
-                way = self._words["ways"][ways[distance < 0]]
-                return call.name, {"distance": self._amount(abs(distance), "m"), "way": way, "at": self._at(speed)}
-            case "move_left" | "move_right", (Quantity(angle), *speed):
-                return call.name, {"angle": self._amount(angle, "deg"), "at": self._at(speed)}
-            case "set_cmdvel", (Quantity(x), Quantity(y), Quantity(turn), Quantity(duration)):
-                lasting = self._amount(duration, "s")
-                if turn:
-                    way = self._words["ways"]["left" if turn > 0 else "right"]
-                    return "spin_for", {"way": way, "speed": self._amount(abs(turn), "rad/s"), "duration": lasting}
-                axis = ("left" if y > 0 else "right") if y else ("forward" if x >= 0 else "back")
-                speed_said = self._amount(abs(x + y), "m/s")  # one of the two is zero
-                return "drive_for", {"way": self._words["ways"][axis], "speed": speed_said, "duration": lasting}
-            case "navigation", (str(place),):
-                return call.name, {"place": self._place(place)}
-            case "patrol", (str(places),):
-                *others, last = [self._place(symbol) for symbol in places.split(",")]
-                listed = self._words["and"].join([self._words["comma"].join(others), last] if others else [last])
-                return "patrol_places", {"places": listed}
-            case "wait", (Quantity(duration),):
-                return call.name, {"duration": self._amount(duration, "s")}
-            case "light", ("off",):
-                return "light_off", {}
-            case _ if (told := self._errand(call)) is not None:
-                return told
-            case _, (str(word),):
-                return call.name, {"word": word if call.name == "say" else self._word(word)}
-        return call.name, {}
-
-    def _errand(self, call: ActionCall) -> tuple[str, dict[str, str]] | None:
-        """The same for what is done with things."""
-        words: Mapping[str, str] = self._words["things"]
-        match call.name, call.positional:
-            case "carry", (str(thing), str(place), *source):
-                fields = {"thing": self._thing(thing), "place": self._place(place)}
-                if source:
-                    return "carry_from", {**fields, "surface": self._surface(str(source[0]))}
-                return "carry", fields
-            case "tidy", (str(colour), "bin"):
-                return "tidy_bin", {"word": self._word(colour)}
-            case "tidy", (str(colour), str(surface)):
-                return "tidy", {"word": self._word(colour), "surface": self._surface(surface)}
-            case "place_object", (str(surface),):
-                return call.name, {"surface": self._surface(surface)}
-            case "pick_object" | "locate" | "navigate_to_object", (str(thing),):
-                return call.name, {"thing": self._thing(thing)}
-            case "scan_room" | "clean_room", room:
-                return call.name, {"room": self._called(str(room[0])) if room else words["room"]}
-            case "follow_line" | "follow_line_clear", colour:
-                line = words["coloured_line"].format(word=self._word(str(colour[0]))) if colour else words["line"]
-                return call.name, {"line": line}
-            case "apriltag_follow" | "apriltag_sort", (Quantity(number),):
-                return call.name, {"tag": words["tag"].format(number=digits(number))}
-            case "apriltag_follow", ():
-                return call.name, {"tag": words["any_tag"]}
-            case "apriltag_remove_higher", (Quantity(height),):
-                return call.name, {"higher": words["higher"].format(height=self._amount(height, "m"))}
-            case "color_remove_higher", (str(colour), Quantity(height)):
-                higher = words["higher"].format(height=self._amount(height, "m"))
-                return call.name, {"word": self._word(colour), "higher": higher}
-            case "servo1_move", (Quantity(angle),):
-                return call.name, {"angle": self._amount(angle, "deg")}
-        return None
+    def _argument(self, parameter: Parameter, value: Argument | None) -> str:
+        match value:
+            case Quantity(number):
+                return self._amount(abs(number), parameter.unit) if parameter.unit else digits(number)
+            case None | "":
+                return str(self._words["things"]["room"]) if parameter.word == "room" else ""
+        match parameter.word:
+            case "place":
+                return self._place(value)
+            case "places":
+                *others, last = [self._place(symbol) for symbol in value.split(",")]
+                return str(self._words["and"].join([self._words["comma"].join(others), last] if others else [last]))
+            case "object":
+                return self._thing(value)
+            case "surface":
+                return self._surface(value)
+            case "room":
+                return self._called(value)
+            case "colour" | "thing_colour":
+                return self._word(value)
+        return value
 
     def _thing(self, thing: str) -> str:
         """With its article; what has a number has a name."""
@@ -172,12 +146,6 @@ class Answers:
         """The one of several names that is in the language of the answers; else the first."""
         return next((name for name in names if is_chinese(name)), names[0]) if self._chinese else names[0]
 
-    def _at(self, speed: Sequence[object]) -> str:
-        match speed:
-            case [Quantity(value, unit)]:
-                return str(self._words["at"].format(speed=self._amount(value, unit)))
-        return ""
-
     def _amount(self, value: float, unit: str) -> str:
         if unit == "m" and value < 1 and (value * 100).is_integer():
             value, unit = value * 100, "cm"
@@ -192,3 +160,37 @@ class Answers:
         name = self._places[symbol]
         pattern = self._words["place_symbol" if len(name) == 1 and name.isascii() else "place"]
         return str(pattern.format(name=name.removeprefix("the ")))
+
+
+def _fits(telling: Telling, skill: Skill, given: Mapping[str, Argument]) -> bool:
+    """Whether an action is told so."""
+    for parameter in skill.parameters:
+        if (wanted := telling.when.get(parameter.name)) is None:
+            continue
+        value = given.get(parameter.name, "" if parameter.default is None else parameter.default)
+        number = value.value if isinstance(value, Quantity) else value
+        match wanted, number:
+            case "negative", float():
+                fits = number < 0
+            case "positive", float():
+                fits = number > 0
+            case _, float():
+                fits = digits(number) == wanted
+            case _:
+                fits = number == wanted
+        if not fits:
+            return False
+    return True
+
+
+def _filled(pattern: str, told: Mapping[str, str], given: Collection[str]) -> str:
+    """The pattern with its slots filled, and its optional parts where all their slots were given."""
+
+    def optional(found: re.Match[str]) -> str:
+        return found[1] if all(slot in given for slot in _SLOT.findall(found[1])) else ""
+
+    return _SLOT.sub(lambda slot: told[slot[1]], _OPTIONAL.sub(optional, pattern))
+
+
+_OPTIONAL: Final = re.compile(r"\[([^\[\]]*)\]")
+_SLOT: Final = re.compile(r"\{(\w+)\}")

@@ -9,7 +9,7 @@ journeys to places that the map does not have are told apart, because the answer
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise, zip_longest
 from typing import Literal
@@ -30,7 +30,9 @@ from engine.planner.text.language import alternatives, any_of, load
 from engine.planner.text.measures import read_measures
 from engine.planner.text.numbers_zh import NUMERALS
 from engine.planner.text.words import Sentence, Token, words_of
+from engine.skills.library import LIBRARY
 from engine.skills.places import Places
+from engine.skills.registry import Skill
 from engine.skills.vocabulary import Vocabulary
 
 __all__ = ["Matched", "NoMatch", "PhrasePlanner", "UnknownPlace", "is_end_task", "is_stop"]
@@ -121,7 +123,8 @@ class PhrasePlanner:
     """Plans for one language and one house, and stops in every language. Thread-safe; loads in about 0.3 s, mostly the
     template library.
 
-    ``vocabulary`` has the words of the house beyond the places. Phrases for other skills than ``skills`` are left out.
+    ``vocabulary`` has the words of the house beyond the places. Phrases for other skills than ``skills`` are left out;
+    None: those of the library, and phrases for all.
     """
 
     def __init__(
@@ -130,12 +133,13 @@ class PhrasePlanner:
         language: str = "en",
         *,
         vocabulary: Vocabulary | None = None,
-        skills: Collection[str] | None = None,
+        skills: Iterable[Skill] | None = None,
     ) -> None:
         sections = load(language)
         vocabulary = vocabulary or Vocabulary(Places(places))
-        missing = [] if skills is None else [intent for intent, needed in NEEDED.items() if not needed <= set(skills)]
-        self._answers = Answers(sections, places, vocabulary)
+        offered = {skill.name: skill for skill in (LIBRARY if skills is None else skills)}
+        missing = [intent for intent, needed in NEEDED.items() if skills is not None and not needed <= offered.keys()]
+        self._answers = Answers(sections, places, vocabulary, offered)
         self._known = self._answers.places
         self._joints = _phrases(sections["joints"])
         self._openings = _phrases(sections["openings"])
@@ -147,8 +151,8 @@ class PhrasePlanner:
             *_phrases(sections["no_joints"]),
             *_names_to_keep((*_words_of_places(places), *vocabulary.names()), self._joints),
         ]
-        self._templates = Templates(sections, places, vocabulary, missing)
-        self._reader = ClauseReader(sections, self._templates)
+        self._templates = Templates(sections, places, vocabulary, offered.values(), missing)
+        self._reader = ClauseReader(sections, self._templates, offered.values())
         self._talk = SmallTalk(sections, self._templates)
         nouns = (noun for words in (sections["things"]["one"], sections["things"]["many"]) for noun in words)
         house = {*_words_of_places(places), *vocabulary.names(), *vocabulary.inventory(), *nouns}

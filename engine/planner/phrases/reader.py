@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
+from engine.plan import ActionCall, Argument, Quantity
 from engine.planner.phrases.conventions import Manner
 from engine.planner.phrases.errands import going_on, things_after
 from engine.planner.phrases.freetext import FreeText
 from engine.planner.phrases.meanings import TOPICS, calls_of
 from engine.planner.phrases.said import NOTHING_NAMED, Calls, Incomplete, Said, Things
-from engine.planner.phrases.templates import NOTHING, Context, Match, Templates, render
+from engine.planner.phrases.templates import ASKED, BARE, NOTHING, Context, Match, Templates, render
 from engine.planner.text.language import any_of, without
 from engine.planner.text.words import Sentence, Token
+from engine.skills.registry import Skill
 
 MAX_LEADING = 4
 """How many phrases in front of an errand change nothing (你可以去给我 …)."""
@@ -44,8 +46,9 @@ class Clause:
 class ClauseReader:
     """Reads the clauses of one language for one map."""
 
-    def __init__(self, sections: Mapping[str, Any], templates: Templates) -> None:
+    def __init__(self, sections: Mapping[str, Any], templates: Templates, skills: Iterable[Skill]) -> None:
         self._templates = templates
+        self._asked = {ASKED + skill.name: skill for skill in skills}
         self._free_text = FreeText(sections, templates)
         self._fillers = re.compile(any_of((*sections["fillers"], *sections["hesitations"])))
         self._hesitations = re.compile(any_of(sections["hesitations"]))
@@ -97,11 +100,15 @@ class ClauseReader:
             return (Clause(words, unknown=place), _after(state, "Somewhere", state.things)) if place else None
         if match is None:
             return None
-        numbers = {name: float(n) if name in _AS_SAID else measures[n] for name, n in match.numbers.items()}
+        numbers = {
+            name.removeprefix(BARE): float(n) if name in _AS_SAID or name.startswith(BARE) else measures[n]
+            for name, n in match.numbers.items()
+        }
         said = Said(match.intent, match.words, numbers, manner, state.things)
         more = going_on(said)
         try:
-            calls = calls_of(more or said)
+            skill = self._asked.get(said.intent)
+            calls = calls_of(more or said) if skill is None else _as_asked(skill, said)
         except Incomplete as missing:
             return (Clause(words, question=missing.question), state) if lenient else None
         if calls is None or (together and len(calls) != 1):
@@ -132,3 +139,11 @@ def _after(state: State, intent: str, things: Things) -> State:
     arm = "yes" if topic == "arm" else "" if things != state.things else state.context.arm
     light = "yes" if topic == "light" else state.context.light
     return State(Context(topic, arm, light), NOTHING_NAMED if topic == "arm" else things, state.doing)
+
+
+def _as_asked(skill: Skill, said: Said) -> Calls:
+    """The action of a skill that was asked for as its record says."""
+    given: dict[str, Argument] = {**said.words}
+    units = {parameter.name: parameter.unit for parameter in skill.parameters}
+    given |= {name: Quantity(number, units[name]) for name, number in said.numbers.items()}
+    return (ActionCall(skill.name, (), given),)

@@ -7,17 +7,20 @@ serves for every distance.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, Final, Literal, NamedTuple, get_args
 
 from config.schema import Place
 from engine.errors import PlanError
+from engine.han import template_apart
 from engine.planner.phrases.first_words import FirstWords
 from engine.planner.phrases.said import ONE
 from engine.planner.text.measures import read_measures
 from engine.planner.text.words import Token, words_of
+from engine.skills.registry import Skill
 from engine.skills.vocabulary import Vocabulary
 
 Kind = Literal["intents", "incomplete_intents", "open_intents", "talk_intents"]
@@ -58,8 +61,10 @@ class Templates:
         sections: Mapping[str, Any],
         places: Mapping[str, Place],
         vocabulary: Vocabulary,
+        skills: Iterable[Skill],
         missing: Collection[str] = (),
     ) -> None:
+        """Beside those of the phrase file, there are the sentences by which the records of ``skills`` ask for them."""
         # imported here: hassil takes 0.1 s to load, and stop words must not wait for it
         from hassil import Intents
 
@@ -83,6 +88,8 @@ class Templates:
         self._intents = {}
         for kind in get_args(Kind):
             wanted = {name: intent for name, intent in sections[kind].items() if name not in missing}
+            if kind == "intents":
+                wanted |= {ASKED + skill.name: made for skill in skills if (made := _asked(skill, language))}
             intents = Intents.from_dict({"language": language, "lists": wildcards, "intents": wanted})
             intents.slot_lists, intents.expansion_rules = shared.slot_lists, shared.expansion_rules
             self._intents[kind] = FirstWords(intents)
@@ -119,6 +126,32 @@ class Templates:
             else:
                 numbers[entity.name] = int(entity.value)
         return Match(result.intent.name, words, numbers, wildcard)
+
+
+ASKED: Final = "asked:"
+"""What the intent of a skill begins with that is asked for as its record says."""
+BARE: Final = "bare_"
+"""What the slot of a number without a unit begins with."""
+_LISTS: Final[Mapping[str, str]] = {
+    "m": "{distance:%s} metres", "deg": "{angle:%s} degrees", "s": "{duration:%s} seconds", "m/s": "{speed:%s} m/s",
+    "rad/s": "{rate:%s} rad/s", "": "{whole:bare_%s}", "sentence": "{text:%s}",
+}  # fmt: skip
+"""How the slot of an argument is written, by its unit or its kind; others have the name of their kind."""
+
+
+def _asked(skill: Skill, language: str) -> dict[str, Any]:
+    """The intent of a skill, from the sentences of its record; empty where it has none."""
+    sentences = (skill.words.zh if language == "zh" else skill.words.en).asked
+    slots = {}
+    for parameter in skill.parameters:
+        kind = (
+            parameter.unit if parameter.type == "number" else (parameter.word or "sentence").replace("places", "place")
+        )
+        slots[parameter.name] = _LISTS.get(kind, f"[<the>] {{{kind}:%s}}") % parameter.name
+    made = [
+        re.sub(r"\{(\w+)\}", lambda slot: slots[slot[1]], template_apart(sentence)).casefold() for sentence in sentences
+    ]
+    return {"data": [{"sentences": made}]} if made else {}
 
 
 _UNIT_WORDS = {"m": "metres", "deg": "degrees", "s": "seconds"}

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import engine
-from config.schema import ExternalParameter, ExternalSkill
+from config.schema import ExternalParameter, ExternalSkill, SkillRecord
 from engine.errors import ProcessError, RobotError
 from engine.events import Value
 from engine.process import ProcessTree
@@ -60,7 +60,9 @@ def external_skill(name: str, declaration: ExternalSkill) -> Skill:
         return await _host(name, declaration, context, args)
 
     parameters = tuple(_parameter(key, parameter) for key, parameter in declaration.parameters.items())
-    return Skill(name, declaration.does, parameters, frozenset(declaration.occupies), run, declaration.endless)
+    occupies = frozenset(declaration.occupies)
+    words = declaration.words if declaration.words != SkillRecord() else None  # a program of ours has a file of them
+    return Skill(name, declaration.does, parameters, occupies, run, declaration.endless, words)
 
 
 def _parameter(name: str, declared: ExternalParameter) -> Parameter:
