@@ -8,10 +8,11 @@ stands in no node, nothing is planned of that meaning.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Final
 
 from engine.planner.not_an_order import Mark, MarkKind, marks
+from engine.planner.readings.corrections import times_corrected
 from engine.planner.readings.first_look import CONDITION, IF_POLITE
 from engine.planner.text.measures import read_measures
 from engine.planner.text.words import words_of
@@ -65,8 +66,9 @@ _NO_NUMBER: Final = re.compile(r"\d{16}")
 _NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once"})
 
 
-def accounted(meaning: Meaning) -> bool:
-    """Whether everything that may stop a plan, or changes how much is done, stands in the meaning."""
+def accounted(meaning: Meaning, names: Collection[str] = ()) -> bool:
+    """Whether everything that may stop a plan, or changes how much is done, stands in the meaning; ``names`` are those
+    of things and places of this house."""
     nodes = list(walk(meaning.nodes))
     text = meaning.text.casefold()
     depends = any(isinstance(node, If) or (isinstance(node, Do) and node.until is not None) for node in nodes)
@@ -75,6 +77,12 @@ def accounted(meaning: Meaning) -> bool:
     if not depends and not asks and (CONDITION.search(IF_POLITE.sub("", meaning.text)) or _EITHER.search(text)):
         return False
     if _CUT_OFF.search(text) or not _sides_stand(text, nodes) or not _begins_with_itself(text, nodes):
+        return False
+    if (
+        not _corrections_stand(meaning, nodes)
+        or not _order_stands(text, nodes)
+        or not _lists_stand(meaning, nodes, names)
+    ):
         return False
     return _marks_stand(meaning, nodes, depends=depends) and _numbers_stand(meaning, nodes)
 
@@ -106,6 +114,68 @@ def _sides_stand(text: str, nodes: Sequence[Node]) -> bool:
     described = any(_SIDE.search(role.words) for node in nodes for role in _roles(node))
     missed = len(wanted) == 1 < len(said) and not corrected and not described
     return wanted <= said and not missed
+
+
+def _corrections_stand(meaning: Meaning, nodes: Sequence[Node]) -> bool:
+    """Whether no second correction, and no other direction in a correction, has been missed: "one metre forward, sorry,
+    back one metre"."""
+    made = sum(isinstance(node, Instead | Retract | Not) for node in nodes)
+    if 0 < made < times_corrected(meaning.text):
+        return False
+    later = [role.start for node in nodes if isinstance(node, Instead) for role in node.roles]
+    if not later:
+        return True
+    first = min((role.end for node in nodes if isinstance(node, Do) for role in node.roles), default=0)
+    between = meaning.text.casefold()[min(first, min(later)) : max(later)]
+    wanted = {act for acts, _ in _WAYS if acts & _acts(nodes) for act in acts}
+    return not wanted or not any(words.search(between) for acts, words in _WAYS if not acts & wanted)
+
+
+_WAYS: Final = (
+    (frozenset({"forward"}), re.compile(r"\bforwards?\b|\bahead\b|前进|[往向]前")),
+    (frozenset({"backward"}), re.compile(r"\bback(?:wards?)?\b|\brevers|后退|倒退|[往向]后")),
+    *_SIDES,
+)
+"""The directions of motions, and the words for them."""
+
+
+def _order_stands(text: str, nodes: Sequence[Node]) -> bool:
+    """Whether what is told first is not done first, where words say so: "go to the kitchen, but first beep"."""
+    acts = [node for node in nodes if isinstance(node, Do)]
+    found = _FIRST.match(text) or _BEFOREHAND.search(text)
+    if found is not None and any(len(act.all("place")) > 1 for act in acts):
+        return False  # "to the study via the kitchen"
+    if found is None or len(acts) < 2 or not acts[0].roles:
+        return True
+    begins = min(role.start for role in acts[0].roles)
+    told_first = all(role.start >= begins for act in acts for role in act.roles)
+    return not told_first or (found.start() > 0 and begins > found.start())
+
+
+_FIRST: Final = re.compile(r"(?:before|prior to|on (?:your|the) way (?:to|over)|until)\b")
+"""What is told in a clause that begins so is done last."""
+_BEFOREHAND: Final = re.compile(
+    r"\bbut (?:first|before)\b|\bafter (?:you|having|\w+ing\b)|\bvia\b|\bby way of\b|\bonce you(?:'ve| have)\b|"
+    r"(?<=.)(?:之前|以前|前先)(?!的)|(?<=.)经过"
+)
+"""What stands behind these is done before what stands in front of them."""
+
+
+def _lists_stand(meaning: Meaning, nodes: Sequence[Node], names: Collection[str]) -> bool:
+    """Whether nothing is missing at the end of a list: "the red box, the blue box and the green box"."""
+    roles = [role for node in nodes for role in _roles(node)]
+    text = meaning.text.casefold()
+    for role in roles:
+        joint = _JOINT.match(text, role.end)
+        if joint is None or any(other.start < joint.end() + 1 and joint.end() < other.end for other in roles):
+            continue
+        rest = text[joint.end() :]
+        if any(rest.startswith(name) and not rest[len(name) :][:1].isalpha() for name in names if len(name) > 1):
+            return False
+    return True
+
+
+_JOINT: Final = re.compile(r"\s*(?:, and |, |,| and |、|和|跟|还有)\s*(?:(?:the|a|an|my|your|our|that|this) )?")
 
 
 def _begins_with_itself(text: str, nodes: Sequence[Node]) -> bool:

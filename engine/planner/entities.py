@@ -46,7 +46,7 @@ _NUMBERED: Final = re.compile(
     r" (?P<n>[\w]+)(?: tag)?(?: on it)?|(?:number|tag|tag number) (?P<m>[\w]+)|(?P<zh>[\d一二三四五六七八九十]+)号.*"
 )
 """A block by its number, however that is said."""
-_ALL: Final = re.compile(r"^(?:all|every|everything|each|both)\b|^(?:所有|全部|每)|都")
+_ALL: Final = re.compile(r"^(?:all|every|everything|each|both|whatever|anything)\b|^(?:所有|全部|每)|都")
 _MEASURE: Final = "[个张只把台本瓶条块件盒袋杯间些颗支根部盏双副罐碗串座扇辆]"
 """Measure words."""
 _SO_MANY: Final = re.compile(
@@ -70,6 +70,7 @@ _ME: Final = re.compile(
 )
 _IT: Final = re.compile(
     r"it|them|that|this|that one|this one|these|those|the (?:thing|object|item|one|same)|"
+    r"(?:them|those|these) (?:both|all|two|three)|(?:both|all|the pair) of (?:them|those|these)|它们?俩|"
     r"它|它们|这个|那个|这|那|这东西|那东西|这个东西|那个东西"
 )
 _HELD: Final = re.compile(
@@ -179,13 +180,13 @@ class Entities:
         for side, pattern in _SIDES:
             if pattern.fullmatch(plain):
                 return Entity(words, side=side)
+        plain = plain.removesuffix("'s")
         if _IT.fullmatch(plain) or _THERE.fullmatch(plain):
             return Entity(words, refers=True)
         if _HELD.fullmatch(plain):
             return Entity(words, refers=True, held=True)
         if _NOTHING_SAID.fullmatch(plain):
             return Entity(words, vague=True)
-        plain = plain.removesuffix("'s")
         chinese = is_chinese(plain)
         inner = plain if chinese else _OUTER.sub("", plain)
         head, where = (plain, "") if chinese or _BUT.search(inner) else _parted(plain)

@@ -1,9 +1,10 @@
 """From words to a validated plan, or to the reason why there is none.
 
 In this order: what must not be done is refused; an answer completes the command that lacked something; what the learned
-reader holds to be no order is not done; plain commands fit a phrase template; others are what the learned reader makes
-of them; what depends on a condition begins with a look; the rest goes to large models. Only the skill registry turns
-proposed actions into a plan: one wrong action and nothing of it runs.
+reader holds to be no order is not done; where it is sure of a plan, that is the plan; else plain commands fit a phrase
+template; where none fits, what the reader was unsure of is asked about; what depends on a condition begins with a look;
+the rest goes to large models. Only the skill registry turns proposed actions into a plan: one wrong action and nothing
+of it runs.
 """
 
 from __future__ import annotations
@@ -27,7 +28,6 @@ from engine.planner.afterthoughts import afterthought
 from engine.planner.answering import Answering
 from engine.planner.asking import AskingBack, needs_held
 from engine.planner.completeness import completeness
-from engine.planner.grounding.vagueness import vague
 from engine.planner.happened import last_question, last_said, rounds
 from engine.planner.looking_first import GoesOn, LookingFirst
 from engine.planner.not_an_order import marks, skipped
@@ -41,7 +41,6 @@ from engine.planner.readings.corrections import is_taken_back
 from engine.planner.readings.first_look import CONDITION, IF_POLITE, first_look
 from engine.planner.readings.put_back import put_back
 from engine.planner.readings.readings import Readings
-from engine.planner.readings.wishes import Wishes
 from engine.planner.refusal import Refusal, impossible, refusal
 from engine.planner.request import Conditional, Language, NoPlan, PlanRequest, Plans, Ran, Said
 from engine.planner.sentences import SAID
@@ -60,8 +59,6 @@ MAX_FACTS: Final = 4
 """Facts of the user's knowledge that a model is told for one request."""
 MAX_READINGS: Final = 40
 """Of a sentence, other than word by word."""
-FEW_WORDS: Final = 6
-"""A vague sentence of so few words is asked about at once; a longer one may say somewhere what is meant."""
 _CALL: Final = re.compile(r"\s*([a-z]\w*)\s*\(")
 """What an action begins with that is written as such."""
 _ASKS_FIRST: Final = re.compile(
@@ -73,9 +70,9 @@ _WORDS_ONLY: Final = frozenset({"say", "finishtask", "report_pose", "list_skills
 """Actions that move nothing and change nothing."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Heard:
-    """A request, and what the phrases make of it."""
+    """A request, and what the phrases and the learned reader make of it."""
 
     request: PlanRequest
     text: str
@@ -83,6 +80,8 @@ class _Heard:
     language: Language
     before: Before
     match: Matched | UnknownPlace | NoMatch
+    unsure: NoPlan | None = None
+    """What the learned reader would ask or tell; the phrases may know better."""
 
 
 class Planner:
@@ -109,7 +108,6 @@ class Planner:
         self._models = models
         self._knowledge = knowledge
         self._readings = Readings(vocabulary)
-        self._wishes = Wishes(vocabulary)
         self._validation = Validation(registry, vocabulary, max_actions)
         self._answering = Answering(phrases, self._validation, language)
         self._looking_first = LookingFirst(phrases, self._readings.heard, self._validation, vocabulary)
@@ -155,7 +153,7 @@ class Planner:
         if (written := self._written(request)) is not None:
             return written
         text = put_back(request.text, request.holding, request.happened, self._vocabulary)
-        text = self._wishes.order(text, request.seen) or last_said(request.happened)
+        text = text or last_said(request.happened)
         language = self._language or request.language or language_of(text)
         if not request.text:
             return await self._after_feedback(request, text, language)
@@ -171,8 +169,9 @@ class Planner:
             self._about_itself,
             self._answered,
             self._held_back,
-            self._phrased,
             self._read,
+            self._phrased,
+            self._read_unsurely,
             self._looked_first,
             self._withheld,
         ):
@@ -241,6 +240,17 @@ class Planner:
             return None
         return await asyncio.to_thread(self._learned.no_order, heard.request, heard.text, heard.language)
 
+    async def _read(self, heard: _Heard) -> Plan | NoPlan | None:
+        """The plan that the learned reader is sure of."""
+        if self._learned is None:
+            return None
+        named = heard.before.things.named
+        found = await asyncio.to_thread(self._learned.plan, heard.request, heard.text, heard.language, named)
+        if isinstance(found, NoPlan):
+            heard.unsure = found
+            return None
+        return found
+
     async def _phrased(self, heard: _Heard) -> Plan | NoPlan | None:
         """What fits a phrase template: a plan, or small talk."""
         request, text, language = heard.request, heard.text, heard.language
@@ -252,8 +262,8 @@ class Planner:
         talk = self._phrases(language).talk(text)
         return Plan(text, (), talk, "phrases") if talk else None
 
-    async def _read(self, heard: _Heard) -> Plan | NoPlan | None:
-        """What the learned reader makes of what fits no template."""
+    async def _read_unsurely(self, heard: _Heard) -> Plan | NoPlan | None:
+        """What the learned reader asks or tells about what fits no template."""
         request, text, language, match = heard.request, heard.text, heard.language, heard.match
         if self._learned is None:
             return None
@@ -261,10 +271,8 @@ class Planner:
             return NoPlan(text, "impossible", why)
         if question := self._asking_back.question(request, text, language):
             return question
-        named = heard.before.things.named
-        found = await asyncio.to_thread(self._learned.plan, request, text, language, named)
         plain = isinstance(match, UnknownPlace)  # all but a place that is not here was plain to the phrases
-        return None if isinstance(found, NoPlan) and plain else found
+        return None if plain else heard.unsure
 
     async def _looked_first(self, heard: _Heard) -> Plan | NoPlan | None:
         """A look, for what depends on something that can be seen."""
@@ -287,8 +295,6 @@ class Planner:
             return NoPlan(text, "incomplete", match.question, ExitCode.CLARIFY)
         if (why := impossible(text)) is not None:
             return NoPlan(text, "impossible", why)
-        if not (request.happened or request.holding) and len(text.split()) <= FEW_WORDS and vague(text):
-            return NoPlan(text, "unclear", SAID[language]["which_thing"], ExitCode.CLARIFY)
         return await self._by_model(request, language, match)
 
     def _understood(

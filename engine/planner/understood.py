@@ -18,7 +18,7 @@ from engine.plan import ActionCall, Plan
 from engine.planner import about_itself, amounts
 from engine.planner.accounted import accounted
 from engine.planner.doing.acts import calls_of
-from engine.planner.doing.conditions import of_itself, seen
+from engine.planner.doing.conditions import of_itself, sought
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable, Which
 from engine.planner.doing.looking import topic_of
 from engine.planner.entities import Entities
@@ -28,7 +28,6 @@ from engine.planner.phrases.said import Calls
 from engine.planner.readings.first_look import IF_POLITE
 from engine.planner.request import Language, NoPlan, PlanRequest
 from engine.planner.sentences import SAID
-from engine.planner.text.counts import counted
 from engine.planner.unknown_places import unknown
 from engine.planner.validation import Validation
 from engine.skills.vocabulary import Vocabulary
@@ -79,6 +78,7 @@ class Understood:
         self._phrases = phrases
         self._validation = validation
         self._entities = Entities(vocabulary)
+        self._names = frozenset(map(str.casefold, (*vocabulary.names(), *vocabulary.places())))
         self._reader = reader
         self._read = lru_cache(maxsize=64)(reader.read)
 
@@ -108,7 +108,7 @@ class Understood:
     def plan(self, request: PlanRequest, text: str, language: Language, named: str = "") -> Plan | NoPlan | None:
         """The plan of a request; None where this reader hands it on. ``named`` is the thing that was named last."""
         meaning = self._confirmed(request, text) or self._merged(request, text) or self.meaning(text)
-        if meaning is None or meaning.confidence < MAYBE or not accounted(meaning):
+        if meaning is None or meaning.confidence < MAYBE or not accounted(meaning, self._names):
             return None
         wanted = tuple(node for node in meaning.wanted() if _is_order(node))
         wanted = tuple(node for node in wanted if not _is_answer(node)) or wanted
@@ -121,7 +121,7 @@ class Understood:
                 request.read(_told(meaning))
                 return self._reported(act, request, text, language)
         depends = any(isinstance(node, If) for node in wanted)
-        if depends and (counted(text) is not None or meaning.confidence < SURE):
+        if depends and meaning.confidence < SURE:
             return None  # there is another reader of conditions
         request.read(_told(meaning))
         if meaning.doubt > DOUBT and not meaning.has(Retract) and not meaning.has(Not):
@@ -177,8 +177,7 @@ class Understood:
                     rest = (*acts[:condition], *branch, *acts[condition + 1 :])
                     nothing = Plan(text, (), SAID[language]["all_right"], "reader")
                     return self.of(rest, request, text, language, named) if rest else nothing
-                _, look = seen(doing, node.condition)
-                found = self._planned(text, (*first, *look), language)
+                found = self._planned(text, (*first, *sought(doing, node.condition).look), language)
                 return replace(found, finished=False) if isinstance(found, Plan) else found
             calls = calls_of(acts, doing)
             if not calls:
@@ -209,14 +208,15 @@ class Understood:
         assert isinstance(node, If)
         try:
             doing = Doing(self._entities, request.holding)
-            thing, _ = seen(doing, node.condition)
+            looked_for = sought(doing, node.condition)
         except (Open, Which, NowhereKnown, Unable):
             return None
-        there = request.sees(thing)
-        branch = node.then if there == (node.condition.kind == "seen") else node.otherwise
+        thing, holds = looked_for.thing, looked_for.holds(request.sees)
+        branch = node.then if holds else node.otherwise
         rest = (*_only_wanted(branch), *wanted[index + 1 :])
         if not rest:
-            told = SAID[language]["present" if there else "absent"].format(thing=thing)
+            tells = ("present", "absent") if looked_for.count is None else ("so_many", "not_so_many")
+            told = SAID[language][tells[holds != looked_for.there]].format(thing=thing)
             return Plan(text, (), told, "reader")
         found = self.of(rest, request, text, language, thing)
         return found if found is not None else Plan(text, (), SAID[language]["all_right"], "reader")
@@ -246,7 +246,7 @@ class Understood:
         """What a command that lacked something means with this answer to the question about it, or with this correction
         of what was said before."""
         answer = self.meaning(text)
-        if not request.happened or answer is None or len(answer.nodes) != 1 or not accounted(answer):
+        if not request.happened or answer is None or len(answer.nodes) != 1 or not accounted(answer, self._names):
             return None
         node = answer.nodes[0]
         if last_question(request.happened):

@@ -9,6 +9,7 @@ from config.schema import Place
 from engine.errors import PlanError
 from engine.han import SIMPLER
 from engine.robot.geometry import Pose
+from engine.skills.synonyms import synonyms
 
 ZERO_SYMBOL = "zero"
 _SEPARATOR = re.compile(r"(\s*[,，、]\s*(?:and\s+)?|\s+and\s+|\s*和\s*)", re.IGNORECASE)
@@ -31,6 +32,8 @@ class Places:
             for symbol, place in places.items()
             for word in (symbol, place.name, *place.aliases)
         }  # fmt: skip
+        self._others = synonyms(self._words)
+        """Words that mean a place where nothing else is called so."""
 
     def remember(self, pose: Pose) -> None:
         """Make ``pose`` the place ``zero``."""
@@ -41,8 +44,8 @@ class Places:
         key = self._key(word)
         if key == ZERO_SYMBOL:
             return ZERO_SYMBOL
-        if key in self._words:
-            return self._words[key]
+        if (symbol := self._words.get(key) or self._others.get(key)) is not None:
+            return symbol
         raise UnknownPlace(f"I don't know a place called {word!r}.", hint=f"I know: {', '.join(self.names())}.")
 
     def symbols(self, words: str) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from engine.perception.naming import CHINESE, UnknownObject, wanted
 from engine.perception.sighting import Colour
 from engine.robot.floor_map import Furniture, Room
 from engine.skills.places import ZERO_SYMBOL, Places, UnknownPlace
+from engine.skills.synonyms import synonyms
 
 BIN: Final = "bin"
 FLOOR: Final = "floor"
@@ -76,6 +77,8 @@ class Vocabulary:
         self._rooms = {_plain(room.name): room for room in house.rooms}
         self._furniture = {_plain(piece.name): piece for piece in house.furniture if piece.kind not in BARE}
         self._called = {_plain(word): _plain(name) for word, name in house.called.items()}
+        names = {**{name: name for name in (*self._furniture, *self._rooms)}, **self._called}
+        self._others = synonyms(names, self._place_words())
         self._stands_in = {_plain(piece.name): _room_around(piece, house.rooms) for piece in house.furniture}
 
     def resolvers(self) -> Mapping[str, Callable[[str], str]]:
@@ -135,7 +138,7 @@ class Vocabulary:
         plain = _plain(word)
         if plain in (BIN, FLOOR):
             return plain
-        if (name := self._called.get(plain, plain)) in self._furniture:
+        if (name := self._called.get(plain) or self._others.get(plain, plain)) in self._furniture:
             return self._furniture[name].name
         if (place := self._place(plain)) is not None:
             piece = self._furniture.get(_plain(place))

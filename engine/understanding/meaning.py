@@ -35,9 +35,13 @@ class Condition:
     kind: str
     roles: tuple[Role, ...] = ()
 
+    def all(self, name: RoleName) -> tuple[str, ...]:
+        """The words of each role of this name."""
+        return tuple(role.words for role in self.roles if role.name == name)
+
     def words(self, name: RoleName) -> str:
         """The words of a role; empty where it is not said."""
-        return next((role.words for role in self.roles if role.name == name), "")
+        return next(iter(self.all(name)), "")
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,11 +8,11 @@ from config import load
 from engine.parts.loading import at_home
 from engine.plan import Quantity
 from engine.planner.doing.acts import calls_of
-from engine.planner.doing.conditions import of_itself
+from engine.planner.doing.conditions import of_itself, sought
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable
 from engine.planner.entities import Entities
 from engine.planner.worlds.house import build_vocabulary
-from engine.understanding.meaning import If, meaning_of
+from engine.understanding.meaning import Condition, If, meaning_of
 from engine.understanding.notation import read
 
 
@@ -93,6 +93,15 @@ def told(argument: Quantity | str) -> str:
         ("remember go go_back | save it, go to {2.place: the desk}, back to {3.place: the saved position}",
          "get_current_pose(); navigation(N); navigation(zero)"),
         ("patrol | make the rounds through {place: the house}", "patrol()"),
+        ("pick_up put | gather {1.thing: whatever is red} and put {2.thing: it} on {2.place: the desk}",
+         "tidy(red, desk)"),
+        ("bring put | get {1.thing: the bottle} and {1.thing: the ball}, put {2.thing: them both} on "
+         "{2.place: the desk}",
+         "pick_object(bottle); place_object(desk); pick_object(ball); place_object(desk)"),
+        ("put | {thing: everything that is red} goes on {place: the desk}", "tidy(red, desk)"),
+        ("go | get over to {place: the settee}", "navigation(H)"),
+        ("put | {thing: the ball} on {place: the worktop}", "pick_object(ball); place_object(counter)"),
+        ("greet | say hi to {person: my neighbour}", "say(Hello.)"),
         ("leave go | leave {1.place: the kitchen} for {2.place: the study}", "navigation(D)"),
         ("look report | look at {1.place: the desk} and {2.topic: report}", "navigation(N); seewhat()"),
         ("go report | go to {1.place: the desk} and report {2.topic: where you are}", "navigation(N); report_pose()"),
@@ -185,3 +194,68 @@ def test_a_place_that_is_not_here_is_named_as_it_was_said(flat: Entities) -> Non
 
 def test_a_million_times_are_cut_short(flat: Entities) -> None:
     assert done(flat, "repeat beep end | {0.times: 1000000 times} beep").count("beep") < 100
+
+
+@pytest.mark.parametrize(
+    ("line", "thing", "there", "look"),
+    [
+        ("if seen then beep end | if there is {1.thing: a ball} in {1.place: the hall} beep", "ball", True,
+         "navigation(E); seewhat()"),
+        ("if is then beep end | if {1.thing: the ball} is {1.state: in the hall} beep", "ball", True,
+         "navigation(E); seewhat()"),
+        ("if is_not then beep end | if {1.thing: the ball} isn't {1.state: there} beep", "ball", False, "seewhat()"),
+        ("if is then beep end | if {1.thing: the ball} is {1.state: gone} from {1.place: the hall} beep", "ball", False,
+         "navigation(E); seewhat()"),
+        ("if is then beep end | if {1.thing: the desk} is {1.state: empty} beep", "thing", False,
+         "navigation(N); seewhat()"),
+        ("if is_not then beep end | 如果{1.place: 书桌}不是{1.state: 空}的就叫一声", "thing", True,
+         "navigation(N); seewhat()"),
+    ],
+)  # fmt: skip
+def test_a_state_of_being_there_is_looked_for(flat: Entities, line: str, thing: str, there: bool, look: str) -> None:
+    found = sought(Doing(flat), condition_of(line))
+    assert (found.thing, found.there) == (thing, there)
+    assert "; ".join(f"{call.name}({', '.join(map(told, call.positional))})" for call in found.look) == look
+
+
+@pytest.mark.parametrize(
+    ("words", "few", "many"),
+    [
+        ("two boxes", False, True),
+        ("at least two boxes", False, True),
+        ("more than one box", False, True),
+        ("fewer than three boxes", True, False),
+        ("two or more boxes", False, True),
+        ("至少两个盒子", False, True),
+    ],
+)
+def test_things_are_counted_by_their_names(flat: Entities, words: str, few: bool, many: bool) -> None:
+    found = sought(Doing(flat), condition_of(f"if seen then beep end | if you see {{1.thing: {words}}} beep"))
+    assert [found.holds(seen.__contains__) for seen in (["red box"], ["red box", "blue box", "green box"])] == [
+        few,
+        many,
+    ]
+
+
+@pytest.mark.parametrize(
+    ("kind", "none", "one", "both"), [("seen", False, False, True), ("unseen", True, False, False)]
+)
+def test_several_things_are_all_there_or_none_is(flat: Entities, kind: str, none: bool, one: bool, both: bool) -> None:
+    line = (
+        f"if {kind} then beep end | if {{1.thing: the ball}} and {{1.thing: the bottle}} are, or are not, there: beep"
+    )
+    found = sought(Doing(flat), condition_of(line))
+    sights: list[list[str]] = [[], ["ball"], ["ball", "bottle"]]
+    assert [found.holds(seen.__contains__) for seen in sights] == [none, one, both]
+
+
+def test_what_has_no_names_of_its_own_is_not_counted(flat: Entities) -> None:
+    with pytest.raises(Unable, match="count"):
+        sought(Doing(flat), condition_of("if seen then beep end | if you see {1.thing: two spoons} beep"))
+
+
+def condition_of(line: str) -> Condition:
+    example = read(line)
+    node = meaning_of(example.text, example.steps).wanted()[0]
+    assert isinstance(node, If)
+    return node.condition

@@ -13,7 +13,7 @@ import yaml
 from engine.planner.readings.rewording import Rewording, Rewordings, names
 from engine.planner.text.patterns import written_out
 
-LANGUAGES = ("en", "zh")
+LANGUAGES = ("en",)
 HOUSE = ("place_name", "stop_name", "room", "door", "furniture", "piece", "spot", "thing", "colour", "verb")
 COUNTED = ("one", "ten", "past", "use")
 """What the code tells of a house, and of numbers and verbs."""
@@ -25,7 +25,7 @@ def sections(language: str) -> dict[str, Any]:
 
 
 def rules(language: str) -> Iterator[tuple[str, Rewording]]:
-    house = dict.fromkeys((*HOUSE, *COUNTED, *(["place"] if language == "zh" else [])), "hall")
+    house = dict.fromkeys((*HOUSE, *COUNTED), "hall")
     rewordings = Rewordings(language, house)  # type: ignore[arg-type]
     for name, section in sections(language).items():
         if isinstance(section, list) and name != "uses":

@@ -30,7 +30,6 @@ def planned(text: str, *happened: Happened, holding: str = "", seen: tuple[str, 
         ("amble over to the sofa", "navigation(H)"),
         ("head to the study via the kitchen", "navigation(A); navigation(D)"),
         ("I need your help in the kitchen", "navigation(A)"),
-        ("厨房那边需要你", "navigation(A)"),
     ],
 )
 def test_a_journey_need_not_be_ordered_as_one(text: str, expected: str) -> None:
@@ -49,7 +48,6 @@ def test_a_journey_need_not_be_ordered_as_one(text: str, expected: str) -> None:
         ("two things. first go to the hall. second, beep.", "navigation(E); beep(0.2)"),
         ("turn your light green while you drive to the sofa", "light(green); navigation(H)"),
         ("shake for no, then clap", "not_understood"),
-        ("到了走廊就叫两声", "navigation(E); beep(0.2); beep(0.2)"),
     ],
 )
 def test_steps_are_found_in_clauses_of_any_form(text: str, expected: str) -> None:
@@ -68,18 +66,6 @@ def test_what_only_names_a_place_is_no_journey_there(text: str) -> None:
     assert planned(text) == "not_understood"
 
 
-@pytest.mark.parametrize(
-    ("seen", "expected"),
-    [
-        ((), "pick_object(red box); place_object(desk)"),
-        (("The red box is on the floor in the hall.",), "pick_object(red box); place_object(desk)"),
-        (("The red box is on the desk.",), "carry(red box, zero, desk)"),
-    ],
-)
-def test_what_is_wanted_somewhere_is_put_there_unless_it_was_seen_there(seen: tuple[str, ...], expected: str) -> None:
-    assert planned("I need the red box on the desk", seen=seen) == expected
-
-
 @pytest.mark.parametrize("text", ["I need the light on", "I want my coffee in the morning"])
 def test_a_wish_that_is_about_nothing_in_the_house_moves_nothing(text: str) -> None:
     assert planned(text) == "not_understood"
@@ -89,20 +75,8 @@ def test_a_wish_that_is_about_nothing_in_the_house_moves_nothing(text: str) -> N
     ("text", "expected"),
     [
         (
-            "get the bottle off the workbench and into the bin",
-            "navigation(P); pick_object(bottle); place_in_bin()",
-        ),
-        (
-            "take the yellow box out of the bin and onto the stool, then beep",
-            "navigation(K); pick_object(yellow box); place_object(stool); beep(0.2)",
-        ),
-        (
             "get the bottle off the workbench, and go into the kitchen",
             "navigation(P); pick_object(bottle); navigation(A)",
-        ),
-        (
-            "put the red box on the desk and the ball next to it",
-            "pick_object(red box); place_object(desk); pick_object(ball); place_object(desk)",
         ),
         ("put the red box in the bin and the ball next to it", "not_understood"),
     ],

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Final
 
 from engine.planner.doing.doing import Doing, Unable
 from engine.planner.doing.moving import anybody
+from engine.planner.entities import Entities
 from engine.planner.phrases.said import Calls, call
+from engine.planner.text.counts import Count, at_least, how_many
 from engine.understanding.meaning import Condition, Do
 
 _TOLD: Final = re.compile(
@@ -19,7 +22,7 @@ _TOLD: Final = re.compile(
 """The user says so, which ends every action anyway."""
 _GOES_ON: Final = frozenset({"follow", "patrol", "dance"})
 """Acts that go on until something ends them."""
-_ITSELF: Final = re.compile(r"you(?:rself)?|your (?:hands?|gripper|claw|arm)|你(?:自己|手里|手上|手)?|机器人")
+_ITSELF: Final = re.compile(r"you(?:rself|'re| are)?|your (?:hands?|gripper|claw|arm)|你(?:自己|手里|手上|手)?|机器人")
 _ITSELF_HOLDS: Final = re.compile(
     r"(?:you|you're|you are|you've|you have) (?:already |still )?((?:got |hold|carry|grip).*)|"
     r"你(?:手里|手上)?((?:拿|抓|夹).*)"
@@ -71,18 +74,40 @@ def _about_its_hand(condition: Condition) -> tuple[str, str] | None:
     if condition.kind == "event":
         told = _ITSELF_HOLDS.fullmatch(condition.words("topic").casefold())
         who, state = ("you", told[1] or told[2]) if told is not None else ("", "")
-    elif condition.kind not in ("is", "is_not") or condition.words("place"):
+    elif condition.kind not in ("is", "is_not"):
         return None
     if not who:  # "your hand is empty"
-        who, thing = thing.casefold(), ""
+        who, thing = (condition.words("place") or thing).casefold(), ""
+    elif condition.words("place"):
+        return None
     if not _ITSELF.fullmatch(who) or not (_HOLDING.search(state) or _EMPTY.fullmatch(state)):
         return None
     return state, thing or _HELD_THING.sub("", state).strip()
 
 
-def seen(doing: Doing, condition: Condition) -> tuple[str, Calls]:
-    """The thing that a condition is about, and the calls after which it is known whether it is there. Raises the
-    exceptions above."""
+@dataclass(frozen=True, slots=True)
+class Sought:
+    """What a condition looks for."""
+
+    thing: str
+    """As skills know it; ``thing`` is anything, ``person`` anybody."""
+    there: bool
+    """Whether it holds where that is there."""
+    look: Calls
+    """The calls after which it is known."""
+    count: Count | None = None
+    names: tuple[str, ...] = ()
+    """Of the things that are counted."""
+
+    def holds(self, sees: Callable[[str], bool]) -> bool:
+        """Whether the condition is met; ``sees`` tells whether something was seen."""
+        found = sees(self.thing) if self.count is None else self.count.holds(self.names, sees)
+        return found == self.there
+
+
+def sought(doing: Doing, condition: Condition) -> Sought:
+    """What a condition looks for, and how it finds out. Raises the exceptions of ``doing.py``."""
+    condition = as_seen(condition, doing.entities)
     thing, person, place = condition.words("thing"), condition.words("person"), condition.words("place")
     if condition.words("times"):
         raise Unable("until")
@@ -92,8 +117,48 @@ def seen(doing: Doing, condition: Condition) -> tuple[str, Calls]:
         raise Unable("event", condition.words("topic"))
     if person and not anybody(person.casefold()):
         raise Unable("person", person)
+    many = how_many(thing) if thing else None
+    if many is not None:
+        thing = many[0]
     found = doing.entities.of(thing) if thing else None
     at = found.at.words if not place and found is not None and found.at is not None and found.at.known else place
     going = call("navigation", doing.spot(at)) if at else ()
-    looked_for = "person" if person else (doing.thing(thing) if thing else "thing")
-    return looked_for, (*going, *call("seewhat"))
+    look = (*going, *call("seewhat"))
+    there = condition.kind == "seen"
+    if len(several := condition.all("thing")) > 1:  # "if both … are there", "if neither … is"
+        names = tuple(doing.thing(words) for words in several)
+        return Sought(thing, there, look, at_least(len(names) if there else 1), names)
+    if many is None:
+        looked_for = "person" if person else (doing.thing(thing) if thing else "thing")
+        return Sought(looked_for, there, look)
+    names = doing.entities.members(found) if found is not None else ()
+    if len(names) < 2:
+        raise Unable("count", thing)
+    return Sought(thing, there, look, many[1], names)
+
+
+def as_seen(condition: Condition, entities: Entities) -> Condition:
+    """A condition on a state that is one of being there: "if the cup is on the desk", "if the desk is empty"."""
+    if condition.kind not in ("is", "is_not"):
+        return condition
+    state, positive = condition.words("state").casefold(), condition.kind == "is"
+    others = tuple(role for role in condition.roles if role.name != "state")
+    where = entities.of(state)
+    if _THERE.fullmatch(state) or _GONE.fullmatch(state):
+        return Condition("seen" if positive == (_THERE.fullmatch(state) is not None) else "unseen", others)
+    if condition.words("place") == "" and (where.place or where.room or where.surface):
+        place = next(role for role in condition.roles if role.name == "state")
+        return Condition("seen" if positive else "unseen", (*others, replace(place, name="place")))
+    thing = condition.words("thing")
+    empty = _EMPTY.fullmatch(state) is not None or state in ("clear", "bare", "vacant", "unoccupied")
+    if empty and (spot := entities.of(thing or condition.words("place"))) and (spot.place or spot.room):
+        roles = tuple(replace(role, name="place") for role in others if role.name in ("thing", "place"))
+        return Condition("unseen" if positive else "seen", roles[:1])
+    return condition
+
+
+_THERE: Final = re.compile(
+    r"(?:still |already )?(?:there|here|present|visible|around|available|in (?:sight|view))|"
+    r"还?在(?:那儿?|那里|这儿?|这里)?"
+)
+_GONE: Final = re.compile(r"missing|gone|absent|away|nowhere(?: to be (?:seen|found))?|not there|不在了?|不见了?|没了")

@@ -28,6 +28,13 @@ def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If
             elif last.act == "follow" and _clears_the_way(node):
                 made[-1] = replace(last, act=FOLLOW_AND_CLEAR)
                 continue
+            elif (
+                last.act in ("bring", "pick_up")
+                and node.act in ("put", "throw_away", "bring")
+                and _several(last, node, doing)
+            ):
+                made[-1] = replace(node, roles=(*last.roles, *(role for role in node.roles if role.name != "thing")))
+                continue
             elif last.act == "bring" and _same_thing(last, node, doing):
                 made.pop()
                 made += _errand(last, node)
@@ -51,6 +58,13 @@ def _errand(fetch: Do, then: Do) -> tuple[Do, ...]:
         case "put" | "throw_away":
             return (Do("pick_up", picked), then)
     return (fetch, then)
+
+
+def _several(take: Do, then: Do, doing: Doing) -> bool:
+    """Whether several things are taken that the next act puts somewhere: "get all that is red and put it there"."""
+    if any(take.words(name) for name in ("place", "person")) or not doing.entity(then.words("thing") or "it").refers:
+        return False
+    return len(take.all("thing")) > 1 or doing.entity(take.words("thing") or "it").every
 
 
 def _clears_the_way(act: Do) -> bool:

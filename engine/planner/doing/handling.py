@@ -73,7 +73,7 @@ def _put_one(doing: Doing, words: str, place: str, source: str) -> Calls:
     if target.every:
         raise Unable("role", place)
     group = doing.entity(words)
-    colour = colour_of(doing, group.thing or "")
+    colour = colour_of(doing, group.thing or words.casefold())
     if group.every and not group.refers:
         if not colour or target.surface is None:
             raise Unable("every", words)

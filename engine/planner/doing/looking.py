@@ -28,6 +28,8 @@ def looked(doing: Doing, words: str, *, is_thing: bool = False) -> Calls:
         return (*turned(found.side), *call("seewhat"))
     if found.room is not None:
         return call("scan_room", found.room)
+    if found.refers and not (doing.place or doing.named or doing.calls or is_thing):
+        raise Open("where")
     if found.me or found.refers:
         return call("seewhat")
     if found.place is not None:

@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterator
 from typing import Final, get_args
 
+from engine.han import is_chinese
 from engine.perception.sighting import Colour
 from engine.planner.request import Language
 
@@ -62,6 +63,13 @@ def bare(text: str) -> str:
 def is_taken_back(text: str) -> bool:
     """Whether somebody wants nothing any more: "never mind"."""
     return _NEVER_MIND.fullmatch(text) is not None
+
+
+def times_corrected(text: str) -> int:
+    """How often something is taken back within a sentence."""
+    language: Language = "zh" if is_chinese(text) else "en"
+    pattern = _CORRECTION_ZH if language == "zh" else _CORRECTION
+    return sum(_takes_back(found, text, language) for found in pattern.finditer(text))
 
 
 def corrected(text: str, language: Language) -> Iterator[str]:

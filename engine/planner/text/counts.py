@@ -43,6 +43,11 @@ class Count:
         return self.how(sum(map(sees, names)), self.number)
 
 
+def at_least(number: int) -> Count:
+    """So many or more."""
+    return Count(operator.ge, number)
+
+
 def counted(text: str) -> tuple[str, Count] | None:
     """``text`` as a condition on one of them, and how many there have to be; None where nothing is counted."""
     if (found := _english().search(text)) is not None:
@@ -57,6 +62,24 @@ def counted(text: str) -> tuple[str, Count] | None:
         how = zh["how"] or zh["how_too"] or ""
         return f"{text[: zh.start()]}有{text[zh.end() :]}", Count(_HOW[how], _NUMBERS[zh["number"]])
     return None
+
+
+def how_many(words: str) -> tuple[str, Count] | None:
+    """What is counted in a noun phrase, and how many there have to be: "at least two cups"; None where nothing is."""
+    found = _AMOUNT.fullmatch(words.casefold().strip(" ,.!?;:，。！？"))
+    if found is None or (not (how := found["how"] or found["how_zh"] or "") and _NUMBERS[found["number"]] == 1):
+        return None
+    return found["rest"], (
+        at_least(_NUMBERS[found["number"]]) if found["more"] else Count(_HOW[how], _NUMBERS[found["number"]])
+    )
+
+
+_AMOUNT: Final = re.compile(
+    rf"(?:(?P<how>{'|'.join(sorted((how for how in _HOW if how.isascii() and how), key=len, reverse=True))}) |"
+    r"(?P<how_zh>至少|超过|只|正好|不到|最多)有?)?"
+    rf"(?P<number>{'|'.join(sorted(_NUMBERS, key=len, reverse=True))})(?P<more> or more)?"
+    r"(?: (?:of )?(?:the |my |those |these )?|[个只块瓶杯件把张本])(?P<rest>.+)"
+)
 
 
 @lru_cache
