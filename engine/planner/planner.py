@@ -241,8 +241,8 @@ class Planner:
         return await asyncio.to_thread(self._learned.no_order, heard.request, heard.text, heard.language)
 
     async def _read(self, heard: _Heard) -> Plan | NoPlan | None:
-        """The plan that the learned reader is sure of."""
-        if self._learned is None:
+        """The plan that the learned reader is sure of; none for what the robot cannot do, however it is put."""
+        if self._learned is None or (impossible(heard.text) is not None and not marks(heard.text)):
             return None
         named = heard.before.things.named
         found = await asyncio.to_thread(self._learned.plan, heard.request, heard.text, heard.language, named)

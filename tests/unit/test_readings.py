@@ -189,3 +189,8 @@ def test_a_name_of_several_pieces_of_furniture_is_asked_about() -> None:
 @given(st.text(max_size=LONGEST + 50), st.sampled_from(["en", "zh"]))
 def test_any_text_has_a_bounded_number_of_readings(text: str, language: str) -> None:
     assert len(list(in_order(text, language))) < 1000  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("text", ["go up the stairs to the bedroom", "go upstairs and fetch the ball"])
+def test_what_the_robot_cannot_do_is_no_plan_of_the_reader_either(text: str) -> None:
+    assert isinstance(asyncio.run(WHOLE.plan(PlanRequest(text))), NoPlan)
