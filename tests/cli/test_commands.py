@@ -32,7 +32,7 @@ def test_ask_plans_drives_and_reports(tmp_path: Path) -> None:
     assert done.returncode == ExitCode.DONE, done.stderr
     plan = events(done, "plan.made")[0]["body"]
     assert [action["name"] for action in plan["actions"]] == ["navigation", "move_left"]
-    assert plan["source"] == "phrases"
+    assert plan["source"] == "reader"
     finished = [event["body"] for event in events(done, "action.finished")]
     assert [(body["name"], body["outcome"]) for body in finished] == [("navigation", "ok"), ("move_left", "ok")]
     last = events(done, "robot.state")[-1]["body"]
@@ -108,7 +108,8 @@ def test_several_requests_from_stdin_share_one_session(tmp_path: Path) -> None:
 def test_plan_moves_nothing_and_starts_no_robot(tmp_path: Path) -> None:
     done = sayso("plan", "--json", "move forward half a metre, then 20 centimetres to the left", state=tmp_path)
     assert done.returncode == ExitCode.DONE
-    (made,) = events(done)
+    read, made = events(done)
+    assert (read["kind"], made["kind"]) == ("meaning.read", "plan.made")
     assert [action["name"] for action in made["body"]["actions"]] == ["move_forward", "move_sideways"]
     assert [action["args"]["distance"] for action in made["body"]["actions"]] == [0.5, 0.2]
 
@@ -159,7 +160,8 @@ def test_a_fault_over_one_line_is_its_result(
     monkeypatch.setenv("SAYSO_PLANNER__PROFILE", "phrases")
     monkeypatch.setattr("sys.stdin", io.StringIO("beep\nnod\nwait 1 s\n"))
     assert main(["plan", "--json", "-"]) == ExitCode.FAILED
-    found = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    found = [event for event in lines if event["kind"] != "meaning.read"]
     assert [event["kind"] for event in found] == ["plan.made", "plan.rejected", "plan.made"]
     assert found[1]["body"]["code"] == "internal"
 
