@@ -63,7 +63,7 @@ _EITHER: Final = re.compile(r"\bor (?:was|is|maybe|perhaps|the)\b|还是")
 """A choice that is left open."""
 _NO_NUMBER: Final = re.compile(r"\d{16}")
 """More digits than a number has."""
-_NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once"})
+_NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once", "一"})
 
 
 def accounted(meaning: Meaning, names: Collection[str] = ()) -> bool:

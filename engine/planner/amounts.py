@@ -12,7 +12,7 @@ from engine.planner.text.words import words_of
 _A_BIT: Final = re.compile(
     r"(?:just )?(?:a (?:little|tiny|wee|small|teeny)?\s*(?:bit|tad|touch|little|smidge|smidgen|step|nudge)|"
     r"a little|slightly|"
-    r"a few (?:cm|centimet(?:re|er)s))(?: (?:more|further))?|一点儿?|一些|一小步|稍微|一丢丢"
+    r"a few (?:cm|centimet(?:re|er)s))(?: (?:more|further))?|一点[点儿]?|一丁点儿?|一小点儿?|一些|一小步|稍微|一丢丢"
 )
 _ANGLES: Final[tuple[tuple[re.Pattern[str], float], ...]] = (
     (re.compile(r"three quarters|四分之三"), QUARTER + HALF),

@@ -119,6 +119,8 @@ _ZH_FRONT: Final = re.compile(
     rf"^(?:(?:[这那](?:一?{_MEASURE}|儿的?|里的?)?|[一两几某每]{_MEASURE})|"
     "[我你他她咱](?:们|家)?的|所有的?|全部的?|在|到|去|从)+(?=.)"
 )
+_VESSEL: Final = re.compile(r".*?[这那一]([瓶杯盒])(?=.)")
+"""What measures a drink by what it is in."""
 _ZH_BACK: Final = re.compile(
     "(?:[这那](?:边|儿|里|头|屋|间屋?|间?房间?|块儿?|个地方)|[上里下前后外]面|旁边|边上|跟前|附近|[上里]头|上|里|下|边|旁|处|中)$"
 )
@@ -191,7 +193,10 @@ class Entities:
         inner = plain if chinese else _OUTER.sub("", plain)
         head, where = (plain, "") if chinese or _BUT.search(inner) else _parted(plain)
         candidates = list(dict.fromkeys(_chinese(plain) if chinese else _english(head)))
-        whole = list(dict.fromkeys((*(() if chinese else (_bare(inner),)), *candidates)))
+        of = (
+            () if chinese else tuple(_bare(inner).split(" of ")[1:])[-1:]
+        )  # "the rest of the kitchen" is in the kitchen
+        whole = list(dict.fromkeys((*(() if chinese else (_bare(inner),)), *candidates, *map(_bare, of))))
         which: list[str] = []
         found = Entity(
             words,
@@ -366,3 +371,5 @@ def _chinese(phrase: str) -> Iterator[str]:
             yield _ZH_BACK.sub("", last) or last
     for start in range(1, max(1, len(bare) - 1)):
         yield bare[start:]
+    if (vessel := _VESSEL.match(phrase)) is not None:  # "that bottle of water" is a bottle
+        yield vessel[1]

@@ -18,11 +18,12 @@ from engine.plan import ActionCall, Plan
 from engine.planner import about_itself, amounts
 from engine.planner.accounted import accounted
 from engine.planner.doing.acts import calls_of
-from engine.planner.doing.conditions import of_itself, sought
-from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable, Which
+from engine.planner.doing.conditions import of_itself, sought, with_antecedent
+from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, Which
 from engine.planner.doing.looking import topic_of
 from engine.planner.entities import Entities
 from engine.planner.happened import last_question, last_said, open_command
+from engine.planner.phrases.again import planned_last
 from engine.planner.phrases.phrases import PhrasePlanner, UnknownPlace
 from engine.planner.phrases.said import Calls
 from engine.planner.readings.first_look import IF_POLITE
@@ -34,7 +35,7 @@ from engine.skills.vocabulary import Vocabulary
 from engine.understanding.acts import ACTS, RoleName
 from engine.understanding.meaning import About, Do, If, Instead, Meaning, Node, Not, Repeat, Retract, Role
 
-SURE: Final = 0.5
+SURE: Final = 0.4
 """How sure the reader has to be, 0 to 1, for something to move."""
 MAYBE: Final = 0.25
 """How sure it has to be for a plan that moves nothing, and for the question whether something that moves is meant."""
@@ -62,7 +63,9 @@ _OF_THE_SESSION: Final = frozenset({"answer", "yes", "no", "fragment", "again", 
 class Reads(Protocol):
     """Finds the meaning of a request."""
 
-    def read(self, text: str) -> Meaning | None: ...
+    def readings(self, text: str) -> tuple[Meaning, ...]:
+        """What the text may mean, the likeliest first."""
+        ...
 
 
 class Understood:
@@ -80,58 +83,102 @@ class Understood:
         self._entities = Entities(vocabulary)
         self._names = frozenset(map(str.casefold, (*vocabulary.names(), *vocabulary.places())))
         self._reader = reader
-        self._read = lru_cache(maxsize=64)(reader.read)
+        self._read = lru_cache(maxsize=64)(reader.readings)
 
     def meaning(self, text: str) -> Meaning | None:
-        """What the reader makes of ``text``."""
+        """The likeliest meaning of ``text``."""
+        return next(iter(self._meanings(text)), None)
+
+    def _meanings(self, text: str) -> tuple[Meaning, ...]:
         plain = IF_POLITE.sub(lambda found: " " * len(found[0]), text)
         if not plain.strip():
-            return None
-        meaning = self._read(plain) or self._reader.read(plain)  # what it reads with may have come since
-        return meaning if meaning is None or plain == text else replace(meaning, text=text)
+            return ()
+        meanings = self._read(plain) or self._reader.readings(plain)  # what it reads with may have come since
+        return meanings if plain == text else tuple(replace(meaning, text=text) for meaning in meanings)
 
     def no_order(self, request: PlanRequest, text: str, language: Language) -> NoPlan | None:
         """That nothing in ``text`` is an order, where the reader is sure of that; else None."""
-        meaning = self.meaning(text)
-        if meaning is None:
+        meanings = self._meanings(text)
+        if not meanings:
             return None
-        if meaning.doubt >= NO_ORDER:
+        if meanings[0].doubt >= NO_ORDER:
             return NoPlan(text, "no_order", SAID[language]["no_order_doubt"], ExitCode.CLARIFY)
-        if meaning.confidence < NO_ORDER or any(_is_order(node) for node in meaning.wanted()):
+        meaning = next((one for one in meanings if _is_no_order(one)), None)
+        if meaning is None or sum(one.confidence for one in meanings if _is_no_order(one)) < NO_ORDER:
             return None
-        if all(isinstance(node, Do) and node.act != "fact" for node in meaning.nodes):
-            return None  # small talk has answers of its own
         request.read(_told(meaning))
         told = "forbidden" if meaning.has(Not) or meaning.has(Retract) else "told"
         return NoPlan(text, "no_order", SAID[language][f"no_order_{told}"], ExitCode.CLARIFY)
 
     def plan(self, request: PlanRequest, text: str, language: Language, named: str = "") -> Plan | NoPlan | None:
         """The plan of a request; None where this reader hands it on. ``named`` is the thing that was named last."""
-        meaning = self._confirmed(request, text) or self._merged(request, text) or self.meaning(text)
-        if meaning is None or meaning.confidence < MAYBE or not accounted(meaning, self._names):
+        chosen = self._chosen(request, text, language, named)
+        if chosen is None:
+            return None
+        meaning, found = chosen
+        request.read(_told(meaning))
+        if isinstance(found, NoPlan) or meaning.confidence >= SURE:
+            return found
+        denies = any(meaning.has(kind) for kind in (Not, Retract, About))
+        if not found.finished:
+            return None  # there is another reader of conditions
+        if denies or self._moves(found):
+            steps = SAID[language]["then"].join(step.rstrip(".。") for step in found.steps)
+            return NoPlan(text, "unsure", SAID[language]["unsure"].format(steps=steps), ExitCode.CLARIFY)
+        return found
+
+    def _chosen(
+        self, request: PlanRequest, text: str, language: Language, named: str
+    ) -> tuple[Meaning, Plan | NoPlan] | None:
+        """The likeliest outcome, and the likeliest meaning that has it. Meanings that come to the same plan are as
+        likely together as the sum of them."""
+        answered = self._confirmed(request, text) or self._merged(request, text)
+        outcomes: dict[object, tuple[Meaning, Plan | NoPlan]] = {}
+        for meaning in (answered,) if answered is not None else self._meanings(text):
+            found = self._outcome(meaning, request, text, language, named)
+            if found is None:
+                continue
+            key = self._same(meaning, found, request, text, language)
+            if key in outcomes:
+                first, found = outcomes[key]
+                meaning = replace(first, confidence=min(1.0, first.confidence + meaning.confidence))
+            outcomes[key] = meaning, found
+        chosen = max(outcomes.values(), key=lambda outcome: outcome[0].confidence, default=None)
+        return chosen if chosen is not None and chosen[0].confidence >= MAYBE else None
+
+    def _same(
+        self, meaning: Meaning, found: Plan | NoPlan, request: PlanRequest, text: str, language: Language
+    ) -> object:
+        """What two meanings have in common that come to the same."""
+        branches: list[Plan | NoPlan | None] = [found]
+        if isinstance(found, Plan) and not found.finished:
+            branches += [self._after(meaning, request, text, language, holds) for holds in (True, False)]
+        return tuple(
+            (one.response, *map(str, one.actions)) if isinstance(one, Plan) else one and one.answer for one in branches
+        )
+
+    def _outcome(
+        self, meaning: Meaning, request: PlanRequest, text: str, language: Language, named: str
+    ) -> Plan | NoPlan | None:
+        """What comes of one meaning; None where it is not for this reader, or words of the request have no place in
+        it."""
+        if not accounted(meaning, self._names):
             return None
         wanted = tuple(node for node in meaning.wanted() if _is_order(node))
         wanted = tuple(node for node in wanted if not _is_answer(node)) or wanted
         if not wanted:
             return None
         if len(wanted) == 1 and isinstance(act := wanted[0], Do):
+            if act.act == "again" and (last := planned_last(request.happened)):
+                count = amounts.times(act.words("times")) or 1
+                return self._planned(text, last * min(count, MOST), language)
             if act.act in _OF_THE_SESSION:
                 return None
             if act.act == "report":
-                request.read(_told(meaning))
                 return self._reported(act, request, text, language)
-        depends = any(isinstance(node, If) for node in wanted)
-        if depends and meaning.confidence < SURE:
-            return None  # there is another reader of conditions
-        request.read(_told(meaning))
         if meaning.doubt > DOUBT and not meaning.has(Retract) and not meaning.has(Not):
             return NoPlan(text, "no_order", SAID[language]["no_order_doubt"], ExitCode.CLARIFY)
-        found = self.of(wanted, request, text, language, named)
-        denies = any(meaning.has(kind) for kind in (Not, Retract, About))
-        if meaning.confidence < SURE and isinstance(found, Plan) and (denies or self._moves(found)):
-            steps = SAID[language]["then"].join(step.rstrip(".。") for step in found.steps)
-            return NoPlan(text, "unsure", SAID[language]["unsure"].format(steps=steps), ExitCode.CLARIFY)
-        return found
+        return self.of(wanted, request, text, language, named)
 
     def _moves(self, plan: Plan) -> bool:
         return any(self._validation.occupied(action.name) & _MOVING for action in plan.actions)
@@ -161,23 +208,25 @@ class Understood:
         text: str,
         language: Language,
         named: str = "",
+        place: str = "",
     ) -> Plan | NoPlan | None:
-        """The plan of what is wanted; ``named`` is the thing that "it" is at first."""
-        doing = Doing(self._entities, request.holding, named, greeting=SAID[language]["hello"])
+        """The plan of what is wanted; ``named`` is the thing that "it" is at first, ``place`` the symbol of "there"."""
+        doing = Doing(self._entities, request.holding, named, place, greeting=SAID[language]["hello"])
         acts = tuple(self._completed(node) if isinstance(node, Do) else node for node in acts)
         phrases = self._phrases(language)
         try:
-            condition = next((index for index, node in enumerate(acts) if isinstance(node, If)), None)
-            if condition is not None:
-                first = calls_of(acts[:condition], doing)
-                node = acts[condition]
+            index = next((index for index, node in enumerate(acts) if isinstance(node, If)), None)
+            if index is not None:
+                first = calls_of(acts[:index], doing)
+                node = acts[index]
                 assert isinstance(node, If)
-                if (holds := of_itself(doing, node.condition)) is not None:  # there is nothing to look at
+                condition = with_antecedent(node, self._entities)
+                if (holds := of_itself(doing, condition)) is not None:  # there is nothing to look at
                     branch = _only_wanted(node.then if holds else node.otherwise)
-                    rest = (*acts[:condition], *branch, *acts[condition + 1 :])
+                    rest = (*acts[:index], *branch, *acts[index + 1 :])
                     nothing = Plan(text, (), SAID[language]["all_right"], "reader")
                     return self.of(rest, request, text, language, named) if rest else nothing
-                found = self._planned(text, (*first, *sought(doing, node.condition).look), language)
+                found = self._planned(text, (*first, *sought(doing, condition).look), language)
                 return replace(found, finished=False) if isinstance(found, Plan) else found
             calls = calls_of(acts, doing)
             if not calls:
@@ -197,9 +246,15 @@ class Understood:
 
     def decided(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
         """What a condition decides after a look; None where there is no such condition."""
-        meaning = self.meaning(text)
-        if meaning is None or meaning.confidence < MAYBE or request.sees is None:
+        if request.sees is None:
             return None
+        chosen = self._chosen(request, text, language, "")
+        return None if chosen is None else self._after(chosen[0], request, text, language, request.sees)
+
+    def _after(
+        self, meaning: Meaning, request: PlanRequest, text: str, language: Language, sees: Callable[[str], bool] | bool
+    ) -> Plan | NoPlan | None:
+        """What is to be done after the look of a condition; ``sees`` says what was seen, or whether it holds."""
         wanted = meaning.wanted()
         index = next((at for at, node in enumerate(wanted) if isinstance(node, If)), None)
         if index is None:
@@ -208,17 +263,17 @@ class Understood:
         assert isinstance(node, If)
         try:
             doing = Doing(self._entities, request.holding)
-            looked_for = sought(doing, node.condition)
+            looked_for = sought(doing, with_antecedent(node, self._entities))
         except (Open, Which, NowhereKnown, Unable):
             return None
-        thing, holds = looked_for.thing, looked_for.holds(request.sees)
+        thing, holds = looked_for.thing, sees if isinstance(sees, bool) else looked_for.holds(sees)
         branch = node.then if holds else node.otherwise
         rest = (*_only_wanted(branch), *wanted[index + 1 :])
         if not rest:
             tells = ("present", "absent") if looked_for.count is None else ("so_many", "not_so_many")
             told = SAID[language][tells[holds != looked_for.there]].format(thing=thing)
             return Plan(text, (), told, "reader")
-        found = self.of(rest, request, text, language, thing)
+        found = self.of(rest, request, text, language, thing, doing.place)
         return found if found is not None else Plan(text, (), SAID[language]["all_right"], "reader")
 
     def _completed(self, act: Do) -> Do:
@@ -279,6 +334,12 @@ def _fitting(roles: Sequence[Role], act: Do) -> tuple[Role, ...]:
 def _told(meaning: Meaning) -> MeaningRead:
     told = meaning.describe()
     return MeaningRead(meaning.text, meaning.reader, told["confidence"], tuple(told["nodes"]))
+
+
+def _is_no_order(meaning: Meaning) -> bool:
+    """Nothing in it is to be done; small talk, which has answers of its own, apart."""
+    talk = all(isinstance(node, Do) and node.act != "fact" for node in meaning.nodes)
+    return not talk and not any(_is_order(node) for node in meaning.wanted())
 
 
 def _is_order(node: Node) -> bool:

@@ -95,7 +95,7 @@ def _acts() -> dict[str, Act]:
     add("shake", "times", "shake its head, as a no")
     add("applaud", "times", "clap")
     add("wave", "person times", "wave")
-    add("beep", "times", "beep or honk")
+    add("beep", "time times", "beep or honk; `time` is how long it sounds")
     add("light", "colour", "switch its own light to a colour, or on")
     add("light_off", "", "switch its own light off")
     # Speaking

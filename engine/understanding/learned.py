@@ -8,6 +8,9 @@ is certain of.
 from __future__ import annotations
 
 import threading
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from heapq import heappop, heappush
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -26,7 +29,14 @@ MAX_UNITS: Final = 90
 CERTAIN: Final = 0.95
 """How likely a symbol is of which the network is certain: training lets it be no surer (label smoothing)."""
 _NO_ORDER: Final = frozenset({"about", "instead", "not", "retract"})
-_NO_ORDER_IDS: Final = tuple(IDS[symbol] for symbol in sorted(_NO_ORDER))
+ENOUGH: Final = 0.9
+"""Of all likelihood: once meanings make that up, no further one is looked for."""
+LEAST: Final = 0.02
+"""How likely a meaning is that is worth looking at."""
+SPANS: Final = 3
+"""Places that the words of a role are looked for at."""
+MAX_RUNS: Final = 80
+"""Steps of the decoder for one text: about 15 ms."""
 
 
 class _Parts(NamedTuple):
@@ -66,19 +76,23 @@ class LearnedReader:
             return self._loaded
 
     def read(self, text: str) -> Meaning | None:
-        """The likeliest meaning; None where there is no word in the text, or far too many, and as long as the base is
-        not on this machine."""
+        """The likeliest meaning; None where :meth:`readings` finds none."""
+        return next(iter(self.readings(text)), None)
+
+    def readings(self, text: str) -> tuple[Meaning, ...]:
+        """What the text may mean, the likeliest first; the confidence of each is how likely it is. None where there
+        is no word in the text, or far too many, and as long as the base is not on this machine."""
         found = units(text)
         if not 0 < len(found) <= MAX_UNITS or not self.here or self.trouble is not None:
-            return None
+            return ()
         try:
             parts = self.load()
         except Exception as error:  # noqa: BLE001 - onnxruntime has errors of its own for a damaged graph
             self.trouble = error
-            return None
+            return ()
         pieces, owners = parts.base.pieces(found)
         if len(pieces) > MAX_PIECES:
-            return None
+            return ()
         pool = np.zeros((1, len(found), len(pieces)), np.float32)
         for index, owner in enumerate(owners):
             if owner >= 0:
@@ -87,43 +101,87 @@ class LearnedReader:
         spans, starts, ends, *sentence = parts.encoder.run(None, inputs)
         fixed: dict[str, Any] = {"starts_of": starts, "ends_of": ends}
         fixed |= {f"sentence_{kind}{at // 2}": sentence[at] for at, kind in enumerate("kv" * LAYERS)}
-        return _written(text, found, parts.decoder, fixed, spans)
+        return tuple(_search(text, found, parts.decoder, fixed, spans))
 
 
-def _written(text: str, found: list[Unit], decoder: Any, fixed: dict[str, Any], spans: Floats) -> Meaning | None:
-    grammar, steps = Grammar(), list[Step]()
-    past = [np.zeros((1, HEADS, 0, WIDTH // HEADS), np.float32)] * 2 * LAYERS
-    symbol, span, sure = IDS[BEGIN], np.zeros((1, 1, WIDTH), np.float32), 1.0
-    order = 1.0
-    for place in range(MAX_STEPS):
-        inputs = {"symbol": np.array([[symbol]]), "place": np.array([place]), "span": span, **fixed}
-        inputs |= {f"past_{kind}{at // 2}": past[at] for at, kind in enumerate("kv" * LAYERS)}
-        symbols, starts, ends, *past = decoder.run(None, inputs)
-        span = np.zeros((1, 1, WIDTH), np.float32)
-        if SYMBOLS[symbol] in ROLE_NAMES:
-            begin, end, likely = _span(starts[0, 0], ends[0, 0])
-            sure *= likely
-            steps[-1] = Step(SYMBOLS[symbol], found[begin].start, found[end].end)
-            span = (spans[:, begin] + spans[:, end])[:, None]
-        allowed = [IDS[name] for name in grammar.allowed()]
-        scores = symbols[0, 0, allowed]
-        likelihoods = _softmax(scores)
-        best = int(likelihoods.argmax())
-        if SYMBOLS[allowed[best]] not in _NO_ORDER:
-            order *= 1 - sum(float(likelihoods[allowed.index(one)]) for one in _NO_ORDER_IDS if one in allowed)
-        symbol, sure = allowed[best], sure * min(1.0, float(likelihoods[best]) / CERTAIN)
-        if SYMBOLS[symbol] == DONE:
-            return meaning_of(text, steps, "learned", sure, 1 - order)
-        grammar.feed(SYMBOLS[symbol])
-        steps.append(Step(SYMBOLS[symbol]))
-    return None
+@dataclass(frozen=True, slots=True)
+class _Begun:
+    """The beginning of a meaning. ``symbol`` is its last one, whose words, if it is a role, are not yet found."""
+
+    symbol: int
+    span: Floats
+    """What was pointed at in the step before: (1, 1, WIDTH)."""
+    past: Sequence[Floats]
+    steps: tuple[Step, ...]
+    grammar: Grammar
+    order: float = 1.0
+    """How likely it is that no more of the text than this is no order."""
 
 
-def _span(starts: Floats, ends: Floats) -> tuple[int, int, float]:
-    """The likeliest first and last unit, the last one not before the first, and how likely they are."""
+def _search(text: str, found: list[Unit], decoder: Any, fixed: dict[str, Any], spans: Floats) -> Iterator[Meaning]:
+    """Meanings, the likeliest first: of all that is begun, the likeliest goes on (a best-first search)."""
+    nothing = np.zeros((1, 1, WIDTH), np.float32)
+    first = _Begun(
+        IDS[BEGIN], nothing, [np.zeros((1, HEADS, 0, WIDTH // HEADS), np.float32)] * 2 * LAYERS, (), Grammar()
+    )
+    count, runs, known = 0, 0, 0.0
+    begun: list[tuple[float, int, _Begun | Meaning]] = [(-1.0, count, first)]
+    while begun and known < ENOUGH and runs < MAX_RUNS:
+        likely, _, at = heappop(begun)
+        if isinstance(at, Meaning):
+            known -= likely
+            yield at
+            continue
+        runs += 1
+        for sure, following in _steps_after(at, text, found, decoder, fixed, spans):
+            if -likely * sure >= LEAST:
+                count += 1
+                meaning = replace(following, confidence=-likely * sure) if isinstance(following, Meaning) else following
+                heappush(begun, (likely * sure, count, meaning))
+
+
+def _steps_after(
+    at: _Begun, text: str, found: list[Unit], decoder: Any, fixed: dict[str, Any], spans: Floats
+) -> Iterator[tuple[float, _Begun | Meaning]]:
+    """How the beginning of a meaning may go on, and how likely that is."""
+    inputs = {"symbol": np.array([[at.symbol]]), "place": np.array([len(at.steps)]), "span": at.span, **fixed}
+    inputs |= {f"past_{kind}{index // 2}": at.past[index] for index, kind in enumerate("kv" * LAYERS)}
+    symbols, starts, ends, *past = decoder.run(None, inputs)
+    pointed: list[tuple[float, tuple[Step, ...], Floats]]
+    if SYMBOLS[at.symbol] in ROLE_NAMES:
+        pointed = [
+            (
+                likely,
+                (*at.steps[:-1], Step(SYMBOLS[at.symbol], found[begin].start, found[end].end)),
+                (spans[:, begin] + spans[:, end])[:, None],
+            )
+            for likely, begin, end in _spans(starts[0, 0], ends[0, 0])
+        ]
+    else:
+        pointed = [(1.0, at.steps, np.zeros((1, 1, WIDTH), np.float32))]
+    allowed = at.grammar.allowed()
+    likelihoods = _softmax(symbols[0, 0, [IDS[name] for name in allowed]])
+    no_order = sum(float(likely) for name, likely in zip(allowed, likelihoods, strict=True) if name in _NO_ORDER)
+    for likely, steps, span in pointed:
+        for name, chance in zip(allowed, likelihoods, strict=True):
+            sure = likely * min(1.0, float(chance) / CERTAIN)
+            if sure < LEAST:
+                continue
+            order = at.order if name in _NO_ORDER else at.order * (1 - no_order)
+            if name == DONE:
+                yield sure, meaning_of(text, steps, "learned", sure, 1 - order)
+            elif len(steps) < MAX_STEPS - 1:
+                grammar = at.grammar.copy()
+                grammar.feed(name)
+                yield sure, _Begun(IDS[name], span, past, (*steps, Step(name)), grammar, order)
+
+
+def _spans(starts: Floats, ends: Floats) -> list[tuple[float, int, int]]:
+    """The likeliest first and last units, the last one not before the first, and how likely each is."""
     both = np.triu(np.outer(_softmax(starts), _softmax(ends)))
-    begin, end = np.unravel_index(int(both.argmax()), both.shape)
-    return int(begin), int(end), float(both[begin, end])
+    best = np.argsort(both, axis=None)[: -SPANS - 1 : -1]
+    places = (np.unravel_index(int(place), both.shape) for place in best)
+    return [(float(both[place]), int(place[0]), int(place[1])) for place in places]
 
 
 def _softmax(scores: Floats) -> Floats:

@@ -6,6 +6,7 @@ come next. What the reader writes is therefore always a meaning, whatever its we
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Final
 
 from engine.understanding.acts import ACTS, CONDITIONS, ROLES
@@ -32,6 +33,12 @@ class Grammar:
         self._last = BEGIN
         self._act = False
         """Whether the last thing that was written is an act that is wanted, with or without its roles."""
+
+    def copy(self) -> Grammar:
+        """Another one that has got to the same point."""
+        other = copy(self)
+        other._open = self._open.copy()
+        return other
 
     def allowed(self) -> list[str]:
         """The symbols that may come next."""

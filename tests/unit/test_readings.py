@@ -58,7 +58,7 @@ def test_steps_are_done_in_the_order_that_was_meant(text: str, expected: str) ->
         ),
         (
             "get the bottle and the white cup and put them both on the coffee table",
-            "pick_object(bottle); place_object(coffee table); pick_object(white cup); place_object(coffee table)",
+            "carry(bottle, G, ); carry(white cup, G, )",
         ),
         ("take the cups to the kitchen", "carry(white cup, A, ); carry(blue cup, A, )"),
         (
@@ -144,7 +144,7 @@ def test_what_was_misheard_is_understood(text: str, expected: str) -> None:
         ("Right, go to the sofa then.", "navigation(H)"),
         ("厨房那边需要你", "navigation(A)"),
         ("get the bottle and the white cup and put them both on the coffee table",
-         "pick_object(bottle); place_object(coffee table); pick_object(white cup); place_object(coffee table)"),
+         "carry(bottle, G, ); carry(white cup, G, )"),
         ("I need the red box on the desk.", "carry(red box, N, )"),
     ],
 )  # fmt: skip

@@ -33,15 +33,19 @@ class Written:
     """Reads what somebody has written down, with a likelihood in front of it where it is not certain."""
 
     def __init__(self) -> None:
-        self._known: dict[str, Meaning] = {}
+        self._known: dict[str, list[Meaning]] = {}
 
     def knows(self, line: str, confidence: float = 1.0) -> str:
         example = read(line)
-        self._known[example.text] = meaning_of(example.text, example.steps, "learned", confidence)
+        meaning = meaning_of(example.text, example.steps, "learned", confidence)
+        self._known.setdefault(example.text, []).append(meaning)
         return example.text
 
     def read(self, text: str) -> Meaning | None:
-        return self._known.get(text)
+        return next(iter(self.readings(text)), None)
+
+    def readings(self, text: str) -> tuple[Meaning, ...]:
+        return tuple(self._known.get(text, ()))
 
 
 @pytest.fixture
@@ -145,6 +149,38 @@ def test_a_condition_is_looked_at_first_and_decides_then(understood: Understood,
     assert actions(understood.decided(request, text, "en")) == ["pick_object(ball)"]
     request = PlanRequest("", sees=lambda thing: False)
     assert actions(understood.decided(request, text, "en"))[0].startswith("beep")
+
+
+def test_what_depends_on_a_look_knows_where_it_was(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if unseen then clean end | is {1.person: anybody} in {1.place: the study}? if not, clean {2.place: it}"
+    )
+    request = PlanRequest("", sees=lambda thing: False)
+    assert actions(understood.decided(request, text, "en")) == ["clean_room(study)"]
+
+
+def test_it_in_a_condition_is_what_depends_on_it(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if seen then pick_up end | pick up {2.thing: the white cup} only if {1.thing: it}'s on {1.place: the counter}"
+    )
+    assert actions(plan(understood, text)) == ["navigation(M)", "seewhat()"]
+    request = PlanRequest("", sees=lambda thing: thing == "white cup")
+    assert actions(understood.decided(request, text, "en")) == ["pick_object(white cup)"]
+
+
+def test_readings_that_come_to_the_same_are_as_likely_as_all_of_them(understood: Understood, reader: Written) -> None:
+    alone = reader.knows("put | {thing: the ball} on {place: the desk}", SURE - 0.1)
+    assert isinstance(plan(understood, alone), NoPlan), "it is not sure enough to move"
+    text = reader.knows("put | {thing: the ball} onto {place: the desk}", SURE - 0.1)
+    reader.knows("bring | {thing: the ball} onto {place: the desk}", 0.2)
+    reader.knows("fact | {thing: the ball} onto {place: the desk}", 0.1)
+    assert actions(plan(understood, text)) == ["carry(ball, N, )"]
+
+
+def test_again_is_what_was_planned_last(understood: Understood, reader: Written) -> None:
+    happened = (asked("beep"), planned("beep()"))
+    text = reader.knows("again | ha, that was fun, {times: two} more")
+    assert actions(plan(understood, text, happened=happened)) == ["beep(0.2)", "beep(0.2)"]
 
 
 def test_an_answer_fills_what_the_command_lacked(understood: Understood, reader: Written) -> None:

@@ -12,7 +12,7 @@ from engine.planner.doing.moving import anybody
 from engine.planner.entities import Entities
 from engine.planner.phrases.said import Calls, call
 from engine.planner.text.counts import Count, at_least, how_many
-from engine.understanding.meaning import Condition, Do
+from engine.understanding.meaning import Condition, Do, If
 
 _TOLD: Final = re.compile(
     r"\b(?:i|we|you(?:'re| are)?|further|told|someone|somebody|he|she|they)\b.*"
@@ -83,6 +83,20 @@ def _about_its_hand(condition: Condition) -> tuple[str, str] | None:
     if not _ITSELF.fullmatch(who) or not (_HOLDING.search(state) or _EMPTY.fullmatch(state)):
         return None
     return state, thing or _HELD_THING.sub("", state).strip()
+
+
+def with_antecedent(node: If, entities: Entities) -> Condition:
+    """The condition with the thing that "it" is in it, where that is only named in what depends on it: "pick up the cup
+    only if it is on the desk"."""
+    condition = node.condition
+    if not entities.of(condition.words("thing") or "?").refers:
+        return condition
+    acts = (act for act in (*node.then, *node.otherwise) if isinstance(act, Do))
+    named = next((words for act in acts for words in act.all("thing") if not entities.of(words).refers), None)
+    if named is None:
+        return condition
+    roles = (replace(role, words=named) if role.name == "thing" else role for role in condition.roles)
+    return replace(condition, roles=tuple(roles))
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,7 @@ def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If
         if isinstance(last, Do) and isinstance(node, Do):
             if last.act == "leave" and node.act in _GOING:
                 made.pop()  # whoever goes elsewhere has left
-            elif last.act == "follow" and _clears_the_way(node):
+            elif last.act == "follow" and _clears_the_way(node, doing):
                 made[-1] = replace(last, act=FOLLOW_AND_CLEAR)
                 continue
             elif (
@@ -37,17 +37,20 @@ def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If
                 continue
             elif last.act == "bring" and _same_thing(last, node, doing):
                 made.pop()
-                made += _errand(last, node)
+                made += _errand(last, node, doing)
                 continue
         made.append(node)
     return tuple(made)
 
 
-def _errand(fetch: Do, then: Do) -> tuple[Do, ...]:
+def _errand(fetch: Do, then: Do, doing: Doing) -> tuple[Do, ...]:
     """What is done with a thing that is fetched, where the next act says more: "take the ball to the bedroom, put it on
     the bed" picks it up only; what has been brought is not put down once more."""
     picked = tuple(role for role in fetch.roles if role.name in ("thing", "source"))
-    says_where, says_more = (any(act.words(name) for name in ("place", "person")) for act in (fetch, then))
+    says_where, says_more = (
+        any(words and not doing.entity(words).refers for words in (act.words("place"), act.words("person")))
+        for act in (fetch, then)
+    )
     match then.act:
         case "put" if not says_more:
             return (fetch,)
@@ -67,8 +70,13 @@ def _several(take: Do, then: Do, doing: Doing) -> bool:
     return len(take.all("thing")) > 1 or doing.entity(take.words("thing") or "it").every
 
 
-def _clears_the_way(act: Do) -> bool:
-    return act.act in ("tidy", "push", "throw_away") and _IN_THE_WAY.search(act.words("thing").casefold()) is not None
+def _clears_the_way(act: Do, doing: Doing) -> bool:
+    """Whether it takes away what lies there, whatever that is."""
+    words = act.words("thing")
+    if act.act not in ("tidy", "push", "throw_away") or act.words("place"):
+        return False
+    found = doing.entity(words or "it")
+    return _IN_THE_WAY.search(words.casefold()) is not None or (found.every and found.thing in (None, "thing"))
 
 
 def _same_thing(first: Do, second: Do, doing: Doing) -> bool:

@@ -9,7 +9,7 @@ from engine.han import is_chinese
 from engine.plan import Quantity
 from engine.planner import amounts
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable
-from engine.planner.doing.moving import colour_of
+from engine.planner.doing.moving import colour_of, is_everywhere
 from engine.planner.phrases.said import Calls, call
 from engine.skills.places import ZERO_SYMBOL
 from engine.skills.vocabulary import BIN
@@ -82,6 +82,8 @@ def _put_one(doing: Doing, words: str, place: str, source: str) -> Calls:
         doing.place = target.place
     surface = target.surface
     if surface is not None and surface not in (target.room, None):
+        if target.place is not None and surface != BIN and not doing.in_hand:
+            return carried(doing, words, target.place, source)
         put = call("place_in_bin") if surface == BIN else call("place_object", surface)
         return (*fetched(doing, words, source or source_of(doing, Roles(Do("put")), words)), *put)
     if target.me or target.place is not None:
@@ -141,10 +143,13 @@ def drop(doing: Doing, roles: Roles) -> Calls:
 
 
 def throw_away(doing: Doing, roles: Roles) -> Calls:
-    things = roles.all("thing")
+    things, source = roles.all("thing"), roles.words("source")
+    if source and doing.entity(source).surface == BIN:  # "into the bin"
+        source = ""
     if not things:
+        if doing.in_hand:
+            return call("place_in_bin")
         raise Open("which_thing")
-    source = roles.words("source")
     made: Calls = ()
     for words in things:
         if doing.entity(words).refers and doing.in_hand and not made:
@@ -165,8 +170,8 @@ def tidy(doing: Doing, roles: Roles) -> Calls:
     if thing and not place and _numbered(thing):
         return sort(doing, roles)
     room = doing.entity(thing or place or source)
-    if room.room and not (thing and place):
-        return call("clean_room", room.room)
+    if (room.room or is_everywhere(thing or place)) and not (thing and place):
+        return call("clean_room", room.room) if room.room else call("clean_room")
     colour = colour_of(doing, doing.entity(thing).thing or "") if thing else ""
     if thing and place and colour and (doing.entity(thing).every or thing.casefold().rstrip().endswith("s")):
         surface = doing.entity(place).surface
@@ -201,8 +206,8 @@ def _numbered(words: str) -> bool:
 def clean(doing: Doing, roles: Roles) -> Calls:
     made: Calls = ()
     for words in roles.all("place") or roles.all("thing"):
-        found = doing.entity(words)
-        if found.room is None and not found.refers:
+        found = doing.where(words)
+        if found.room is None and not (found.refers or is_everywhere(words)):
             raise Unable("act")
         made += call("clean_room") if found.room is None else call("clean_room", found.room)
     return made or call("clean_room")

@@ -109,7 +109,7 @@ _TOPICS: Final = (
     ("battery", re.compile(r"batter|charge|power|juice|电")),
     ("stopped", re.compile(r"\bwhy\b|\bstop|wrong|fail|为什么|怎么停|出错|问题")),
     ("seewhat", re.compile(r"\bsee(?:s|ing)?\b|\blook|camera|in view|看|镜头")),
-    ("report_pose", re.compile(r"\bwhere|position|location|room|standing|哪|位置")),
+    ("report_pose", re.compile(r"\bwhere|position|location|coordinates?|room|standing|哪|位置|坐标")),
     ("list_skills", re.compile(r"\bable\b|can you do|abilit|skill|会做|本事|功能")),
     ("done", re.compile(r"\bd(?:o|id|one|oing)\b|\baction|\brecent|\bup to\b|\blast\b|finish|刚才|做了|干了|完成")),
 )

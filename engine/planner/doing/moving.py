@@ -218,7 +218,9 @@ def anybody(plain: str) -> bool:
 
 
 def colour_of(doing: Doing, plain: str) -> str:
-    for word in plain.split() if plain.isascii() else [plain[:size] for size in (1, 2, 3)]:
+    for word in (
+        plain.split() if plain.isascii() else [plain[at : at + size] for at in range(len(plain)) for size in (2, 1)]
+    ):
         thing = doing.entities.of(f"{word} thing" if plain.isascii() else f"{word}东西").thing or ""
         if thing.endswith(" thing"):
             return thing.removesuffix(" thing")
@@ -235,14 +237,17 @@ def guide(doing: Doing, roles: Roles) -> Calls:
 
 
 def patrol(doing: Doing, roles: Roles) -> Calls:
-    places = [
-        words for words in roles.all("place") if not doing.entity(words).every and not _WHOLE.search(words.casefold())
-    ]
+    places = [words for words in roles.all("place") if not doing.entity(words).every and not is_everywhere(words)]
     symbols = [symbol for words in places for symbol in _several(doing, words)]
     return call("patrol", ",".join(symbols)) if symbols else call("patrol")
 
 
 _WHOLE: Final = re.compile(r"\b(?:house|home|flat|apartment|place|floor|building|premises)$|家|房子|屋子|各处|到处")
+
+
+def is_everywhere(words: str) -> bool:
+    """Whether that is all of the house."""
+    return _WHOLE.search(words.casefold()) is not None
 
 
 def _several(doing: Doing, words: str) -> list[str]:
@@ -256,8 +261,11 @@ def _several(doing: Doing, words: str) -> list[str]:
 
 def wait(doing: Doing, roles: Roles) -> Calls:
     place, time = roles.words("place"), roles.words("time")
-    if any(not doing.entity(words).me for words in roles.all("person")):
-        raise Unable("person", roles.words("person"))
+    others = [words for words in roles.all("person") if not doing.entity(words).me]
+    if others and not time and (place or (doing.calls and doing.calls[-1].name == "navigation")):
+        return call("navigation", doing.spot(place)) if place else ()  # who waits there for somebody stays there
+    if others and not time:
+        raise Unable("person", others[0])
     seconds = amounts.quantity(time, "s")
     if seconds is None and place and not time:
         return call("navigation", doing.spot(place))

@@ -26,7 +26,8 @@ _EVERYWHERE: Final[tuple[RoleName, ...]] = ("place", "thing", "person")
 def one_by_one(act: Do, doing: Doing) -> Do:
     """The act with the things of this house that "all the cups but the blue one" are; as it is where it has no such
     group, and for what a skill does with all things of a colour."""
-    if act.act not in _WITH_THINGS or not any(_is_group(doing, words, act) for words in act.all("thing")):
+    to_a_place = act.act == "tidy" and bool(act.words("place"))
+    if not (act.act in _WITH_THINGS or to_a_place) or not any(_is_group(doing, one, act) for one in act.all("thing")):
         return act
     without = act.all("except")
     roles: list[Role] = []
@@ -35,7 +36,7 @@ def one_by_one(act: Do, doing: Doing) -> Do:
             roles += [replace(role, words=name) for name in _members(doing, role.words, without)]
         elif role.name != "except":
             roles.append(role)
-    return replace(act, roles=tuple(roles))
+    return replace(act, act="put" if to_a_place else act.act, roles=tuple(roles))
 
 
 def _is_group(doing: Doing, words: str, act: Do) -> bool:

@@ -30,7 +30,7 @@ def often(name: str) -> Callable[[Doing, Roles], Calls]:
 
 def arm_turn(doing: Doing, roles: Roles) -> Calls:
     amount, place = roles.words("amount"), roles.words("place")
-    side = doing.entity(place).side if place else None
+    side = doing.entity(place).side or _only_side(place) if place else None
     if side in _POINTING:
         return call("servo1_move", Quantity(_POINTING[side], "deg"))
     degrees = amounts.angle(amount)
@@ -41,6 +41,18 @@ def arm_turn(doing: Doing, roles: Roles) -> Calls:
 
 _POINTING: Final[Mapping[str | None, float]] = {"right": 0.0, "ahead": 90.0, "left": 180.0}
 """deg, of servo 1"""
+
+
+def _only_side(words: str) -> str | None:
+    """The one side that is named in "as far to the left as it goes"; None where there are several."""
+    sides = [side for side, pattern in _SIDES if pattern.search(words.casefold())]
+    return sides[0] if len(sides) == 1 else None
+
+
+_SIDES: Final = (
+    ("left", re.compile(r"\bleft|左")), ("right", re.compile(r"\bright|右")),
+    ("ahead", re.compile(r"\bahead|\bfront|\bstraight|前")),
+)  # fmt: skip
 
 
 def light(doing: Doing, roles: Roles) -> Calls:
@@ -100,15 +112,13 @@ def say(doing: Doing, roles: Roles) -> Calls:
 
 
 def tell(doing: Doing, roles: Roles) -> Calls:
-    """Said aloud before whoever is there; to somebody in particular only where this house knows the way to them."""
+    """Said aloud, to whoever is there; where this house knows the way to somebody, it is said there."""
     person, place, text = roles.words("person"), roles.words("place"), roles.words("text")
     if not text:
         raise Unable("act")
     going: Calls = call("navigation", doing.spot(place)) if place else ()
     who = doing.entity(person) if person else None
-    if who is not None and not who.me and not _EVERYBODY.search(person.casefold()):
-        if who.place is None:
-            raise Unable("person", person)
+    if who is not None and who.place is not None and not who.me:
         going += call("navigation", doing.spot(person))
     return (*going, *call("say", text))
 
@@ -121,17 +131,15 @@ def greet(doing: Doing, roles: Roles) -> Calls:
     return (*going, *call("say", doing.greeting))
 
 
-_EVERYBODY: Final = re.compile(
-    r"every|all|guests|kids|children|people|them\b|us\b|family|team|大家|所有|孩子们|客人们|他们"
-)
-
-
 def beep(doing: Doing, roles: Roles) -> Calls:
-    words = roles.words("times")
-    seconds = amounts.quantity(words, "s")
-    if seconds is not None:
-        return call("beep", Quantity(seconds, "s"))
-    return often("beep")(doing, roles)
+    time, times = roles.words("time"), roles.words("times")
+    seconds = amounts.quantity(time or times, "s")
+    if seconds is None and time:
+        raise Unable("role", time)
+    count = 1 if not times or (seconds is not None and not time) else amounts.times(times)
+    if count is None:
+        raise Unable("times", times)
+    return call("beep", *(() if seconds is None else (Quantity(seconds, "s"),))) * min(count, MOST)
 
 
 def remember(doing: Doing, roles: Roles) -> Calls:
