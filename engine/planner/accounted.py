@@ -25,6 +25,13 @@ _NODES: Final[dict[MarkKind, tuple[type[Node], ...]]] = {
     "asked": (About,),
 }
 """The nodes that account for a word because of which something is no order."""
+TRUSTED: Final = 0.7
+"""How sure a reader is that is believed about the order of acts, and about words that may only tell of an order…"""
+CERTAINLY: Final = 0.9
+"""…where it holds all of the request to be an order, as surely as that."""
+_TELLING: Final = frozenset({"told", "asked"})
+"""Marks that also stand beside orders: "the postman said he'd left a parcel, see if it's in the hall". What takes back
+or forbids always has to stand in the meaning."""
 _QUESTIONS: Final = frozenset(
     {"answer", "ask", "check", "count", "describe", "find", "look", "read", "report", "skills", "tell"}
 )
@@ -54,11 +61,6 @@ _CUT_OFF: Final = re.compile(
     r"\b(?:the|an?|my|your|to|from|into|onto|of|with|u[hm]+|er+m?)[\s.…,-]*$|(?:[放拿搬送带移走开挪端]到|把|从|给|往|向)[\s。…，]*$"
 )
 """The end of a sentence that somebody has not finished."""
-_OF_OTHERS: Final = re.compile(
-    r"(?:the (?!robot)|my |his |her |our |their |an? |some |every)[\w' -]{1,30}?"
-    r"\b(?:can|could|will|would|may|might|must|should|does|did|do|has|had|have|was|were|is|are)\b"
-)
-"""The beginning of a statement about something that is none of its roles: "the cat can move"."""
 _EITHER: Final = re.compile(r"\bor (?:was|is|maybe|perhaps|the)\b|还是")
 """A choice that is left open."""
 _NO_NUMBER: Final = re.compile(r"\d{16}")
@@ -76,15 +78,15 @@ def accounted(meaning: Meaning, names: Collection[str] = ()) -> bool:
     asks = bool(acts) and acts <= _QUESTIONS
     if not depends and not asks and (CONDITION.search(IF_POLITE.sub("", meaning.text)) or _EITHER.search(text)):
         return False
-    if _CUT_OFF.search(text) or not _sides_stand(text, nodes) or not _begins_with_itself(text, nodes):
+    if _CUT_OFF.search(text) or not _sides_stand(text, nodes) or not _lists_stand(meaning, nodes, names):
         return False
-    if (
-        not _corrections_stand(meaning, nodes)
-        or not _order_stands(text, nodes)
-        or not _lists_stand(meaning, nodes, names)
-    ):
+    if not _trusted(meaning) and not (_corrections_stand(meaning, nodes) and _order_stands(text, nodes)):
         return False
     return _marks_stand(meaning, nodes, depends=depends) and _numbers_stand(meaning, nodes)
+
+
+def _trusted(meaning: Meaning) -> bool:
+    return meaning.confidence >= TRUSTED and meaning.doubt <= 1 - CERTAINLY
 
 
 def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> bool:
@@ -97,6 +99,8 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
         if any(isinstance(node, _NODES[mark.kind]) for node in nodes):
             if not _placed(mark, meaning):
                 return False
+        elif mark.kind in _TELLING and _trusted(meaning):
+            continue
         elif not any(mark.words in words for words in quoted):
             asks = mark.kind == "asked" and acts & _QUESTIONS
             negated = mark.kind == "forbidden" and depends and not _ORDERED.search(mark.words)
@@ -176,11 +180,6 @@ def _lists_stand(meaning: Meaning, nodes: Sequence[Node], names: Collection[str]
 
 
 _JOINT: Final = re.compile(r"\s*(?:, and |, |,| and |、|和|跟|还有)\s*(?:(?:the|a|an|my|your|our|that|this) )?")
-
-
-def _begins_with_itself(text: str, nodes: Sequence[Node]) -> bool:
-    """Whether what the sentence begins with is a role, or nothing that does something itself."""
-    return _OF_OTHERS.match(text) is None or any(role.start == 0 for node in nodes for role in _roles(node))
 
 
 def _numbers_stand(meaning: Meaning, nodes: Sequence[Node]) -> bool:

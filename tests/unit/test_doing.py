@@ -121,7 +121,7 @@ def told(argument: Quantity | str) -> str:
         ("tidy | sort out {place: the entire apartment}", "clean_room()"),
         ("clean | mop {place: the other half of the kitchen}", "clean_room(kitchen)"),
         ("tidy | {thing: 两个杯子}收到{place: 书桌上}", "carry(white cup, N); carry(blue cup, N)"),
-        ("follow push | along {1.thing: the blue line}, shove {2.thing: anything on it} aside", "follow_line_clear(blue)"),
+        ("follow push | along {1.thing: the blue line}, shove {2.thing: anything on it} off", "follow_line_clear(blue)"),
         ("follow | 顺着{thing: 走廊里那条蓝线}走", "follow_line(blue)"),
         ("bring | 把{thing: 那杯茶}端给{person: 我}", "carry(cup, zero)"),
         ("tell | let {person: Marta} know {text: the bus is here}", "say(the bus is here)"),
