@@ -80,7 +80,7 @@ def accounted(meaning: Meaning, names: Collection[str] = ()) -> bool:
         return False
     if _CUT_OFF.search(text) or not _sides_stand(text, nodes) or not _lists_stand(meaning, nodes, names):
         return False
-    if not _trusted(meaning) and not (_corrections_stand(meaning, nodes) and _order_stands(text, nodes)):
+    if not _corrections_stand(meaning, nodes) or not (_trusted(meaning) or _order_stands(text, nodes)):
         return False
     return _marks_stand(meaning, nodes, depends=depends) and _numbers_stand(meaning, nodes)
 

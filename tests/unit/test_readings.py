@@ -58,7 +58,7 @@ def test_steps_are_done_in_the_order_that_was_meant(text: str, expected: str) ->
         ),
         (
             "get the bottle and the white cup and put them both on the coffee table",
-            "carry(bottle, G, ); carry(white cup, G, )",
+            "pick_object(bottle); place_object(coffee table); pick_object(white cup); place_object(coffee table)",
         ),
         ("take the cups to the kitchen", "carry(white cup, A, ); carry(blue cup, A, )"),
         (

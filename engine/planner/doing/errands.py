@@ -35,6 +35,12 @@ def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If
             ):
                 made[-1] = replace(node, roles=(*last.roles, *(role for role in node.roles if role.name != "thing")))
                 continue
+            elif (
+                last.act == "put" and not last.words("place") and node.words("place") and _same_thing(last, node, doing)
+            ):
+                things = tuple(role for role in last.roles if role.name == "thing")
+                made[-1] = replace(node, roles=(*things, *(role for role in node.roles if role.name != "thing")))
+                continue
             elif last.act == "bring" and _same_thing(last, node, doing):
                 made.pop()
                 made += _errand(last, node, doing)

@@ -94,19 +94,25 @@ class Prompts:
     def head(self) -> tuple[Message, ...]:
         """What every question to an execution layer begins with; the house comes last, so that another one changes the
         end only."""
-        skills = "\n".join(f"{skill.signature}: {skill.summary}" for skill in self._skills)
-        form = self._words["brief" if self._brief else "full"]
-        rules = _text(f"execution.{self.language}.md").format(skills=skills, form=form)
         turns = [
             message
             for example in _read(f"examples.{self.language}.yaml")
+            if not self._brief or example.get("brief")
             for message in (
                 Message("user", self._asked(example["user"])),
                 Message("assistant", self._as_answer(example)),
             )
         ]
         understood = Message("assistant", self._as_answer({"response": self._words["at_home"]}))
-        return (Message("system", rules), *turns, Message("user", "\n".join(self._of_the_house)), understood)
+        return (Message("system", self._rules), *turns, Message("user", "\n".join(self._of_the_house)), understood)
+
+    @property
+    def _rules(self) -> str:
+        if self._brief:  # every word of it is computed before the first answer
+            skills = ", ".join(f"{skill.name}({', '.join(p.name for p in skill.parameters)})" for skill in self._skills)
+            return _text(f"brief.{self.language}.md").format(skills=skills, form=self._words["brief"])
+        skills = "\n".join(f"{skill.signature}: {skill.summary}" for skill in self._skills)
+        return _text(f"execution.{self.language}.md").format(skills=skills, form=self._words["full"])
 
     def _as_answer(self, found: Mapping[str, str]) -> str:
         """An example's answer, in the form that models are to write."""
@@ -114,7 +120,7 @@ class Prompts:
         answer: dict[str, object] = {"action": actions} if actions else {}
         if not self._brief:
             answer = {"action": actions, "response": "", "clarification": None, "impossible": None, "refuse": None}
-        told = {key: value for key, value in found.items() if key not in ("user", "action")}
+        told = {key: value for key, value in found.items() if key not in ("user", "action", "brief")}
         return self._written(json.dumps({**answer, **told}, ensure_ascii=False))
 
     def _asked(self, request: str) -> str:
