@@ -13,7 +13,7 @@ from config.schema import Place, Settings
 from engine.errors import PlanError, UsageError
 from engine.llm.chat import Chat
 from engine.models.store import ModelStore
-from engine.plan import Action, ActionCall, Argument, Quantity
+from engine.plan import Action
 from engine.planner.grounding.doubt import Doubt, ungrounded
 from engine.planner.phrases.phrases import PhrasePlanner, Told
 from engine.planner.planner import Planner
@@ -26,6 +26,7 @@ from engine.planner.stages.omissions import left_out
 from engine.planner.stages.prompts import HouseWords, Prompts
 from engine.planner.stages.slips import mended
 from engine.planner.stages.two_stage import TwoStage
+from engine.planner.validation import as_call
 from engine.planner.worlds.house import build_vocabulary
 from engine.planner.worlds.world import World
 from engine.robot.robot import Capability
@@ -138,18 +139,6 @@ def learned_reader(folder: Path) -> LearnedReader | None:
     reader = LearnedReader(ModelStore(folder).file(MODEL), graphs)
     atexit.register(reader.close)  # onnxruntime must not be taken down before what uses it
     return reader
-
-
-def as_call(skill: Skill, action: Action) -> ActionCall:
-    """An action as it is written, without the arguments at the end that are the skill's own."""
-    arguments: list[Argument] = []
-    kept = 0
-    for parameter in skill.parameters:
-        value = action.args[parameter.name]
-        arguments.append(Quantity(value, parameter.unit) if isinstance(value, float) else str(value))
-        if value != parameter.default:
-            kept = len(arguments)
-    return ActionCall(action.name, tuple(arguments[:kept]), alongside=action.alongside)
 
 
 def _words(places: Mapping[str, Place], vocabulary: Vocabulary) -> HouseWords:

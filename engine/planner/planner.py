@@ -208,6 +208,8 @@ class Planner:
         """What the robot has offered, and the user says yes to."""
         question = last_question(heard.request.happened)
         offered = agreed(question, heard.text) if question is not None else ""
+        if not offered and question is not None and question.offer and self._learned is not None:
+            offered = question.offer if await asyncio.to_thread(self._learned.agrees, heard.text) else ""
         if not offered:
             return None
         if isinstance(offered, str):

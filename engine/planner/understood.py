@@ -89,6 +89,11 @@ class Understood:
         """The likeliest meaning of ``text``."""
         return next(iter(self._meanings(text)), None)
 
+    def agrees(self, text: str) -> bool:
+        """Whether that is a yes, and nothing else."""
+        meaning = self.meaning(text)
+        return meaning is not None and meaning.confidence >= SURE and meaning.nodes == (Do("yes"),)
+
     def _meanings(self, text: str) -> tuple[Meaning, ...]:
         plain = IF_POLITE.sub(lambda found: " " * len(found[0]), text)
         if not plain.strip():
@@ -124,7 +129,8 @@ class Understood:
             return None  # there is another reader of conditions
         if denies or self._moves(found):
             steps = SAID[language]["then"].join(step.rstrip(".。") for step in found.steps)
-            return NoPlan(text, "unsure", SAID[language]["unsure"].format(steps=steps), ExitCode.CLARIFY)
+            question = SAID[language]["unsure"].format(steps=steps)
+            return NoPlan(text, "unsure", question, ExitCode.CLARIFY, offer=self._validation.calls(found))
         return found
 
     def _chosen(
@@ -132,7 +138,7 @@ class Understood:
     ) -> tuple[Meaning, Plan | NoPlan] | None:
         """The likeliest outcome, and the likeliest meaning that has it. Meanings that come to the same plan are as
         likely together as the sum of them."""
-        answered = self._confirmed(request, text) or self._merged(request, text)
+        answered = self._merged(request, text)
         outcomes: dict[object, tuple[Meaning, Plan | NoPlan]] = {}
         for meaning in (answered,) if answered is not None else self._meanings(text):
             found = self._outcome(meaning, request, text, language, named)
@@ -182,16 +188,6 @@ class Understood:
 
     def _moves(self, plan: Plan) -> bool:
         return any(self._validation.occupied(action.name) & _MOVING for action in plan.actions)
-
-    def _confirmed(self, request: PlanRequest, text: str) -> Meaning | None:
-        """What the reader was not sure of, where the user has just said that it is meant."""
-        answer = self.meaning(text)
-        if not last_question(request.happened) or answer is None or len(answer.nodes) != 1:
-            return None
-        node = answer.nodes[0]
-        before = open_command(request.happened)
-        meaning = self.meaning(before[-1]) if before and isinstance(node, Do) and node.act == "yes" else None
-        return replace(meaning, confidence=1.0) if meaning is not None and meaning.confidence >= MAYBE else None
 
     def _reported(self, act: Do, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
         """What the robot tells about itself: from what is on record, or with a skill."""

@@ -11,13 +11,13 @@ from dataclasses import replace
 from typing import Final
 
 from engine.errors import ExitCode, PlanError
-from engine.plan import Action, ActionCall, Plan
+from engine.plan import Action, ActionCall, Argument, Plan, Quantity
 from engine.planner.gaps.kinds import Kinds, Known
 from engine.planner.phrases.phrases import Matched
 from engine.planner.request import Language, NoPlan, PlanRequest
 from engine.planner.sentences import SAID
 from engine.robot.robot import Capability
-from engine.skills.registry import SkillRegistry, any_of
+from engine.skills.registry import Skill, SkillRegistry, any_of
 from engine.skills.vocabulary import Vocabulary
 
 _TAKES: Final = frozenset({"pick_object", "carry"})
@@ -47,6 +47,10 @@ class Validation:
     def offers(self, skill: str) -> bool:
         """Whether there is a skill of this name."""
         return any(skill == one.name for one in self._registry)
+
+    def calls(self, plan: Plan) -> tuple[ActionCall, ...]:
+        """The actions of a plan as they are written."""
+        return tuple(as_call(self._registry[action.name], action) for action in plan.actions)
 
     def plan(self, text: str, told: Matched) -> Plan | NoPlan:
         """The plan of what was understood of ``text``."""
@@ -79,3 +83,15 @@ class Validation:
                 action = replace(action, args={**action.args, "object": self._vocabulary.object(seen[0])})
             actions.append(action)
         return replace(found, actions=tuple(actions))
+
+
+def as_call(skill: Skill, action: Action) -> ActionCall:
+    """An action as it is written, without the arguments at the end that are the skill's own."""
+    arguments: list[Argument] = []
+    kept = 0
+    for parameter in skill.parameters:
+        value = action.args[parameter.name]
+        arguments.append(Quantity(value, parameter.unit) if isinstance(value, float) else str(value))
+        if value != parameter.default:
+            kept = len(arguments)
+    return ActionCall(action.name, tuple(arguments[:kept]), alongside=action.alongside)

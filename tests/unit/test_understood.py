@@ -54,9 +54,13 @@ def reader() -> Written:
 
 
 @pytest.fixture
-def understood(reader: Written, monkeypatch: pytest.MonkeyPatch) -> Understood:
+def planner(reader: Written, monkeypatch: pytest.MonkeyPatch) -> Planner:
     monkeypatch.setattr(build, "learned_reader", lambda folder: reader)
-    planner = build.build_planner(at_home(load()))
+    return build.build_planner(at_home(load()))
+
+
+@pytest.fixture
+def understood(planner: Planner) -> Understood:
     assert planner._learned is not None
     return planner._learned
 
@@ -131,11 +135,20 @@ def test_a_reader_that_is_not_sure_asks_before_anything_moves(understood: Unders
     asked = plan(understood, text)
     assert isinstance(asked, NoPlan)
     assert asked.answer == "Do I understand you right: Go to the desk, then: Beep?"
-    happened = (Said(text), asked)
-    agreed = reader.knows("yes | exactly")
-    assert actions(plan(understood, agreed, happened=happened))[0] == "navigation(N)"
     beep = reader.knows("beep | honk please", SURE - 0.01)
     assert isinstance(plan(understood, beep), Plan)
+
+
+def test_a_yes_does_what_was_asked_about(planner: Planner, reader: Written) -> None:
+    text = reader.knows("go | bimble {place: the kitchen}", MAYBE - 0.05)
+    reader.knows("go | bimble the {place: kitchen}", MAYBE - 0.1)  # the likeliest plan, though no meaning of it is
+    reader.knows("forward | bimble {manner: the kitchen}", MAYBE - 0.02)
+    asked = asyncio.run(planner.plan(PlanRequest(text)))
+    assert isinstance(asked, NoPlan)
+    assert asked.answer == "Do I understand you right: Go to the kitchen?"
+    for yes in ("yes", reader.knows("yes | you've got it")):
+        agreed = asyncio.run(planner.plan(PlanRequest(yes, happened=(Said(text), asked))))
+        assert actions(agreed) == ["navigation(A)"]
 
 
 def test_a_condition_is_looked_at_first_and_decides_then(understood: Understood, reader: Written) -> None:
