@@ -136,13 +136,17 @@ class Understood:
     def _chosen(
         self, request: PlanRequest, text: str, language: Language, named: str
     ) -> tuple[Meaning, Plan | NoPlan] | None:
-        """The likeliest outcome, and the likeliest meaning that has it. Meanings that come to the same plan are as
-        likely together as the sum of them."""
+        """The likeliest outcome, and the likeliest meaning that has it; None where it is likelier that others have the
+        answer. Meanings that come to the same plan are as likely together as the sum of them."""
         answered = self._merged(request, text)
         outcomes: dict[object, tuple[Meaning, Plan | NoPlan]] = {}
+        elsewhere = 0.0
         for meaning in (answered,) if answered is not None else self._meanings(text):
+            if not accounted(meaning, self._names):
+                continue  # words of the request have no place in it
             found = self._outcome(meaning, request, text, language, named)
             if found is None:
+                elsewhere += meaning.confidence
                 continue
             key = self._same(meaning, found, request, text, language)
             if key in outcomes:
@@ -150,7 +154,7 @@ class Understood:
                 meaning = replace(first, confidence=min(1.0, first.confidence + meaning.confidence))
             outcomes[key] = meaning, found
         chosen = max(outcomes.values(), key=lambda outcome: outcome[0].confidence, default=None)
-        return chosen if chosen is not None and chosen[0].confidence >= MAYBE else None
+        return chosen if chosen is not None and chosen[0].confidence >= max(MAYBE, elsewhere) else None
 
     def _same(
         self, meaning: Meaning, found: Plan | NoPlan, request: PlanRequest, text: str, language: Language
@@ -166,10 +170,7 @@ class Understood:
     def _outcome(
         self, meaning: Meaning, request: PlanRequest, text: str, language: Language, named: str
     ) -> Plan | NoPlan | None:
-        """What comes of one meaning; None where it is not for this reader, or words of the request have no place in
-        it."""
-        if not accounted(meaning, self._names):
-            return None
+        """What comes of one meaning; None where it is for others: small talk, answers, what no skill serves."""
         wanted = tuple(node for node in meaning.wanted() if _is_order(node))
         wanted = tuple(node for node in wanted if not _is_answer(node)) or wanted
         if not wanted:

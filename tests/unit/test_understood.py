@@ -190,6 +190,12 @@ def test_readings_that_come_to_the_same_are_as_likely_as_all_of_them(understood:
     assert actions(plan(understood, text)) == ["carry(ball, N, )"]
 
 
+def test_what_is_likelier_to_be_small_talk_is_no_plan(understood: Understood, reader: Written) -> None:
+    text = reader.knows("talk | that'll do nicely", 0.6)
+    reader.knows("end_task | that'll do nicely", SURE)
+    assert plan(understood, text) is None
+
+
 def test_again_is_what_was_planned_last(understood: Understood, reader: Written) -> None:
     happened = (asked("beep"), planned("beep()"))
     text = reader.knows("again | ha, that was fun, {times: two} more")
