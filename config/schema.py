@@ -218,7 +218,7 @@ class Planner(Section):
     profile: str = Field(
         description="Which large models think (profiles.yaml): local, international, china, phrases (none), or yours."
     )
-    reader: bool = Field(description="Whether the learned reader reads what no phrase fits.")
+    reader: bool = Field(description="Whether the learned reader comes first, before the phrases.")
     rounds: int = Field(ge=1, le=50, description="Plans that one request may lead to, as feedback is thought over.")
     steps: int = Field(ge=1, le=500, description="Actions that one request may lead to in all its rounds.")
 

@@ -193,10 +193,9 @@ class Entities:
         inner = plain if chinese else _OUTER.sub("", plain)
         head, where = (plain, "") if chinese or _BUT.search(inner) else _parted(plain)
         candidates = list(dict.fromkeys(_chinese(plain) if chinese else _english(head)))
-        of = (
-            () if chinese else tuple(_bare(inner).split(" of ")[1:])[-1:]
-        )  # "the rest of the kitchen" is in the kitchen
-        whole = list(dict.fromkeys((*(() if chinese else (_bare(inner),)), *candidates, *map(_bare, of))))
+        bare = () if chinese else (_bare(inner),)
+        rest = tuple(_bare(words.rpartition(" of ")[2]) for words in bare if " of " in words)  # … of the kitchen
+        whole = list(dict.fromkeys((*bare, *candidates, *rest)))
         which: list[str] = []
         found = Entity(
             words,

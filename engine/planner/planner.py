@@ -207,8 +207,10 @@ class Planner:
     async def _agreed(self, heard: _Heard) -> Plan | NoPlan | None:
         """What the robot has offered, and the user says yes to."""
         question = last_question(heard.request.happened)
-        offered = agreed(question, heard.text) if question is not None else ""
-        if not offered and question is not None and question.offer and self._learned is not None:
+        if question is None:
+            return None
+        offered = agreed(question, heard.text)
+        if not offered and question.offer and self._learned is not None:
             offered = question.offer if await asyncio.to_thread(self._learned.agrees, heard.text) else ""
         if not offered:
             return None

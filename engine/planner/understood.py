@@ -108,9 +108,10 @@ class Understood:
             return None
         if meanings[0].doubt >= NO_ORDER:
             return NoPlan(text, "no_order", SAID[language]["no_order_doubt"], ExitCode.CLARIFY)
-        meaning = next((one for one in meanings if _is_no_order(one)), None)
-        if meaning is None or sum(one.confidence for one in meanings if _is_no_order(one)) < NO_ORDER:
+        held_back = [one for one in meanings if _is_no_order(one)]
+        if sum(one.confidence for one in held_back) < NO_ORDER:
             return None
+        meaning = held_back[0]
         request.read(_told(meaning))
         told = "forbidden" if meaning.has(Not) or meaning.has(Retract) else "told"
         return NoPlan(text, "no_order", SAID[language][f"no_order_{told}"], ExitCode.CLARIFY)
@@ -124,10 +125,9 @@ class Understood:
         request.read(_told(meaning))
         if isinstance(found, NoPlan) or meaning.confidence >= SURE:
             return found
-        denies = any(meaning.has(kind) for kind in (Not, Retract, About))
         if not found.finished:
             return None  # there is another reader of conditions
-        if denies or self._moves(found):
+        if any(meaning.has(kind) for kind in (Not, Retract, About)) or self._moves(found):
             steps = SAID[language]["then"].join(step.rstrip(".。") for step in found.steps)
             question = SAID[language]["unsure"].format(steps=steps)
             return NoPlan(text, "unsure", question, ExitCode.CLARIFY, offer=self._validation.calls(found))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from heapq import heappop, heappush
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -80,7 +80,7 @@ class LearnedReader:
         return next(iter(self.readings(text)), None)
 
     def readings(self, text: str) -> tuple[Meaning, ...]:
-        """What the text may mean, the likeliest first; the confidence of each is how likely it is. None where there
+        """What the text may mean, the likeliest first; the confidence of each is how likely it is. Nothing where there
         is no word in the text, or far too many, and as long as the base is not on this machine."""
         found = units(text)
         if not 0 < len(found) <= MAX_UNITS or not self.here or self.trouble is not None:
@@ -108,6 +108,7 @@ class LearnedReader:
 class _Begun:
     """The beginning of a meaning. ``symbol`` is its last one, whose words, if it is a role, are not yet found."""
 
+    likely: float
     symbol: int
     span: Floats
     """What was pointed at in the step before: (1, 1, WIDTH)."""
@@ -120,30 +121,32 @@ class _Begun:
 
 def _search(text: str, found: list[Unit], decoder: Any, fixed: dict[str, Any], spans: Floats) -> Iterator[Meaning]:
     """Meanings, the likeliest first: of all that is begun, the likeliest goes on (a best-first search)."""
-    nothing = np.zeros((1, 1, WIDTH), np.float32)
-    first = _Begun(
-        IDS[BEGIN], nothing, [np.zeros((1, HEADS, 0, WIDTH // HEADS), np.float32)] * 2 * LAYERS, (), Grammar()
-    )
+    past = [np.zeros((1, HEADS, 0, WIDTH // HEADS), np.float32)] * 2 * LAYERS
     count, runs, known = 0, 0, 0.0
-    begun: list[tuple[float, int, _Begun | Meaning]] = [(-1.0, count, first)]
+    begun: list[tuple[float, int, _Begun | Meaning]] = [
+        (-1.0, count, _Begun(1.0, IDS[BEGIN], _NOWHERE, past, (), Grammar()))
+    ]
     while begun and known < ENOUGH and runs < MAX_RUNS:
-        likely, _, at = heappop(begun)
+        _, _, at = heappop(begun)
         if isinstance(at, Meaning):
-            known -= likely
+            known += at.confidence
             yield at
             continue
         runs += 1
-        for sure, following in _steps_after(at, text, found, decoder, fixed, spans):
-            if -likely * sure >= LEAST:
-                count += 1
-                meaning = replace(following, confidence=-likely * sure) if isinstance(following, Meaning) else following
-                heappush(begun, (likely * sure, count, meaning))
+        for following in _steps_after(at, text, found, decoder, fixed, spans):
+            count += 1
+            likely = following.confidence if isinstance(following, Meaning) else following.likely
+            heappush(begun, (-likely, count, following))
+
+
+_NOWHERE: Final = np.zeros((1, 1, WIDTH), np.float32)
+"""What is pointed at where nothing is."""
 
 
 def _steps_after(
     at: _Begun, text: str, found: list[Unit], decoder: Any, fixed: dict[str, Any], spans: Floats
-) -> Iterator[tuple[float, _Begun | Meaning]]:
-    """How the beginning of a meaning may go on, and how likely that is."""
+) -> Iterator[_Begun | Meaning]:
+    """How the beginning of a meaning may go on, where that is likely enough."""
     inputs = {"symbol": np.array([[at.symbol]]), "place": np.array([len(at.steps)]), "span": at.span, **fixed}
     inputs |= {f"past_{kind}{index // 2}": at.past[index] for index, kind in enumerate("kv" * LAYERS)}
     symbols, starts, ends, *past = decoder.run(None, inputs)
@@ -158,22 +161,22 @@ def _steps_after(
             for likely, begin, end in _spans(starts[0, 0], ends[0, 0])
         ]
     else:
-        pointed = [(1.0, at.steps, np.zeros((1, 1, WIDTH), np.float32))]
+        pointed = [(1.0, at.steps, _NOWHERE)]
     allowed = at.grammar.allowed()
     likelihoods = _softmax(symbols[0, 0, [IDS[name] for name in allowed]])
     no_order = sum(float(likely) for name, likely in zip(allowed, likelihoods, strict=True) if name in _NO_ORDER)
     for likely, steps, span in pointed:
         for name, chance in zip(allowed, likelihoods, strict=True):
-            sure = likely * min(1.0, float(chance) / CERTAIN)
+            sure = at.likely * (likely * min(1.0, float(chance) / CERTAIN))
             if sure < LEAST:
                 continue
             order = at.order if name in _NO_ORDER else at.order * (1 - no_order)
             if name == DONE:
-                yield sure, meaning_of(text, steps, "learned", sure, 1 - order)
+                yield meaning_of(text, steps, "learned", sure, 1 - order)
             elif len(steps) < MAX_STEPS - 1:
                 grammar = at.grammar.copy()
                 grammar.feed(name)
-                yield sure, _Begun(IDS[name], span, past, (*steps, Step(name)), grammar, order)
+                yield _Begun(sure, IDS[name], span, past, (*steps, Step(name)), grammar, order)
 
 
 def _spans(starts: Floats, ends: Floats) -> list[tuple[float, int, int]]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Final
 
 from engine.planner.doing.doing import Doing
-from engine.understanding.meaning import Do, If, Repeat
+from engine.understanding.meaning import Do, If, Repeat, Role
 
 FOLLOW_AND_CLEAR: Final = "follow_and_clear"
 """The act of following a line and taking away what lies on it, which people tell in two."""
@@ -33,13 +33,12 @@ def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If
                 and node.act in ("put", "throw_away", "bring")
                 and _several(last, node, doing)
             ):
-                made[-1] = replace(node, roles=(*last.roles, *(role for role in node.roles if role.name != "thing")))
+                made[-1] = _with_things(last.roles, node)
                 continue
             elif (
                 last.act == "put" and not last.words("place") and node.words("place") and _same_thing(last, node, doing)
             ):
-                things = tuple(role for role in last.roles if role.name == "thing")
-                made[-1] = replace(node, roles=(*things, *(role for role in node.roles if role.name != "thing")))
+                made[-1] = _with_things([role for role in last.roles if role.name == "thing"], node)
                 continue
             elif last.act == "bring" and _same_thing(last, node, doing):
                 made.pop()
@@ -47,6 +46,11 @@ def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If
                 continue
         made.append(node)
     return tuple(made)
+
+
+def _with_things(roles: Sequence[Role], then: Do) -> Do:
+    """The act with these roles instead of the things that it names itself ("it")."""
+    return replace(then, roles=(*roles, *(role for role in then.roles if role.name != "thing")))
 
 
 def _errand(fetch: Do, then: Do, doing: Doing) -> tuple[Do, ...]:
@@ -61,7 +65,7 @@ def _errand(fetch: Do, then: Do, doing: Doing) -> tuple[Do, ...]:
         case "put" if not says_more:
             return (fetch,)
         case "bring" if not says_where:
-            return (replace(then, roles=(*picked, *(role for role in then.roles if role.name != "thing"))),)
+            return (_with_things(picked, then),)
         case "throw_away" if says_where:
             return (fetch, then)
         case "put" | "throw_away":
@@ -77,7 +81,7 @@ def _several(take: Do, then: Do, doing: Doing) -> bool:
 
 
 def _clears_the_way(act: Do, doing: Doing) -> bool:
-    """Whether it takes away what lies there, whatever that is."""
+    """Whether it takes away all that lies there."""
     words = act.words("thing")
     if act.act not in ("tidy", "push", "throw_away") or act.words("place"):
         return False

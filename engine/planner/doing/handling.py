@@ -81,9 +81,7 @@ def _put_one(doing: Doing, words: str, place: str, source: str) -> Calls:
     if target.place is not None:
         doing.place = target.place
     surface = target.surface
-    if surface is not None and surface not in (target.room, None):
-        if target.place is not None and surface != BIN and not doing.in_hand:
-            return carried(doing, words, target.place, source)
+    if surface is not None and surface != target.room and (surface == BIN or target.place is None or doing.in_hand):
         put = call("place_in_bin") if surface == BIN else call("place_object", surface)
         return (*fetched(doing, words, source or source_of(doing, Roles(Do("put")), words)), *put)
     if target.me or target.place is not None:
@@ -171,7 +169,7 @@ def tidy(doing: Doing, roles: Roles) -> Calls:
         return sort(doing, roles)
     room = doing.entity(thing or place or source)
     if (room.room or is_everywhere(thing or place)) and not (thing and place):
-        return call("clean_room", room.room) if room.room else call("clean_room")
+        return cleaned(room.room)
     colour = colour_of(doing, doing.entity(thing).thing or "") if thing else ""
     if thing and place and colour and (doing.entity(thing).every or thing.casefold().rstrip().endswith("s")):
         surface = doing.entity(place).surface
@@ -209,8 +207,13 @@ def clean(doing: Doing, roles: Roles) -> Calls:
         found = doing.where(words)
         if found.room is None and not (found.refers or is_everywhere(words)):
             raise Unable("act")
-        made += call("clean_room") if found.room is None else call("clean_room", found.room)
+        made += cleaned(found.room)
     return made or call("clean_room")
+
+
+def cleaned(room: str | None) -> Calls:
+    """Clean a room; None: the one that the robot is in."""
+    return call("clean_room", room) if room else call("clean_room")
 
 
 def sort(doing: Doing, roles: Roles) -> Calls:

@@ -218,10 +218,12 @@ def anybody(plain: str) -> bool:
 
 
 def colour_of(doing: Doing, plain: str) -> str:
-    for word in (
-        plain.split() if plain.isascii() else [plain[at : at + size] for at in range(len(plain)) for size in (2, 1)]
-    ):
-        thing = doing.entities.of(f"{word} thing" if plain.isascii() else f"{word}东西").thing or ""
+    if plain.isascii():
+        things = [f"{word} thing" for word in plain.split()]
+    else:
+        things = [f"{plain[at : at + size]}东西" for at in range(len(plain)) for size in (2, 1)]
+    for words in things:
+        thing = doing.entities.of(words).thing or ""
         if thing.endswith(" thing"):
             return thing.removesuffix(" thing")
     return ""
@@ -262,10 +264,10 @@ def _several(doing: Doing, words: str) -> list[str]:
 def wait(doing: Doing, roles: Roles) -> Calls:
     place, time = roles.words("place"), roles.words("time")
     others = [words for words in roles.all("person") if not doing.entity(words).me]
-    if others and not time and (place or (doing.calls and doing.calls[-1].name == "navigation")):
-        return call("navigation", doing.spot(place)) if place else ()  # who waits there for somebody stays there
-    if others and not time:
-        raise Unable("person", others[0])
+    if others and not time and not place:
+        if not doing.calls or doing.calls[-1].name != "navigation":
+            raise Unable("person", others[0])
+        return ()  # the robot stays where it has just gone
     seconds = amounts.quantity(time, "s")
     if seconds is None and place and not time:
         return call("navigation", doing.spot(place))

@@ -18,14 +18,18 @@ def just(*names: str) -> Callable[[Doing, Roles], Calls]:
 
 def often(name: str) -> Callable[[Doing, Roles], Calls]:
     def often(doing: Doing, roles: Roles) -> Calls:
-        words = roles.words("times")
         roles.words("person")
-        count = amounts.times(words) if words else 1
-        if count is None:
-            raise Unable("times", words)
-        return call(name) * min(count, MOST)
+        return call(name) * _how_often(roles.words("times"))
 
     return often
+
+
+def _how_often(words: str) -> int:
+    """Once where nothing is said; never more often than any plan may do it."""
+    count = amounts.times(words) if words else 1
+    if count is None:
+        raise Unable("times", words)
+    return min(count, MOST)
 
 
 def arm_turn(doing: Doing, roles: Roles) -> Calls:
@@ -112,7 +116,7 @@ def say(doing: Doing, roles: Roles) -> Calls:
 
 
 def tell(doing: Doing, roles: Roles) -> Calls:
-    """Said aloud, to whoever is there; where this house knows the way to somebody, it is said there."""
+    """Said aloud where the robot is; where this house knows the way to the person, it goes there and says it."""
     person, place, text = roles.words("person"), roles.words("place"), roles.words("text")
     if not text:
         raise Unable("act")
@@ -136,10 +140,9 @@ def beep(doing: Doing, roles: Roles) -> Calls:
     seconds = amounts.quantity(time or times, "s")
     if seconds is None and time:
         raise Unable("role", time)
-    count = 1 if not times or (seconds is not None and not time) else amounts.times(times)
-    if count is None:
-        raise Unable("times", times)
-    return call("beep", *(() if seconds is None else (Quantity(seconds, "s"),))) * min(count, MOST)
+    if seconds is None:
+        return call("beep") * _how_often(times)
+    return call("beep", Quantity(seconds, "s")) * _how_often(times if time else "")
 
 
 def remember(doing: Doing, roles: Roles) -> Calls:
