@@ -216,7 +216,7 @@ class Planner(Section):
     )
     max_actions: int = Field(ge=1, le=50, description="Longest plan.")
     profile: str = Field(
-        description="Which large models think (profiles.yaml): local, international, china, phrases (none), or yours."
+        description="Which large models think as well (profiles.yaml): phrases (none), local, international, china, or yours."
     )
     reader: bool = Field(description="Whether the learned reader comes first, before the phrases.")
     rounds: int = Field(ge=1, le=50, description="Plans that one request may lead to, as feedback is thought over.")

@@ -139,7 +139,7 @@ def main(argv: list[str] | None = None) -> None:
     parser.add_argument("--load", action="store_true", help="also beside a busy recogniser")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a setting")
     args = parser.parse_args(argv)
-    settings = at_home(load(overrides=tuple(args.set)))
+    settings = at_home(load(overrides=("planner.profile=local", *args.set)))
     head = opening(settings)
     found: Samples = defaultdict(list)
     with tempfile.TemporaryDirectory() as folder:

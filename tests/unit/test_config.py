@@ -345,6 +345,7 @@ def test_the_error_holds_all_problems_and_the_usage_exit_code() -> None:
 
 # Large models
 
+WITH_THE_LOCAL_MODEL = {"SAYSO_PLANNER__PROFILE": "local"}
 CLOUD = "platforms:\n  cloud:\n    kind: openai\n"
 SIGHTED = CLOUD + "    base_url: http://127.0.0.1:11434/v1\n    model: m\n    api_key: ${CLOUD_KEY}\n"
 
@@ -388,8 +389,13 @@ def test_a_profile_changes_only_what_it_says(tmp_path: Path) -> None:
 
 
 def test_what_one_thinks_with_may_be_several_or_nothing(problems: Callable[..., list[str]]) -> None:
-    assert problems("profiles: {local: {execution: [], decision: []}}") == []
-    assert problems(f"profiles: {{local: {{execution: [cloud, ollama, local], decision: [cloud]}}}}\n{SIGHTED}") == []
+    several = f"profiles: {{local: {{execution: [cloud, ollama, local], decision: [cloud]}}}}\n{SIGHTED}"
+    for text in ("profiles: {local: {execution: [], decision: []}}", several):
+        assert problems(text, **WITH_THE_LOCAL_MODEL) == []
+
+
+def test_no_large_model_is_started_unasked() -> None:
+    assert load(environ={}, user_folder=NOWHERE).profile.execution == ()
 
 
 @pytest.mark.parametrize(
@@ -443,12 +449,12 @@ def test_what_one_thinks_with_may_be_several_or_nothing(problems: Callable[..., 
 def test_models_that_cannot_think_are_told_with_their_remedy(
     problems: Callable[..., list[str]], text: str, told: str
 ) -> None:
-    [problem] = problems(text)
+    [problem] = problems(text, **({} if "chinna" in text else WITH_THE_LOCAL_MODEL))
     assert problem.startswith(told)
 
 
 def test_a_platform_that_was_meant_is_named(problems: Callable[..., list[str]]) -> None:
-    [problem] = problems(f"profiles: {{local: {{execution: [clowd]}}}}\n{SIGHTED}")
+    [problem] = problems(f"profiles: {{local: {{execution: [clowd]}}}}\n{SIGHTED}", **WITH_THE_LOCAL_MODEL)
     assert problem.endswith("did you mean 'cloud'?")
 
 
@@ -467,8 +473,8 @@ def test_what_is_no_address_is_told_without_repeating_it(problems: Callable[...,
 def test_a_platform_that_looks_at_pictures_is_taken_and_its_key_shown_to_nobody(
     tmp_path: Path, problems: Callable[..., list[str]]
 ) -> None:
-    assert problems(f"profiles: {{local: {{vision: cloud}}}}\n{SIGHTED}", CLOUD_KEY="s3cret") == []
-    environ = {"CLOUD_KEY": "s3cret"}
+    environ = {"CLOUD_KEY": "s3cret", **WITH_THE_LOCAL_MODEL}
+    assert problems(f"profiles: {{local: {{vision: cloud}}}}\n{SIGHTED}", **environ) == []
     assert load(environ=environ, user_folder=tmp_path).profile.vision == "cloud"
     shown = {setting.key: setting.value for setting in explain(environ=environ, user_folder=tmp_path)}
     assert (shown["profiles.local.vision"], shown["platforms.cloud.api_key"]) == ("cloud", "********")

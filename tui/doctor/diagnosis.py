@@ -113,7 +113,8 @@ def _model(settings: Settings) -> Finding:
     names = (*profile.execution, *profile.decision)
     local = next((name for name in names if settings.platforms[name].kind == "local"), None)
     if local is None:
-        return Finding("large model", "ok", f"none on this machine (profile {settings.planner.profile})")
+        detail = f"none on this machine (profile {settings.planner.profile}); plain commands need none"
+        return Finding("large model", "ok", detail, "" if names else "planner.profile: local adds one, for talk")
 
     async def loaded() -> str:
         chat = LocalChat(local, settings.platforms[local], gguf_of(settings, local), paths().cache / "prompts")
