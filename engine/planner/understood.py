@@ -7,7 +7,7 @@ numbers, have to stand in the meaning: where they don't, the reader has missed s
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Final, Protocol
@@ -17,12 +17,12 @@ from engine.events import MeaningRead
 from engine.plan import ActionCall, Plan
 from engine.planner import about_itself, amounts
 from engine.planner.accounted import accounted
+from engine.planner.conversation import Conversation
 from engine.planner.doing.acts import calls_of
 from engine.planner.doing.conditions import of_itself, sought, with_antecedent
 from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, Which
 from engine.planner.doing.looking import topic_of
 from engine.planner.entities import Entities
-from engine.planner.happened import last_question, last_said, open_command
 from engine.planner.phrases.again import planned_last
 from engine.planner.phrases.phrases import PhrasePlanner, UnknownPlace
 from engine.planner.phrases.said import Calls
@@ -32,8 +32,7 @@ from engine.planner.sentences import SAID
 from engine.planner.unknown_places import unknown
 from engine.planner.validation import Validation
 from engine.skills.vocabulary import Vocabulary
-from engine.understanding.acts import ACTS, RoleName
-from engine.understanding.meaning import About, Do, If, Instead, Meaning, Node, Not, Repeat, Retract, Role
+from engine.understanding.meaning import About, Do, If, Meaning, Node, Not, Repeat, Retract, Role
 
 SURE: Final = 0.4
 """How sure the reader has to be, 0 to 1, for something to move."""
@@ -44,11 +43,6 @@ NO_ORDER: Final = 0.6
 DOUBT: Final = 0.15
 """How much it may doubt that a request is an order for something of it to be done."""
 
-_SAME: Final[Mapping[str, tuple[RoleName, ...]]] = {
-    "colour": ("thing",), "person": ("place", "thing"), "place": ("source", "person"), "source": ("place",),
-    "amount": ("time", "times"), "time": ("amount",), "times": ("amount",), "state": ("colour", "manner"),
-}  # fmt: skip
-"""What a role may be where an act takes none of its name."""
 _ASKED: Final = frozenset({"condition", "every", "until", "times", "role"})
 """What is asked about rather than turned down."""
 _UNITS: Final = ("m", "deg", "s", "m/s")
@@ -84,6 +78,7 @@ class Understood:
         self._names = frozenset(map(str.casefold, (*vocabulary.names(), *vocabulary.places())))
         self._reader = reader
         self._read = lru_cache(maxsize=64)(reader.readings)
+        self._conversation = Conversation(self.meaning, lambda meaning: accounted(meaning, self._names), self._entities)
 
     def meaning(self, text: str) -> Meaning | None:
         """The likeliest meaning of ``text``."""
@@ -138,11 +133,11 @@ class Understood:
     ) -> tuple[Meaning, Plan | NoPlan] | None:
         """The likeliest outcome, and the likeliest meaning that has it; None where it is likelier that others have the
         answer. Meanings that come to the same plan are as likely together as the sum of them."""
-        answered = self._merged(request, text)
+        answered = self._conversation.completed(request, text)
         outcomes: dict[object, tuple[Meaning, Plan | NoPlan]] = {}
         elsewhere = 0.0
         for meaning in (answered,) if answered is not None else self._meanings(text):
-            if not accounted(meaning, self._names):
+            if meaning is not answered and not accounted(meaning, self._names):
                 continue  # words of the request have no place in it
             found = self._outcome(meaning, request, text, language, named)
             if found is None:
@@ -293,39 +288,6 @@ class Understood:
         told = self._phrases(language).told(calls)
         found = self._validation.of(text, calls, told.steps, told.response)
         return replace(found, source="reader") if isinstance(found, Plan) else found
-
-    def _merged(self, request: PlanRequest, text: str) -> Meaning | None:
-        """What a command that lacked something means with this answer to the question about it, or with this correction
-        of what was said before."""
-        answer = self.meaning(text)
-        if not request.happened or answer is None or len(answer.nodes) != 1 or not accounted(answer, self._names):
-            return None
-        node = answer.nodes[0]
-        if last_question(request.happened):
-            if not (isinstance(node, Instead) or (isinstance(node, Do) and node.act == "fragment")):
-                return None
-            before = open_command(request.happened)
-        elif isinstance(node, Instead):  # it corrects what has been done
-            before = (last_said(request.happened),)
-        else:
-            return None
-        first = self.meaning(before[0]) if before else None
-        if first is None or not first.nodes or not isinstance(last := first.nodes[-1], Do):
-            return None
-        merged = last.corrected(_fitting(node.roles, last))
-        return Meaning(before[0], (*first.nodes[:-1], merged), first.reader, min(first.confidence, answer.confidence))
-
-
-def _fitting(roles: Sequence[Role], act: Do) -> tuple[Role, ...]:
-    """The roles of an answer as those that the act takes: "the blue one", "to Anna"."""
-    takes = ACTS[act.act].roles
-    open_ones = [name for name in takes if name not in {role.name for role in act.roles}]
-    fitted = []
-    for role in roles:
-        may_be: tuple[RoleName, ...] = (role.name, *_SAME.get(role.name, ()), *open_ones)
-        name = next((name for name in may_be if name in takes), role.name)
-        fitted.append(replace(role, name=name))
-    return tuple(fitted)
 
 
 def _told(meaning: Meaning) -> MeaningRead:

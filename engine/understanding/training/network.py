@@ -156,12 +156,13 @@ class Network(nn.Module):
         """Scores of symbols (batch, steps, symbols) and of first and last units (batch, steps, units)."""
         units = self.drop(self.units(batch["words"], batch["padding"], batch["pool"]))
         decoder = self.decoder
-        pick = torch.arange(units.shape[0])[:, None]
+        pick = torch.arange(units.shape[0], device=units.device)[:, None]
         ends = decoder.span(units)
         spans = ends[pick, batch["first"]] + ends[pick, batch["last"]]
         steps = batch["symbols"].shape[1]
-        x = self.drop(decoder.embed(batch["symbols"], torch.arange(steps), spans * batch["pointed"][:, :, None]))
-        own = torch.full((steps, steps), float("-inf")).triu(1)
+        places = torch.arange(steps, device=units.device)
+        x = self.drop(decoder.embed(batch["symbols"], places, spans * batch["pointed"][:, :, None]))
+        own = torch.full((steps, steps), float("-inf"), device=units.device).triu(1)
         mask = batch["unit_padding"][:, None, None, :]
         for layer in decoder.layers:
             x = layer(x, own, layer.sentence.keys(units), mask)
