@@ -216,9 +216,9 @@ class Planner(Section):
     )
     max_actions: int = Field(ge=1, le=50, description="Longest plan.")
     profile: str = Field(
-        description="Which large models think as well (profiles.yaml): phrases (none), local, international, china, or yours."
+        description="Large models that think too (profiles.yaml): phrases (none), local, international, china or yours."
     )
-    reader: bool = Field(description="Whether the learned reader comes first, before the phrases.")
+    reader: bool = Field(description="Whether the learned reader comes first, before large models.")
     rounds: int = Field(ge=1, le=50, description="Plans that one request may lead to, as feedback is thought over.")
     steps: int = Field(ge=1, le=500, description="Actions that one request may lead to in all its rounds.")
 
@@ -350,12 +350,14 @@ class Platform(Section):
 
 class Profile(Section):
     """Which large models think, by their names in platforms.yaml. In a list, the next one is asked where one fails;
-    when none is left, only phrases are understood."""
+    when none is left, only what the learned reader understands is done."""
 
     decision: tuple[str, ...] = Field(
         default=(), description="Break a new request into steps; empty: execution does it in the same breath."
     )
-    execution: tuple[str, ...] = Field(default=(), description="Turn steps into actions; empty: phrases only.")
+    execution: tuple[str, ...] = Field(
+        default=(), description="Turn steps into actions; empty: the learned reader alone."
+    )
     vision: str | None = Field(default=None, description="Is sent pictures, to say what they show; null: none is.")
 
 

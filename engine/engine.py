@@ -393,7 +393,7 @@ class Engine:
                 await self._fetch_reader(part.value)
 
     async def _fetch_reader(self, planner: Planner) -> None:
-        """Fetch what the learned reader stands on, unless it is here: until then there are phrases and the model."""
+        """Fetch what the learned reader stands on, unless it is here: until then it understands only what stops it."""
         store = model_store(self._settings)
         with contextlib.suppress(SaysoError):
             await asyncio.to_thread(store.find, MODEL)

@@ -1,6 +1,6 @@
 """Chinese writing: it has no spaces, and two spellings.
 
-Every Chinese character counts as a word of its own, in sentences as in templates, so that whatever works on words works
+Every Chinese character counts as a word of its own, so that whatever works on words works
 on Chinese; :func:`apart` puts the spaces in. Characters that are written in two ways (as in Taiwan and Hong Kong, and
 by recognisers as they please) are read as the simplified ones.
 """
@@ -8,7 +8,7 @@ by recognisers as they please) are read as the simplified ones.
 from __future__ import annotations
 
 import re
-from typing import Any, Final
+from typing import Final
 
 HAN: Final = r"[\u3007\u3400-\u9fff\uf900-\ufaff]"
 """A Chinese character, as a regular expression; 〇 is one."""
@@ -35,9 +35,6 @@ SIMPLER: Final = str.maketrans(_TRADITIONAL, _SIMPLIFIED)
 """For ``str.translate``: traditional characters of common commands and household words, and what they are read as."""
 
 _HAN = re.compile(rf"\s*({HAN})\s*")
-_OPENING = re.compile(r"\s*([\[({<])\s*")
-_CLOSING = re.compile(r"\s*([\])}>])\s*")
-_OR = re.compile(r"\s*\|\s*")
 
 
 def is_chinese(text: str) -> bool:
@@ -48,21 +45,3 @@ def is_chinese(text: str) -> bool:
 def apart(text: str) -> str:
     """``text`` with every Chinese character as a word of its own."""
     return " ".join(_HAN.sub(r" \1 ", text).split())
-
-
-def template_apart(template: str) -> str:
-    """The same for a template, the groups and slots of which become words of their own too."""
-    opened = _OPENING.sub(r" \1", _CLOSING.sub(r"\1 ", apart(template)))
-    return " ".join(_OR.sub("|", opened).replace("( ", "(").replace("[ ", "[").split())
-
-
-def all_apart(sections: Any) -> Any:
-    """All text in a part of a phrase file as templates are matched."""
-    match sections:
-        case str():
-            return template_apart(sections)
-        case list():
-            return [all_apart(part) for part in sections]
-        case dict():
-            return {name: all_apart(part) for name, part in sections.items()}
-    return sections

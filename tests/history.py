@@ -8,13 +8,19 @@ from engine.errors import ExitCode
 from engine.events import Outcome
 from engine.plan import Action, Plan, Quantity, parse_call
 from engine.planner.request import NoPlan, Ran
+from engine.skills.library import LIBRARY
+
+_PARAMETERS = {skill.name: skill.parameters for skill in LIBRARY}
 
 
 def action(written: str) -> Action:
-    """An action as it is written, without a registry: its arguments are numbered."""
+    """An action of the library as it is written, its words unchecked; what was left out is the skill's own."""
     call = parse_call(written)
-    values = (value.value if isinstance(value, Quantity) else value for value in call.positional)
-    return Action(call.name, {str(index): value for index, value in enumerate(values)})
+    values = [value.value if isinstance(value, Quantity) else value for value in call.positional]
+    parameters = _PARAMETERS.get(call.name, ())
+    given = dict(zip((parameter.name for parameter in parameters), values, strict=False))
+    defaults = {p.name: p.default for p in parameters if p.default is not None}
+    return Action(call.name, {**defaults, **given} if parameters else {str(at): v for at, v in enumerate(values)})
 
 
 def planned(*written: str) -> Plan:

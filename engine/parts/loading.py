@@ -79,7 +79,7 @@ def make_vision(settings: Settings) -> Onlooker | None:
 
 
 def make_models(settings: Settings, tell: Callable[[str], None]) -> Models | None:
-    """The large models that think, none of them loaded or asked yet; None where only phrases are understood. ``tell``
+    """The large models that think, none of them loaded or asked yet; None where there are none. ``tell``
     gets a sentence when another one is asked than before."""
     profile = settings.profile
     if not profile.execution:

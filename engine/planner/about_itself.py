@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import Final
 
 from engine.events import Scope
-from engine.planner.not_an_order import question
 from engine.planner.request import Language, OnRecord
 
 _BECAUSE: Final[dict[Language, dict[Scope, str]]] = {
@@ -57,11 +56,6 @@ RELATIVE: Final = frozenset({"move_forward", "move_sideways", "move_left", "move
 """Actions of which a part is left when they were cut, and nobody knows how much."""
 
 
-def answer(text: str, record: OnRecord, holding: str, language: Language) -> str:
-    """The answer to a question about the robot itself; empty where ``text`` is none."""
-    return of(question(text), record, holding, language)
-
-
 def of(kind: str, record: OnRecord, holding: str, language: Language) -> str:
     """The answer to what is asked: ``holding``, ``stopped``, ``battery``, ``done``; empty for anything else."""
     said = _SAID[language]
@@ -77,11 +71,6 @@ def of(kind: str, record: OnRecord, holding: str, language: Language) -> str:
         case "done":
             return " ".join(record.done) or said["nothing_done"]
     return ""
-
-
-def asks_to_continue(text: str) -> bool:
-    """Whether ``text`` asks that what was cut goes on, and nothing else."""
-    return question(text) == "continue"
 
 
 def cannot_continue(record: OnRecord, language: Language) -> str:

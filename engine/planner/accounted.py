@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Sequence
-from typing import Final
+from typing import Final, get_args
 
+from engine.han import is_chinese
+from engine.perception.sighting import Colour
 from engine.planner.not_an_order import Mark, MarkKind, marks
-from engine.planner.readings.corrections import times_corrected
-from engine.planner.readings.first_look import CONDITION, IF_POLITE
+from engine.planner.text.conditions import CONDITION, IF_POLITE
 from engine.planner.text.measures import read_measures
 from engine.planner.text.words import words_of
 from engine.understanding.meaning import About, Do, If, Instead, Meaning, Node, Not, Repeat, Retract, Role, walk
@@ -27,7 +28,7 @@ _NODES: Final[dict[MarkKind, tuple[type[Node], ...]]] = {
 """The nodes that account for a word because of which something is no order."""
 TRUSTED: Final = 0.7
 """How sure a reader is that is believed about the order of acts, and about words that may only tell of an order…"""
-CERTAINLY: Final = 0.9
+CERTAINLY: Final = 0.95
 """…where it holds all of the request to be an order, as surely as that."""
 _TELLING: Final = frozenset({"told", "asked"})
 """Marks that also stand beside orders: "the postman said he'd left a parcel, see if it's in the hall". What takes back
@@ -58,14 +59,15 @@ _NO_SIDE: Final = re.compile(
 """What "right" and "left" are besides sides."""
 _SIDE: Final = re.compile(r"left|right|左|右")
 _CUT_OFF: Final = re.compile(
-    r"\b(?:the|an?|my|your|to|from|into|onto|of|with|u[hm]+|er+m?)[\s.…,-]*$|(?:[放拿搬送带移走开挪端]到|把|从|给|往|向)[\s。…，]*$"
+    r"\b(?:the|an?|my|your|(?<!got )(?<!gone )(?<!up )to|from|into|onto|of|with|u[hm]+|er+m?)[\s.…,-]*$|"
+    r"(?:[放拿搬送带移走开挪端]到|把|从|给|往|向)[\s。…，]*$"
 )
 """The end of a sentence that somebody has not finished."""
 _EITHER: Final = re.compile(r"\bor (?:was|is|maybe|perhaps|the)\b|还是")
 """A choice that is left open."""
 _NO_NUMBER: Final = re.compile(r"\d{16}")
 """More digits than a number has."""
-_NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once", "一"})
+_NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once", "一", "一次", "一遍", "一下", "一趟", "一回"})
 
 
 def accounted(meaning: Meaning, names: Collection[str] = ()) -> bool:
@@ -78,11 +80,23 @@ def accounted(meaning: Meaning, names: Collection[str] = ()) -> bool:
     asks = bool(acts) and acts <= _QUESTIONS
     if not depends and not asks and (CONDITION.search(IF_POLITE.sub("", meaning.text)) or _EITHER.search(text)):
         return False
-    if _CUT_OFF.search(text) or not _sides_stand(text, nodes) or not _lists_stand(meaning, nodes, names):
+    if is_cut_off(text) or not _sides_stand(text, nodes) or not _lists_stand(meaning, nodes, names):
         return False
-    if not _corrections_stand(meaning, nodes) or not (_trusted(meaning) or _order_stands(text, nodes)):
+    if not _corrections_stand(meaning, nodes) or _goes_via(text, nodes):
+        return False
+    if not (_trusted(meaning) or _order_stands(text, nodes)) or not _colour_stands(text, nodes):
         return False
     return _marks_stand(meaning, nodes, depends=depends) and _numbers_stand(meaning, nodes)
+
+
+def is_cut_off(text: str) -> bool:
+    """Whether a sentence stops where nobody ends one: "put the cup on the"."""
+    return _CUT_OFF.search(text.casefold()) is not None
+
+
+def sides_stand(meaning: Meaning) -> bool:
+    """Whether it goes to no side that was not said."""
+    return _sides_stand(meaning.text.casefold(), list(walk(meaning.nodes)))
 
 
 def _trusted(meaning: Meaning) -> bool:
@@ -95,7 +109,10 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
         return True  # "no, not that one, the other": it corrects what was said before
     acts = _acts(nodes)
     quoted = [role.words.casefold() for node in nodes for role in _roles(node) if role.name in _OF_WORDS]
+    plain = " ".join(meaning.text.casefold().replace("’", "'").split())
     for mark in marks(meaning.text):
+        if depends and _OTHERWISE.search(plain[: max(plain.rfind(mark.words), 0)]):
+            continue  # "… otherwise don't bother"
         if any(isinstance(node, _NODES[mark.kind]) for node in nodes):
             if not _placed(mark, meaning):
                 return False
@@ -147,8 +164,6 @@ def _order_stands(text: str, nodes: Sequence[Node]) -> bool:
     """Whether what is told first is not done first, where words say so: "go to the kitchen, but first beep"."""
     acts = [node for node in nodes if isinstance(node, Do)]
     found = _FIRST.match(text) or _BEFOREHAND.search(text)
-    if found is not None and any(len(act.all("place")) > 1 for act in acts):
-        return False  # "to the study via the kitchen"
     if found is None or len(acts) < 2 or not acts[0].roles:
         return True
     begins = min(role.start for role in acts[0].roles)
@@ -156,6 +171,25 @@ def _order_stands(text: str, nodes: Sequence[Node]) -> bool:
     return not told_first or (found.start() > 0 and begins > found.start())
 
 
+def _goes_via(text: str, nodes: Sequence[Node]) -> bool:
+    """Whether several places of one act are told in another order than they are gone to."""
+    several = any(len(node.all("place")) > 1 for node in nodes if isinstance(node, Do))
+    return several and (_FIRST.match(text) or _BEFOREHAND.search(text)) is not None
+
+
+def _colour_stands(text: str, nodes: Sequence[Node]) -> bool:
+    """Whether a light gets the colour that is spoken of: "another colour" is none."""
+    lights = [node for node in nodes if isinstance(node, Do) and node.act == "light"]
+    return not lights or all(node.words("colour") for node in lights) or _COLOUR.search(text) is None
+
+
+_COLOUR: Final = re.compile(r"\bcolou?r|颜色")
+_OTHERWISE: Final = re.compile(
+    r"(?:\b(?:else|otherwise|if not|if there (?:isn't|aren't|is not|are not)(?: any| one)?|or)|"
+    r"没有?(?:的话)?|不然|否则|要不然?)"
+    r"[\W_]*(?:(?:then|just|do|you can|就|那|那就|也)\b[\W_]*)*(?:就|那就)?$"
+)
+"""What stands before the branch of a condition in which nothing is to be done."""
 _FIRST: Final = re.compile(r"(?:before|prior to|on (?:your|the) way (?:to|over)|until)\b")
 """What is told in a clause that begins so is done last."""
 _BEFOREHAND: Final = re.compile(
@@ -170,7 +204,7 @@ def _lists_stand(meaning: Meaning, nodes: Sequence[Node], names: Collection[str]
     roles = [role for node in nodes for role in _roles(node)]
     text = meaning.text.casefold()
     for role in roles:
-        joint = _JOINT.match(text, role.end)
+        joint = _JOINT.match(text, role.end) if role.name in _LISTED else None
         if joint is None or any(other.start < joint.end() + 1 and joint.end() < other.end for other in roles):
             continue
         rest = text[joint.end() :]
@@ -179,6 +213,7 @@ def _lists_stand(meaning: Meaning, nodes: Sequence[Node], names: Collection[str]
     return True
 
 
+_LISTED: Final = frozenset({"thing", "place", "source", "person", "except"})
 _JOINT: Final = re.compile(r"\s*(?:, and |, |,| and |、|和|跟|还有)\s*(?:(?:the|a|an|my|your|our|that|this) )?")
 
 
@@ -192,7 +227,7 @@ def _numbers_stand(meaning: Meaning, nodes: Sequence[Node]) -> bool:
     counts = (token for token in read_measures(words_of(meaning.text).tokens) if token.kind in ("number", "quantity"))
     return all(
         meaning.text[token.start : token.end].casefold() in _NO_AMOUNTS
-        or any(start < token.end and token.start < end for start, end in spans)
+        or any(start <= token.start < end for start, end in spans)
         for token in counts
     )
 
@@ -204,7 +239,7 @@ def _placed(mark: Mark, meaning: Meaning) -> bool:
     wanted = [role.start for node in walk(meaning.wanted()) for role in _roles(node)]
     behind = [start for start in wanted if start > at]
     if mark.kind == "taken_back":
-        return not wanted or bool(behind)
+        return not wanted or any(start >= at + len(mark.words) for start in wanted)
     others = [role.start for node in walk(meaning.nodes) for role in _roles(node) if role.start not in wanted]
     forbidden = [start for start in others if start > at]
     return not behind or (bool(forbidden) and min(forbidden) < min(behind))
@@ -223,3 +258,38 @@ def _roles(node: Node) -> Sequence[Role]:
         case If():
             return node.condition.roles
     return ()
+
+
+def times_corrected(text: str) -> int:
+    """How often something is taken back within a sentence."""
+    chinese = is_chinese(text)
+    pattern = _CORRECTION_ZH if chinese else _CORRECTION
+    return sum(_takes_back(found, text, chinese) for found in pattern.finditer(text))
+
+
+def _takes_back(match: re.Match[str], text: str, chinese: bool) -> bool:
+    between = match.start() > 0 and match.end() < len(text)
+    if not chinese and _MAKES.search(match[0]) and _TO_BE.match(text[match.end() :]):
+        return False  # "…, then make it blue"
+    if not chinese and _FOR.search(text[: match.start()]):
+        return False  # "shake for no, then clap"
+    return between and (chinese or _CERTAIN.search(match[0]) is not None)
+
+
+_CORRECTION: Final = re.compile(
+    r"[,.;:!?…–—\s]+(?:(?:uh+|um+|er+|oh|ah|no|nope|nah|sorry|wait|hang on|hold on|my mistake|my bad|oops|well|"
+    r"actually|rather|scratch that|correction|make (?:it|that)|i (?:mean|meant)|i wanted to say|not that|"
+    r"let me correct(?: that)?|i was wrong)\b[,.;:!?…–—\s]*){1,5}",
+    re.IGNORECASE,
+)
+_CERTAIN: Final = re.compile(
+    r"\b(?:no|nope|nah|sorry|my mistake|my bad|oops|rather|scratch that|correction|make (?:it|that)|i (?:mean|meant)|"
+    r"actually|i wanted to say|not that|let me correct|i was wrong)\b",
+    re.IGNORECASE,
+)
+_CORRECTION_ZH: Final = re.compile(
+    r"[，。！,.!\s]*(?:哦|噢|呃|啊|嗯)?(?:不对|不是|说错了|错了|我是说|我说的是|应该是|改成|哦不|噢不)[，。！,.!\s]*(?:是|我是说|应该是)?"
+)
+_MAKES: Final = re.compile(r"\bmake (?:it|that)\W*$", re.IGNORECASE)
+_FOR: Final = re.compile(r"\b(?:for|as|mean|means|meaning|saying|says|if)$", re.IGNORECASE)
+_TO_BE: Final = re.compile(rf"(?:{'|'.join(get_args(Colour))}|on|off|pink|cyan|gray|violet)\b", re.IGNORECASE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from engine.planner.phrases.conventions import A_BIT, FULL, HALF, QUARTER, Manner
+from engine.planner.conventions import A_BIT, FULL, HALF, QUARTER, Manner
 from engine.planner.text.measures import read_measures
 from engine.planner.text.words import words_of
 
@@ -14,6 +14,7 @@ _A_BIT: Final = re.compile(
     r"a little|slightly|"
     r"a few (?:cm|centimet(?:re|er)s))(?: (?:more|further))?|一点[点儿]?|一丁点儿?|一小点儿?|一些|一小步|稍微|一丢丢"
 )
+_AND_SO_MUCH: Final = re.compile(r"\bmet(?:re|er)s? ([a-z-]+|\d\d?)$")
 _ANGLES: Final[tuple[tuple[re.Pattern[str], float], ...]] = (
     (re.compile(r"three quarters|四分之三"), QUARTER + HALF),
     (re.compile(r"quarter|四分之一|直角|right angle"), QUARTER),
@@ -57,6 +58,8 @@ def number(words: str) -> float | None:
 def distance(words: str) -> float | None:
     """m; None where the words tell none."""
     found = quantity(words, "m")
+    if found is not None and (more := _AND_SO_MUCH.search(words.casefold())) and (small := number(more[1])) is not None:
+        return found + small / 100 if 0 < small < 100 else found  # "one metre twenty"
     return A_BIT if found is None and _A_BIT.fullmatch(words.casefold().strip()) else found
 
 
@@ -67,6 +70,8 @@ def angle(words: str) -> float | None:
         found = number(words)
     if found is None:
         found = next((degrees for pattern, degrees in _ANGLES if pattern.search(words.casefold())), None)
+    if found is None and (count := _COUNTS.get(words.casefold().strip())) is not None:
+        found = FULL * count
     return found
 
 

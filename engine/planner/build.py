@@ -15,7 +15,7 @@ from engine.llm.chat import Chat
 from engine.models.store import ModelStore
 from engine.plan import Action
 from engine.planner.grounding.doubt import Doubt, ungrounded
-from engine.planner.phrases.phrases import PhrasePlanner, Told
+from engine.planner.phrases.phrases import Phrases, Told
 from engine.planner.planner import Planner
 from engine.planner.request import Language
 from engine.planner.stages.about import Subject
@@ -73,16 +73,15 @@ def build_planner(
     world: World | None = None,
     reader: bool = True,
 ) -> Planner:
-    """The planner of these settings, for another world than that of the scene if one is given; with phrases only where
-    there are no ``models`` and ``reader``, the learned one, is False. The phrases of a language are read when it is
-    spoken."""
+    """The planner of these settings, for another world than that of the scene if one is given; without the
+    learned one where ``reader`` is False. The phrases of a language are read when it is spoken."""
     skills = registry or build_registry(settings, world=world)
     places = settings.places if world is None else world.places
     vocabulary = build_vocabulary(settings) if world is None else world.vocabulary()
 
     @cache
-    def phrases(language: Language) -> PhrasePlanner:
-        return PhrasePlanner(places, language, vocabulary=vocabulary, skills=skills)
+    def phrases(language: Language) -> Phrases:
+        return Phrases(places, language, vocabulary=vocabulary, skills=skills)
 
     @cache
     def made(language: Language, brief: bool, sees: bool) -> Prompts:
@@ -96,10 +95,6 @@ def build_planner(
     ) -> Doubt | None:
         return ungrounded(actions, skills, said, vocabulary, seen=seen, known=known, language=language)
 
-    def missing(actions: Sequence[Action], text: str, language: Language) -> str:
-        clauses = ((part, match.calls) for part, match in phrases(language).clauses(text) if match is not None)
-        return left_out(actions, text, tuple(clauses), vocabulary)
-
     def tell(actions: Sequence[Action], language: Language) -> Told:
         return phrases(language).told([as_call(skills[action.name], action) for action in actions])
 
@@ -112,7 +107,7 @@ def build_planner(
             skills,
             Subject(skills, vocabulary).covers,
             lambda calls, text: filled(mended(calls, text, vocabulary), text, skills, vocabulary),
-            missing,
+            lambda actions, text: left_out(actions, text, vocabulary),
             doubts,
             tell,
             max_actions=settings.planner.max_actions,

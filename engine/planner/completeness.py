@@ -8,10 +8,13 @@ also after what is a command but often goes on, as "turn left" does ("… 45 deg
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from typing import Final
 
 from engine.hearing.readings import Completeness
-from engine.planner.phrases.phrases import Matched, NoMatch, PhrasePlanner
+from engine.plan import Plan
+from engine.planner.phrases.stopping import is_end_task, is_stop
+from engine.planner.request import NoPlan
 from engine.planner.text.measures import read_measures
 from engine.planner.text.words import words_of
 
@@ -49,29 +52,31 @@ _MAY_GO_ON: Final = frozenset({"left", "right", "左", "右", "转", "圈", "弯
 _GOES_BACK: Final = re.compile(r"\bgo back\W*$", re.IGNORECASE)
 """To the beginning; or somewhere else, or a metre, once that has been said."""
 
-_UNITS: Final = (" degrees", " metres", " seconds", " times", "度", "米", "秒", "次")
-"""What a number may be followed by that ends what was said so far."""
+_THERE_ZH: Final = re.compile(r"[过回]去\W*$")
+_ONE: Final = re.compile(r"\bone\W*$", re.IGNORECASE)
+""" "The blue one" is no number."""
+_OPEN: Final = frozenset({"incomplete", "ambiguous"})
+"""Codes of questions for what was not said."""
 
 
-def completeness(text: str, phrases: PhrasePlanner) -> Completeness:
-    """Whether somebody who said ``text`` has said all, as far as ``phrases`` can tell."""
+def completeness(text: str, plain: Callable[[str], Plan | NoPlan | None]) -> Completeness:
+    """Whether somebody who said ``text`` has said all; ``plain`` says what comes of it by itself."""
     tokens = [token for token in read_measures(words_of(text).tokens) if token.kind != "mark"]
     if not tokens:
         return "unknown"
-    found = phrases.plan(text)
-    last = tokens[-1]
-    if isinstance(found, Matched) and found.kind != "plan":
+    if is_stop(text) or is_end_task(text):
         return "complete"
-    if _ENDS_OPEN_ZH.search(text) and isinstance(found, Matched):
-        return "unknown"  # 过去, 回去: a word of its own, or the beginning of 去厨房
+    found, last = plain(text), tokens[-1]
+    acts = isinstance(found, Plan) and bool(found.actions)
+    if acts and _THERE_ZH.search(text):
+        return "unknown"  # a word of its own, or the beginning of 去厨房
     if any(ending.search(text) for ending in (_ENDS_OPEN, _ENDS_OPEN_ZH, _TRAILS_OFF)):
         return "incomplete"
-    if isinstance(found, Matched):
-        if last.kind == "number" and any(isinstance(phrases.plan(text.rstrip(" .,。，") + u), Matched) for u in _UNITS):
-            return "incomplete"
-        open_ended = last.text in _MAY_GO_ON or found.calls[-1].name == "say"
-        return "unknown" if open_ended or _GOES_BACK.search(text) or _COMMA.search(text) else "complete"
-    goes_on = last.kind == "number" or any(ending.search(text) for ending in (_LACKS_THING, _COMMA))
-    if goes_on or (isinstance(found, NoMatch) and found.question):
+    if last.kind == "number" and not _ONE.search(text):  # its unit is missing
         return "incomplete"
-    return "unknown"
+    if isinstance(found, Plan) and acts:
+        open_ended = last.text in _MAY_GO_ON or found.actions[-1].name == "say"
+        return "unknown" if open_ended or _GOES_BACK.search(text) or _COMMA.search(text) else "complete"
+    if any(ending.search(text) for ending in (_LACKS_THING, _COMMA)):
+        return "incomplete"
+    return "incomplete" if isinstance(found, NoPlan) and found.code in _OPEN else "unknown"

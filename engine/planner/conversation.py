@@ -126,7 +126,12 @@ class Conversation:
             gone = others if name in others else frozenset({name})
             old = next((one.words for one in act.roles if one.name in gone), "")
             kept = tuple(one for one in act.roles if one.name not in gone)
-            act = replace(act, roles=(*kept, replace(role, name=name, words=_scaled(role.words, old), instead_of=old)))
+            words = (
+                f"the {role.words.removeprefix('the ')} one"
+                if (role.name, name) == ("colour", "thing")
+                else _scaled(role.words, old)
+            )
+            act = replace(act, roles=(*kept, replace(role, name=name, words=words, instead_of=old)))
         return act
 
     def _turned(self, act: Do, role: Role) -> Do | None:

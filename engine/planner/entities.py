@@ -40,6 +40,7 @@ _BUT: Final = re.compile(
     r"but|except(?: for)?|other than|not) "
     r"(?=\S)|不是|除了"
 )
+_IS_NOT: Final = re.compile(r"\b(?:isn't|is not|aren't|but not|other than|except)\b|不是")
 _NUMBERED: Final = re.compile(
     r"(?:block|cube|box|tag|marker|apriltag|one)s?(?: (?:with|that has|marked|labelled|labeled|numbered))*"
     r"(?: (?:a|the))?(?: (?:tag|number|no))*"
@@ -202,7 +203,9 @@ class Entities:
             place=self._first(self._place, whole, which),
             surface=self._first(self._surface, whole, which),
             room=self._first(self._room, whole, []),
-            thing=self._but_for(inner, chinese) or self._numbered(inner) or self._thing(candidates, chinese, which),
+            thing=self._but_for(inner, chinese)
+            or self._numbered(inner)
+            or self._plainly(inner, candidates, chinese, which),
             person=plain if _PERSON.search(head) else None,
             every=_ALL.search(plain) is not None,
             superlative=_SUPERLATIVE.search(head) is not None,
@@ -304,6 +307,10 @@ class Entities:
             return self._object(f"block {said:g}")
         except PlanError:
             return None
+
+    def _plainly(self, phrase: str, candidates: list[str], chinese: bool, which: list[str]) -> str | None:
+        """A thing that is told by what it is, and not by what it is not."""
+        return None if _IS_NOT.search(phrase) else self._thing(candidates, chinese, which)
 
     def _thing(self, candidates: list[str], chinese: bool, which: list[str]) -> str | None:
         for words in candidates:

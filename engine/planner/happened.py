@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from engine.errors import ExitCode
-from engine.plan import Plan
+from engine.plan import Action, Plan
+from engine.planner.reply import FINISH
 from engine.planner.request import Happened, NoPlan, Noted, Ran, Said
 
 
@@ -51,6 +52,26 @@ def open_command(happened: Sequence[Happened]) -> tuple[str, ...]:
             said.append(entry.text)
             asked = False
     return tuple(reversed(said))
+
+
+def planned_last(happened: Sequence[Happened]) -> tuple[Action, ...]:
+    """What was planned last; of a plan that failed, only what has not been done."""
+    done = 0
+    for entry in reversed(happened):
+        if isinstance(entry, Ran):
+            done += entry.outcome == "ok"
+        elif isinstance(entry, Plan):
+            actions = tuple(action for action in entry.actions if action.name not in (FINISH, "finish_dialogue"))
+            if actions:
+                return actions[done:] or actions
+    return ()
+
+
+def named_last(happened: Sequence[Happened], kind: str) -> str:
+    """The thing (``object``) or the place (``place``) that an action of the newest plan which names one has."""
+    plans = (entry for entry in reversed(happened) if isinstance(entry, Plan))
+    named = (action.args[kind] for plan in plans for action in reversed(plan.actions) if action.args.get(kind))
+    return str(next(named, ""))
 
 
 def in_words(entry: Happened) -> str:

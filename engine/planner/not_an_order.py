@@ -3,8 +3,7 @@
 People take back what they have just said ("forget it", "actually no"), forbid ("don't go there"), and speak of orders
 without giving one: they report ("she said go left"), suppose ("if I say turn"), quote, ask why, and tell of the past.
 Readers of a request skip words; these they may not skip. :func:`marks` finds them, :func:`what_counts` says what is
-left of a request whose beginning was taken back, and :func:`without_contrast` drops what only tells the order apart
-from another one ("the blue cup, not the red one").
+left of a request whose beginning was taken back.
 
 The words (``assets/orders``) are closed classes of the language: negators, words of retraction, of reported speech, of
 questions. Polite forms that hold one of them ("why don't you", "if you don't mind") are taken out first.
@@ -35,6 +34,10 @@ class Mark(NamedTuple):
     start: int  # characters of the plain text
     end: int
 
+    def is_within(self, other: Mark) -> bool:
+        """Whether it is a part of the other: "never" in "never mind"."""
+        return other.start <= self.start and self.end <= other.end
+
 
 @lru_cache(maxsize=256)  # several readers of one request ask for the same
 def marks(text: str) -> tuple[Mark, ...]:
@@ -47,7 +50,9 @@ def marks(text: str) -> tuple[Mark, ...]:
         for kind, pattern in words.marks
         for match in pattern.finditer(searched)
     ]
-    return tuple(sorted(found, key=lambda mark: mark.start))
+    taken_back = [mark for mark in found if mark.kind == "taken_back"]
+    whole = [mark for mark in found if mark in taken_back or not any(map(mark.is_within, taken_back))]
+    return tuple(sorted(whole, key=lambda mark: mark.start))
 
 
 def what_counts(text: str) -> str | None:
@@ -58,49 +63,6 @@ def what_counts(text: str) -> str | None:
         return None
     rest = _plain(text)[back[-1].end :]
     return "" if _IDLE.fullmatch(rest) else _JOINT.sub("", rest).strip()
-
-
-def skipped(text: str, reading: str) -> tuple[Mark, ...]:
-    """The marks of ``text`` that ``reading``, the same request in other words, has no longer."""
-    left = [(mark.kind, mark.words) for mark in marks(reading)]
-    lost: list[Mark] = []
-    for mark in marks(text):
-        if mark.kind == "forbidden" and _UNTIL.search(_plain(text), mark.end):
-            continue
-        if (mark.kind, mark.words) in left:
-            left.remove((mark.kind, mark.words))
-        else:
-            lost.append(mark)
-    return tuple(lost)
-
-
-def without_contrast(text: str) -> Iterator[str]:
-    """``text`` without what it only contrasts the order with; nothing where it contrasts nothing."""
-    plain = _plain(text)
-    for pattern in _words().contrasts:
-        meant = pattern.sub(lambda found: found.groupdict().get("meant") or "", plain).strip(" ,.;，。")
-        if meant != plain.strip(" ,.;，。") and meant and not marks(meant):
-            yield meant
-
-
-def last_clauses(text: str) -> Iterator[str]:
-    """The ends of ``text``, the longest first, that may be an order of their own after what is only denied or forbidden
-    before it ("you didn't go far enough, go on half a metre"); nothing where it reports or supposes anything."""
-    plain = _plain(text)
-    found = marks(text)
-    if any(mark.kind != "forbidden" for mark in found) or not found:
-        return
-    for cut in _CUT.finditer(plain, found[-1].end):
-        denied = plain[found[-1].end : cut.start()]
-        if len(denied.split()) >= 2 or _HAN_PAIR.search(denied):  # and not "don't, I repeat, go there"
-            yield plain[cut.end() :]
-
-
-def question(text: str) -> str:
-    """What is asked of the robot about itself (``holding``, ``stopped``, ``battery``, ``done``), or that it shall
-    ``continue``; empty where ``text`` is, or holds, anything else."""
-    plain = _AROUND.sub("", _plain(text)).strip(" ,.;:!?，。！？")
-    return next((name for name, pattern in _words().itself if pattern.fullmatch(plain)), "")
 
 
 def _plain(text: str) -> str:
@@ -119,17 +81,6 @@ _IDLE: Final = re.compile(
 )
 """Says nothing after a word that takes all back."""
 _JOINT: Final = re.compile(r"^(?:[\W_]|(?:and|but|so|then|just|please|instead|rather)\b|还是|就|那|请|那就)*")
-_AROUND: Final = re.compile(
-    r"^(?:(?:请问|请|喂|嘿)[\s,，:]*|(?:hey|hi|hello|robot|sayso|please|so|and|but|well|ok|okay|now|then|tell me|"
-    r"say)\b[\s,，:]*)*|"
-    r"[\s,，]*(?:please|robot|sayso|right now|now|then|exactly|actually|again|呢|啊|吗|吧)*[\s?!.。？！]*$"
-)
-_CUT: Final = re.compile(
-    r"[,.;!?，。；！？]\s*(?:(?:so|but|just|and|now|please|instead)\b[\s,]*)*|\b(?:so|but)\b[\s,]*"
-)
-_HAN_PAIR: Final = re.compile(r"[\u3400-\u9fff]{2}")
-_UNTIL: Final = re.compile(r"\b(?:until|till|before)\b")
-""" "Don't go until you have waved" orders both, and tells which comes first."""
 
 
 class _Words(NamedTuple):
@@ -137,8 +88,6 @@ class _Words(NamedTuple):
 
     polite: re.Pattern[str]
     marks: tuple[tuple[MarkKind, re.Pattern[str]], ...]
-    contrasts: tuple[re.Pattern[str], ...]
-    itself: tuple[tuple[str, re.Pattern[str]], ...]
 
 
 @cache
@@ -156,6 +105,4 @@ def _words() -> _Words:
     return _Words(
         any_of("polite"),
         tuple((kind, any_of(kind)) for kind in get_args(MarkKind)),
-        tuple(map(re.compile, written("contrasts"))),
-        tuple((name, any_of("itself", name)) for name in languages[0]["itself"]),
     )

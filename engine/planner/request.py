@@ -19,7 +19,6 @@ from engine.events import (
     Scope,
 )
 from engine.plan import Action, ActionCall, Plan
-from engine.planner.text.counts import Count
 
 Language = Literal["en", "zh"]
 
@@ -140,26 +139,6 @@ class PlanRequest:
     """To be called with what the user should know of the planning itself."""
     record: Callable[[ModelAsked], object] = lambda call: None
     """To be called with each call of a large model when it is over, also when nobody waits for it any more."""
-
-
-@dataclass(frozen=True, slots=True)
-class Conditional:
-    """A request with a condition, in the words of the speaker."""
-
-    before: str
-    """What to do first ("go to the bedroom"); may be empty."""
-    thing: str
-    """What to look for, without its article ("red apple"); ``thing`` for anything at all."""
-    where: str
-    """On, in or at what, without the preposition ("the table"); may be empty."""
-    negated: bool
-    """Whether ``then`` is for when the thing is not there."""
-    then: str
-    """A request of its own: "bring the apple to the kitchen"."""
-    otherwise: str
-    """A request of its own; may be empty."""
-    count: Count | None = None
-    """How many there have to be; None: any."""
 
 
 class Plans(Protocol):

@@ -9,24 +9,24 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Final
 
-from engine.errors import ExitCode, PlanError
+from engine.errors import ExitCode
 from engine.plan import ActionCall
-from engine.planner.phrases.phrases import UnknownPlace
 from engine.planner.request import Language, NoPlan
 from engine.planner.sentences import SAID
-from engine.skills.vocabulary import Ambiguous, Vocabulary
+from engine.skills.vocabulary import Vocabulary
 
 NEAR: Final = 0.75
 """How alike two names have to be, 0 to 1, as ``difflib`` counts it."""
 
 
-def unknown(text: str, place: UnknownPlace, language: Language) -> NoPlan:
-    """That nobody knows it: the offer to go to the one whose name is nearest, else which places there are."""
-    if near := nearest(place.name, place.known):
-        question = SAID[language]["nearest"].format(name=place.name, near=near)
+def unknown(text: str, name: str, known: Sequence[str], language: Language) -> NoPlan:
+    """That nobody knows it: the offer to go to the one of ``known`` whose name is nearest, else which places there
+    are."""
+    if near := nearest(name, known):
+        question = SAID[language]["nearest"].format(name=name, near=near)
         return NoPlan(text, "unknown_place", question, ExitCode.CLARIFY, suggestions=(near,), offer=_going(near))
-    answer = SAID[language]["unknown_place"].format(name=place.name, known=", ".join(place.known))
-    return NoPlan(text, "unknown_place", answer, suggestions=place.known)
+    answer = SAID[language]["unknown_place"].format(name=name, known=", ".join(known))
+    return NoPlan(text, "unknown_place", answer, suggestions=tuple(known))
 
 
 def nearest(name: str, known: Sequence[str]) -> str:
@@ -40,25 +40,14 @@ def nearest(name: str, known: Sequence[str]) -> str:
     return ""
 
 
-def which_place(text: str, place: UnknownPlace, vocabulary: Vocabulary) -> NoPlan | None:
-    """The question which one it is; None where the name does not mean several pieces of furniture."""
-    try:
-        vocabulary.surface(place.name)
-    except Ambiguous as several:
-        return NoPlan(text, "ambiguous", several.message, ExitCode.CLARIFY)
-    except PlanError:
-        pass
-    return None
-
-
-def room_instead(text: str, place: UnknownPlace, vocabulary: Vocabulary, language: Language) -> NoPlan | None:
+def room_instead(text: str, name: str, vocabulary: Vocabulary, language: Language) -> NoPlan | None:
     """The offer to go to the room in which that piece of furniture stands; None where it is none."""
-    symbol = vocabulary.room_of(place.name)
+    symbol = vocabulary.room_of(name)
     words = vocabulary.words_for(symbol) if symbol else ()
     room = next((word for word in words if word.isascii() == (language == "en")), "")
     if not room:
         return None
-    question = SAID[language]["no_place_there"].format(name=place.name, room=room)
+    question = SAID[language]["no_place_there"].format(name=name, room=room)
     return NoPlan(text, "no_place_there", question, ExitCode.CLARIFY, offer=_going(room))
 
 

@@ -1,4 +1,4 @@
-"""From actions that phrases have named to a validated plan, or to the reason why there is none.
+"""From actions that a reader has named to a validated plan, or to the reason why there is none.
 
 Only the skill registry makes a plan of them: one wrong action and nothing of it runs. Where several things are called
 the same, the one that has been seen is meant; else it is asked which one.
@@ -12,8 +12,6 @@ from typing import Final
 
 from engine.errors import ExitCode, PlanError
 from engine.plan import Action, ActionCall, Argument, Plan, Quantity
-from engine.planner.gaps.kinds import Kinds, Known
-from engine.planner.phrases.phrases import Matched
 from engine.planner.request import Language, NoPlan, PlanRequest
 from engine.planner.sentences import SAID
 from engine.robot.robot import Capability
@@ -37,7 +35,6 @@ class Validation:
     def __init__(self, registry: SkillRegistry, vocabulary: Vocabulary, max_actions: int) -> None:
         self._registry = registry
         self._vocabulary = vocabulary
-        self._kinds = Kinds(vocabulary)
         self._max_actions = max_actions
 
     def occupied(self, skill: str) -> frozenset[Capability]:
@@ -51,10 +48,6 @@ class Validation:
     def calls(self, plan: Plan) -> tuple[ActionCall, ...]:
         """The actions of a plan as they are written."""
         return tuple(as_call(self._registry[action.name], action) for action in plan.actions)
-
-    def plan(self, text: str, told: Matched) -> Plan | NoPlan:
-        """The plan of what was understood of ``text``."""
-        return self.of(text, told.calls, told.steps, told.response)
 
     def of(self, text: str, calls: Sequence[ActionCall], steps: tuple[str, ...], response: str) -> Plan | NoPlan:
         """The plan of ``calls``, told as ``steps`` and ``response``."""
@@ -76,7 +69,6 @@ class Validation:
             words = str(action.args.get("object", ""))
             several = self._vocabulary.fitting(words) if action.name in _TAKES else ()
             if len(several) > 1 and not any_of(words, request.text):
-                several = self._kinds.meant(several, request.text, Known(seen=request.seen))
                 seen = [name for name in several if any(name in told for told in request.seen)]
                 if len(seen) != 1:
                     return which_of(found.goal, several, language)

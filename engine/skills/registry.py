@@ -214,16 +214,6 @@ class SkillRegistry:
                 raise PlanError(f"{skill.signature}: {parameter.name} is missing.")
         return Action(skill.name, args, call.alongside)
 
-    def check_words(self, call: ActionCall) -> None:
-        """Check the arguments that an action has so far, whatever is missing. Raises :class:`PlanError`."""
-        skill = self._skills.get(call.name)
-        if skill is None:
-            raise UnknownSkill(self._unknown(call.name))
-        given = self._assign(skill, call)
-        for parameter in skill.parameters:
-            if parameter.name in given and given[parameter.name] != NOT_SAID:
-                self._check(skill, parameter, given[parameter.name], "")
-
     def _assign(self, skill: Skill, call: ActionCall) -> dict[str, Argument]:
         names = [parameter.name for parameter in skill.parameters]
         if len(call.positional) > len(names):

@@ -268,7 +268,7 @@ def test_a_bad_platform_moves_nothing_and_says_why(
     assert words in turn.result["message"]
     assert len(cycle.execution.asked) == asked
     assert len(turn.bodies("plan.rejected")) == 1
-    assert cycle.say("beep").actions == [("beep", "ok")]
+    assert cycle.say("beep()").actions == [("beep", "ok")]
     cycle.execution.answers(THERE)
     assert cycle.say("how about a stroll to the kitchen, my friend").result["exit_code"] == ExitCode.DONE
 
@@ -286,7 +286,7 @@ def test_a_platform_that_fails_before_it_is_finished_does_not_pass_for_having_fi
     assert turn.result["exit_code"] == ExitCode.FAILED
     assert "I cannot tell whether that was all" in turn.result["message"]
     assert [body["code"] for body in turn.bodies("error")] == ["model_refused"]
-    assert cycle.say("beep").actions == [("beep", "ok")]
+    assert cycle.say("beep()").actions == [("beep", "ok")]
 
 
 @pytest.mark.parametrize("how", ["is busy for long", "breaks off", "talks about something else"])
@@ -311,7 +311,7 @@ def test_an_interruption_of_a_model_that_hangs_comes_back_and_hangs_up(cycle: Cy
     assert turn.bodies("state.changed")[-1]["state"] == "WAITING"
     cycle.decision.until_left()
     assert not cycle.execution.asked
-    assert cycle.say("beep").actions == [("beep", "ok")]
+    assert cycle.say("beep()").actions == [("beep", "ok")]
 
 
 @pytest.mark.parametrize("protocol", ["dify"], indirect=True)
@@ -369,7 +369,7 @@ def test_ask_exits_with_what_the_platform_failed_of_and_still_does_plain_command
     with platforms("dify", acts=1.0) as (acts,):
         acts.answers(SILENCE)
         option, file, environ = configuration(tmp_path, execution=[acts])
-        said = f"{ODD}\nbeep\n".encode()
+        said = f"{ODD}\nbeep()\n".encode()
         done = sayso(option, file, "ask", "--json", "-", state=tmp_path, stdin=said, environ=environ)
         assert done.returncode == ExitCode.TIMEOUT, done.stderr
         assert [event["body"]["name"] for event in events(done, "action.finished")] == ["beep"]

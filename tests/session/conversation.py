@@ -288,7 +288,7 @@ def converse(
 def _prepared(overrides: tuple[str, ...]) -> tuple[Settings, Plans | None]:
     """Settings, and a planner for them: it knows no session, and takes a while to build."""
     settings = load(overrides=overrides, environ={})
-    return settings, build_planner(settings, reader=False)
+    return settings, build_planner(settings)
 
 
 async def _converse(
@@ -324,7 +324,7 @@ async def begin(
     places.remember(Pose(0.0, 0.0, 0.0))
     registry = skills(build_registry(settings, places))
     holds = Holds()
-    planner = SlowPlanner(reader or build_planner(settings, registry, reader=False))
+    planner = SlowPlanner(reader or build_planner(settings, registry))
     hearing = ScriptedHearing()
     needs = Needs(
         robot=await _ready("robot", robot),

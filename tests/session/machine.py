@@ -152,7 +152,7 @@ def _with_more(registry: SkillRegistry) -> SkillRegistry:
 def planner(busy: str) -> Reader:
     """What every conversation plans with that deals like this with a new request while it is busy."""
     registry = _with_more(build_registry(_settings(busy)))
-    return Reader(build_planner(_settings(busy), registry, reader=False), registry)
+    return Reader(build_planner(_settings(busy), registry), registry)
 
 
 class SessionMachine(RuleBasedStateMachine):

@@ -29,6 +29,7 @@ def after(first: str, rest: str) -> Afterthought | None:
         ("Move forward one metre.", "Turn left."),
         ("Turn left 90 degrees.", "and turn right 45 degrees"),
         ("Pick up the red box.", "put it on the table"),
+        ("Pick up the red box.", "and bring it to me"),
         ("去厨房。", "然后跳舞"),
         ("向前走一米。", "然后左转"),
     ],
@@ -40,7 +41,6 @@ def test_a_command_of_its_own_is_done_after_the_first(first: str, rest: str) -> 
 @pytest.mark.parametrize(
     ("first", "rest"),
     [
-        ("Pick up the red box.", "and bring it to me"),
         ("Raise your arm.", "and lower it again"),
         ("Wave.", "twice"),
         ("举起手臂。", "再放下"),

@@ -94,7 +94,6 @@ def test_the_beginning_of_a_command_is_incomplete(text: str) -> None:
         "向左转",
         "Make me happy.",
         "Go to the moon",
-        "Pick up the red",
         "",
     ],
 )

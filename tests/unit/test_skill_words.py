@@ -50,7 +50,7 @@ def with_skill(**changes: Any) -> Settings:
 
 
 def planned(settings: Settings, text: str) -> Plan | NoPlan:
-    return asyncio.run(build_planner(settings, reader=False).plan(PlanRequest(text)))
+    return asyncio.run(build_planner(settings).plan(PlanRequest(text)))
 
 
 def slots(text: str) -> set[str]:

@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import pytest
 
-from config.schema import Place, Position
-from engine.plan import ActionCall
-from engine.planner.phrases.phrases import Matched, PhrasePlanner
 from engine.planner.phrases.stopping import is_end_task, is_only_stop, is_stop
 from engine.planner.text.language import all_phrases
 
-PLACES = {"A": Place(name="kitchen", position=Position(x=0, y=0))}
-PLANNER = PhrasePlanner(PLACES)
 LANGUAGES = sorted(all_phrases())
 
 
@@ -28,7 +20,7 @@ def test_every_phrase_of_every_language_does_what_it_is_listed_for(language: str
     assert [said for said in stop["anywhere"] if not is_stop(f"{said}{comma}{rest}")] == []
     assert [said for said in stop["anywhere"] if not is_stop(f"{rest}{comma}{said}")] == []
     assert [said for said in sections["end_task"] if not is_end_task(said) or is_stop(said)] == []
-    assert [said for said in sections["fillers"] if is_stop(said) or is_end_task(said)] == []
+    assert [said for said in stop["fillers"] if is_stop(said) or is_end_task(said)] == []
 
 
 @pytest.mark.parametrize(
@@ -63,10 +55,6 @@ def test_every_phrase_of_every_language_does_what_it_is_listed_for(language: str
 def test_a_chinese_stop_is_understood_however_it_is_written(said: str) -> None:
     assert is_stop(said)
     assert not is_end_task(said)
-    found = PLANNER.plan(said)
-    assert isinstance(found, Matched)
-    assert found.kind == "stop"
-    assert found.calls == (ActionCall("stop"),)
 
 
 @pytest.mark.parametrize(
@@ -109,9 +97,6 @@ def test_a_chinese_word_that_only_holds_a_stop_stops_nothing(said: str) -> None:
 def test_the_end_of_a_task_is_understood_in_chinese(said: str) -> None:
     assert is_end_task(said)
     assert not is_stop(said)
-    found = PLANNER.plan(said)
-    assert isinstance(found, Matched)
-    assert found.kind == "end_task"
 
 
 @pytest.mark.parametrize("said", ["结束任务，然后去厨房", "去休息室", "没事了吗", "重新开始音乐"])
@@ -138,11 +123,3 @@ def test_a_stop_is_one_whatever_follows(said: str) -> None:
 def test_a_very_long_text_is_not_looked_at() -> None:
     assert is_stop("停" * 1000)
     assert not is_stop("停" * 1001)
-
-
-def test_stopping_does_not_wait_for_the_template_library() -> None:
-    check = (
-        "import sys; from engine.planner.phrases.stopping import is_stop; "
-        "assert is_stop('停') > ('hassil' in sys.modules)"
-    )
-    subprocess.run([sys.executable, "-c", check], check=True)

@@ -53,17 +53,24 @@ class Model:
         pass
 
 
-def planner_with(model: Model, decision: Model | None = None) -> Planner:
+def planner_with(model: Model, decision: Model | None = None, *, reader: bool = False) -> Planner:
     def told(words: str) -> None:
         pass
 
     models = Models(Chain([model], told), Chain([decision], told) if decision else None)
-    return build_planner(SETTINGS, models=models, reader=False)
+    return build_planner(SETTINGS, models=models, reader=reader)
 
 
 def asked(model: Model, text: str, decision: Model | None = None, **more: object) -> Plan | NoPlan:
+    """What a model makes of ``text`` that no other reader has looked at."""
     request = replace(PlanRequest(text), **more)  # type: ignore[arg-type]
     return asyncio.run(planner_with(model, decision).plan(request))
+
+
+def read(model: Model, text: str, **more: object) -> Plan | NoPlan:
+    """What comes of ``text`` where the learned reader reads it first."""
+    request = replace(PlanRequest(text), **more)  # type: ignore[arg-type]
+    return asyncio.run(planner_with(model, reader=True).plan(request))
 
 
 def names(plan: Plan | NoPlan) -> list[str]:
@@ -72,13 +79,13 @@ def names(plan: Plan | NoPlan) -> list[str]:
 
 
 ODD = "would it be any trouble for you to have the red box end up on the sofa"
-"""Something that no phrase covers."""
+"""Something for a model."""
 GOOD = json.dumps({"action": ["pick_object(red box)", "place_object(sofa)", "finishtask()"], "response": "No trouble."})
 
 
 def test_a_plain_command_asks_no_model() -> None:
     model = Model([GOOD])
-    assert names(asked(model, "go to the kitchen")) == ["navigation"]
+    assert names(read(model, "go to the kitchen")) == ["navigation"]
     assert not model.asked
 
 
@@ -203,23 +210,23 @@ def test_what_has_failed_twice_is_not_tried_again() -> None:
     assert found.exit_code == ExitCode.FAILED
 
 
-def test_a_model_that_cannot_be_asked_leaves_the_phrases_and_says_so() -> None:
+def test_a_model_that_cannot_be_asked_leaves_the_reader_and_says_so() -> None:
     model = Model([Unreachable("The platform test cannot be reached.", hint="Check the network.")])
     found = asked(model, ODD)
     assert isinstance(found, NoPlan)
     assert found.exit_code == ExitCode.MISSING
     assert "cannot be reached" in found.answer
-    assert names(asked(model, "beep")) == ["beep"]
+    assert names(read(model, "beep")) == ["beep"]
 
 
 def test_the_answer_to_a_question_completes_the_command() -> None:
     model = Model(["nonsense"])
     happened = (Said("go forward"), history.asked("How far?"))
-    plan = asked(model, "half a metre", happened=happened)
+    plan = read(model, "half a metre", happened=happened)
     assert isinstance(plan, Plan)
     assert str(plan.actions[0]) == "move_forward(0.5, 0.3)"
     happened = (Said("pick up the thing"), history.asked("Which thing?"))
-    assert [str(action) for action in asked(model, "the red box", happened=happened).actions] == [  # type: ignore[union-attr]
+    assert [str(action) for action in read(model, "the red box", happened=happened).actions] == [  # type: ignore[union-attr]
         "pick_object(red box)"
     ]
     assert not model.asked
@@ -227,20 +234,20 @@ def test_the_answer_to_a_question_completes_the_command() -> None:
 
 def test_a_new_command_instead_of_an_answer_is_a_new_command() -> None:
     happened = (Said("go forward"), history.asked("How far?"))
-    assert names(asked(Model(["nonsense"]), "go to the kitchen", happened=happened)) == ["navigation"]
+    assert names(read(Model(["nonsense"]), "go to the kitchen", happened=happened)) == ["navigation"]
 
 
 def test_a_condition_is_looked_at_and_then_decided_by_what_was_seen() -> None:
     model = Model(["nonsense"])
     text = "if there is a red box on the coffee table, put it in the bin, otherwise beep"
-    first = asked(model, text)
+    first = read(model, text)
     assert names(first) == ["navigation", "seewhat"]
     assert isinstance(first, Plan)
     assert not first.finished
     happened = (Said(text), first, history.ran("seewhat()"))
-    there = asked(model, "", happened=happened, sees=lambda thing: thing == "red box")
+    there = read(model, "", happened=happened, sees=lambda thing: thing == "red box")
     assert names(there) == ["pick_object", "place_in_bin"]
-    assert names(asked(model, "", happened=happened, sees=lambda thing: False)) == ["beep"]
+    assert names(read(model, "", happened=happened, sees=lambda thing: False)) == ["beep"]
     assert not model.asked
 
 
@@ -292,32 +299,6 @@ def test_a_small_model_that_has_nothing_to_say_makes_the_robot_ask() -> None:
     found = asked(Model(['{"response": "Understood."}'], local=True), "well how about that then, my old friend")
     assert isinstance(found, NoPlan)
     assert found.exit_code == ExitCode.CLARIFY
-
-
-def test_where_a_condition_cannot_be_taken_apart_a_small_model_is_not_asked_where_to_look() -> None:
-    model = Model([WHOLE], local=True)
-    plan = asked(model, "go find out if block one is still sitting on the workbench and if it isn't go dancing")
-    assert names(plan) == ["navigation", "seewhat"]
-    assert isinstance(plan, Plan)
-    assert not plan.finished
-    assert not model.asked
-
-
-def test_of_several_clauses_a_small_model_is_asked_about_the_one_that_phrases_do_not_understand() -> None:
-    model = Model(['{"action": ["navigation(study)"]}'], local=True)
-    plan = asked(model, "beep twice, mosey off in the study's direction, and then dance")
-    assert names(plan) == ["beep", "beep", "navigation", "dance"]
-    assert isinstance(plan, Plan)
-    assert plan.source == "local"
-    (question,) = model.asked
-    assert question.messages[-1].text.endswith("mosey off in the study's direction")
-    assert question.messages[-2].text == "beep(0.2); beep(0.2)"
-
-
-def test_what_it_refers_to_may_be_in_another_clause() -> None:
-    model = Model(['{"action": ["pick_object(red box)"]}'], local=True)
-    plan = asked(model, "have a go at the red box and then put it on the desk")
-    assert names(plan) == ["pick_object", "place_object"]
 
 
 @pytest.mark.parametrize(
@@ -398,15 +379,15 @@ def test_a_condition_that_nobody_understood_is_a_question() -> None:
 
 
 def test_a_misspelt_place_is_asked_about_and_a_yes_goes_there() -> None:
-    found = asked(Model([GOOD]), "go to teh kichen")
+    found = read(Model([GOOD]), "go to teh kichen")
     assert isinstance(found, NoPlan)
     assert (found.answer, found.suggestions) == (
         "I don't know a place called teh kichen. Shall I go to the kitchen?",
         ("kitchen",),
     )
     before = (Said("go to teh kichen"), found)
-    assert names(asked(Model([GOOD]), "yes please", happened=before)) == ["navigation"]
-    far = asked(Model([GOOD]), "go to the moon")
+    assert names(read(Model([GOOD]), "yes please", happened=before)) == ["navigation"]
+    far = read(Model([GOOD]), "go to the moon")
     assert isinstance(far, NoPlan)
     assert far.answer.startswith("I don't know a place called moon. I know kitchen")
 

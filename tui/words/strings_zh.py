@@ -581,7 +581,7 @@ SETTING_ABOUTS: Final = {
     "voice.volume": "语音和提示音的音量，0 到 1。",
     "audio.device": "麦克风的名称（或一部分）或编号，或卫星设备 tcp://HOST:PORT；不写：系统默认。",
     "wake.words": "唤醒词（`sayso wake list`），用逗号隔开；auto：已安装的 hey jarvis 和 hey sayso。",
-    "planner.profile": "另外用哪些大模型思考（profiles.yaml）：phrases（不用）、local、international、china，或自己的。",
+    "planner.profile": "还用哪些大模型思考（profiles.yaml）：phrases（不用）、local、international、china，或自己的。",
 }
 SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文"}
 NO_VALUE: Final = "系统默认"

@@ -31,6 +31,7 @@ from engine.planner.doing.moving import (
     patrol,
     turn,
     turn_around,
+    turn_to_no_side,
     unspecified,
     wait,
 )
@@ -89,7 +90,7 @@ _ACTS: Final[Mapping[str, Callable[[Doing, Roles], Calls]]] = {
     "turn_left": turn("move_left"),
     "turn_right": turn("move_right"),
     "move": unspecified,
-    "turn": unspecified,
+    "turn": turn_to_no_side,
     "turn_around": turn_around,
     "face": face,
     "leave": leave,

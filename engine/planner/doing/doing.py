@@ -6,7 +6,7 @@ A role that no act has used stops the plan: nothing that was said is left out si
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from engine.plan import MAX_ACTIONS, ActionCall
@@ -17,6 +17,7 @@ from engine.understanding.meaning import Do, Role
 
 _VAGUE: Final = re.compile(r"\b(?:some|any)?(?:thing|one|stuff)$|\banother$|东西$|一个$|个$")
 """Ends of what names nothing in particular."""
+_ANY_OF: Final = re.compile(r"(?:an?|any|some|either)\b(?! (?:other|certain))|随便|任意|任何|一[个只瓶杯盒]")
 _EITHER: Final = re.compile(r"\bor\b|还是|或者")
 MOST: Final = MAX_ACTIONS + 1
 """One more than any plan may have: what is said too often is turned down for its length."""
@@ -70,6 +71,8 @@ class Doing:
         if _EITHER.search(words.casefold()):
             raise Open("what_do")
         found = self.entities.of(words)
+        if found.which and _ANY_OF.match(words.casefold()):  # any of them will do
+            return replace(found, which="", thing=self.entities.near(words))
         if found.which:
             raise Which(found.which)
         return found

@@ -37,17 +37,23 @@ def fetched(doing: Doing, words: str, source: str) -> Calls:
 
 
 def pick_up(doing: Doing, roles: Roles) -> Calls:
-    things = roles.all("thing")
-    if not things:
-        raise Open("which_thing")
+    things = roles.all("thing") or _it(doing)
     if len(things) > 1:
         raise Unable("full", things[0])
     return fetched(doing, things[0], source_of(doing, roles, things[0]))
 
 
+def _it(doing: Doing) -> tuple[str, ...]:
+    """What is meant where no thing is said: the one that was named last."""
+    if not doing.named:
+        raise Open("which_thing")
+    return ("it",)
+
+
 def put(doing: Doing, roles: Roles) -> Calls:
     things, place, source = roles.all("thing"), roles.words("place"), roles.words("source")
-    if not place and not things:
+    unnamed = all(doing.entity(words).refers for words in things) and not (doing.named or doing.holding)
+    if not place and unnamed:
         return call("putdown")
     made: Calls = ()
     for words in things or ("it",):
@@ -63,6 +69,12 @@ def put(doing: Doing, roles: Roles) -> Calls:
     return made
 
 
+_BESIDE: Final = re.compile(
+    r"^(?:next to|beside|by|near|close to|in front of|behind|under|underneath|against|at|over by|around|"
+    r"to the \w+ of)\b|"
+    r"(?:旁边?|边上|附近|前面?|后面?|下面?|底下|跟前)$"
+)
+"""Words for a place at a piece of furniture that is not on it."""
 _WHERE_IT_BELONGS: Final = re.compile(r"\b(?:its|their)\b.*\b(?:place|spot|home|position)|\bbelongs?\b|该[在放]|原位")
 
 
@@ -80,8 +92,8 @@ def _put_one(doing: Doing, words: str, place: str, source: str) -> Calls:
         return call("tidy", colour, target.surface)
     if target.place is not None:
         doing.place = target.place
-    surface = target.surface
-    if surface is not None and surface != target.room and (surface == BIN or target.place is None or doing.in_hand):
+    surface = None if target.place is not None and _BESIDE.search(place.casefold()) else target.surface
+    if surface is not None and surface != target.room:
         put = call("place_in_bin") if surface == BIN else call("place_object", surface)
         return (*fetched(doing, words, source or source_of(doing, Roles(Do("put")), words)), *put)
     if target.me or target.place is not None:
@@ -105,16 +117,14 @@ def carried(doing: Doing, words: str, place: str, source: str) -> Calls:
         raise Unable("full", doing.in_hand)
     at = doing.where(source) if source else doing.entities.of(words).at
     where = (at.surface or at.room) if at is not None else None
-    if source and where is None:
+    if source and where is None and not doing.entity(source).refers:
         raise NowhereKnown(doing.entities.near(source))
     return call("carry", thing, place, *((where,) if where else ()))
 
 
 def bring(doing: Doing, roles: Roles) -> Calls:
-    things, source = roles.all("thing"), roles.words("source")
+    things, source = roles.all("thing") or _it(doing), roles.words("source")
     person, place = roles.words("person"), roles.words("place")
-    if not things:
-        raise Open("which_thing")
     goal = ZERO_SYMBOL
     if person:
         who = doing.entity(person)

@@ -73,10 +73,10 @@ def count(doing: Doing, roles: Roles) -> Calls:
 
 
 def check(doing: Doing, roles: Roles) -> Calls:
-    state, place = roles.words("state"), roles.words("place")
-    if place:
+    state, places = roles.words("state"), roles.all("place")
+    if places:
         roles.all("thing"), roles.all("person")
-        return looked(doing, place)
+        return tuple(made for place in places for made in looked(doing, place))
     words = roles.words("thing") or roles.words("person")
     if not words or state:
         raise Unable("state", state)

@@ -8,8 +8,8 @@ from typing import Final
 
 from engine.plan import Quantity
 from engine.planner import amounts
+from engine.planner.conventions import DRIVE_SPEED, FULL, HALF, QUARTER, TURN_SPEED
 from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Roles, Unable
-from engine.planner.phrases.conventions import DRIVE_SPEED, FULL, HALF, QUARTER, TURN_SPEED
 from engine.planner.phrases.said import Calls, call
 from engine.skills.places import ZERO_SYMBOL
 
@@ -72,6 +72,14 @@ def unspecified(doing: Doing, roles: Roles) -> Calls:
     raise Open("which_way")
 
 
+def turn_to_no_side(doing: Doing, roles: Roles) -> Calls:
+    """A turn after which it is the same, to whichever side it went; any other one is asked about."""
+    degrees = amounts.angle(roles.words("amount"))
+    if degrees is None or degrees % HALF:
+        raise Open("which_way")
+    return call("move_left", Quantity(degrees, "deg"))
+
+
 def turn_around(doing: Doing, roles: Roles) -> Calls:
     amount, often = roles.words("amount"), roles.words("times")
     degrees = amounts.angle(amount) if amount else HALF
@@ -124,8 +132,13 @@ def meet(doing: Doing, roles: Roles) -> Calls:
 
 def go_back(doing: Doing, roles: Roles) -> Calls:
     words = roles.words("place")
-    found = doing.entity(words) if words else None
-    return call("navigation", found.place if found is not None and found.place else ZERO_SYMBOL)
+    if not words or doing.entity(words).me or _STARTED.search(words.casefold()):
+        return call("navigation", ZERO_SYMBOL)
+    return charge(doing, roles) if _CHARGING.search(words.casefold()) else call("navigation", doing.spot(words))
+
+
+_STARTED: Final = re.compile(r"\bwhere\b|start|before|came from|original|previous|出发|原|刚才|之前|来的")
+_CHARGING: Final = re.compile(r"charg|dock|充电")
 
 
 def charge(doing: Doing, roles: Roles) -> Calls:
@@ -263,7 +276,11 @@ def _several(doing: Doing, words: str) -> list[str]:
 
 def wait(doing: Doing, roles: Roles) -> Calls:
     place, time = roles.words("place"), roles.words("time")
+    if place and doing.entity(place).refers:
+        place = ""  # where it is, or has just gone to
     others = [words for words in roles.all("person") if not doing.entity(words).me]
+    if roles.words("person") and not others and not time and not place and doing.calls:
+        return ()  # for the speaker, where it has just gone to
     if others and not time and not place:
         if not doing.calls or doing.calls[-1].name != "navigation":
             raise Unable("person", others[0])

@@ -36,6 +36,8 @@ def one_by_one(act: Do, doing: Doing) -> Do:
             roles += [replace(role, words=name) for name in _members(doing, role.words, without)]
         elif role.name != "except":
             roles.append(role)
+    named = [doing.entity(role.words).thing if role.name == "thing" else None for role in roles]
+    roles = [role for at, role in enumerate(roles) if named[at] is None or named[at] not in named[:at]]
     return replace(act, act="put" if to_a_place else act.act, roles=tuple(roles))
 
 

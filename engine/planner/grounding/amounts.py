@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from typing import Final
 
 from engine.plan import Action
+from engine.planner.conventions import DRIVE_SPEED, FULL, HALF, QUARTER, TURN_SPEED, Manner
 from engine.planner.grounding.grounds import Grounds
-from engine.planner.phrases.conventions import DRIVE_SPEED, FULL, HALF, QUARTER, TURN_SPEED, Manner
 from engine.skills.registry import Parameter
 
 _SLOW: Final = re.compile(

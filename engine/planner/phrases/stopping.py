@@ -58,7 +58,7 @@ class _StopWords:
 
         anywhere, alone = any_of(stop("anywhere")), any_of(stop("anywhere") + stop("alone"))
         around = any_of(stop("interjections"))
-        self._fillers = re.compile(any_of(section("fillers") + stop("fillers")))
+        self._fillers = re.compile(any_of(stop("fillers")))
         self._anywhere = re.compile(rf"(?:{around} )*+{anywhere}(?: (?:{anywhere}|{around}))*+")
         self._alone = re.compile(rf"(?:{alone}|{around})(?: (?:{alone}|{around}))*+")
         self._any = re.compile(alone)

@@ -12,9 +12,9 @@ from dataclasses import replace
 from typing import Final
 
 from engine.plan import ActionCall, Quantity
+from engine.planner.conventions import QUARTER
 from engine.planner.grounding.grounds import resolved
 from engine.planner.grounding.statement import Statement, said_names
-from engine.planner.phrases.conventions import QUARTER
 from engine.planner.phrases.said import Calls
 from engine.planner.stages.slots import by_kind
 from engine.skills.places import ZERO_SYMBOL

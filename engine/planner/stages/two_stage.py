@@ -99,7 +99,7 @@ class TwoStage:
         registry: SkillRegistry,
         covers: Callable[[str], bool],
         mend: Callable[[Calls, str], Calls],
-        left_out: Callable[[Sequence[Action], str, Language], str],
+        left_out: Callable[[Sequence[Action], str], str],
         doubts: Doubts,
         tell: Callable[[Sequence[Action], Language], Told],
         *,
@@ -162,7 +162,7 @@ class TwoStage:
             if self.is_small and found.code in _CHALLENGED and self._covers(request.text):
                 raise PlanError(_CHALLENGED[found.code])
             return
-        missing = self._left_out(found.actions, request.text, language) if found.actions else ""
+        missing = self._left_out(found.actions, request.text) if found.actions else ""
         if missing and found.source == "local":
             raise PlanError(f"You left out: “{missing}”.")
 

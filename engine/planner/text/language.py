@@ -12,7 +12,7 @@ from typing import Any, Final, Literal
 import yaml
 
 from engine.errors import UsageError
-from engine.han import HAN, all_apart
+from engine.han import HAN
 
 _FOLDER = files("assets") / "phrases"
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml is ten times as fast, where it is built in
@@ -32,19 +32,19 @@ def language_of(text: str) -> Literal["en", "zh"]:
     return "zh" if rest and _HOLDS_TOGETHER.search(beginning) is None else "en"
 
 
-@lru_cache
 def load(language: str) -> Mapping[str, Any]:
-    """The sections of a language that plans are made in, with Chinese characters as words of their own except in
-    answers. Raises :class:`UsageError` when that is none of them."""
-    for name, sections in all_phrases().items():
-        if name == language and "intents" in sections:
-            return sections if name == "en" else {**all_apart(sections), "answers": sections["answers"]}
-    raise UsageError(f"There are no phrases for the language {language!r}.", hint="Set planner.language to en or zh.")
+    """The sections of a language. Raises :class:`UsageError` where there is none of this name."""
+    try:
+        return all_phrases()[language]
+    except KeyError:
+        raise UsageError(
+            f"There are no phrases for the language {language!r}.", hint="Set planner.language to en or zh."
+        ) from None
 
 
 @lru_cache
 def all_phrases() -> Mapping[str, Mapping[str, Any]]:
-    """The sections of every phrase file, as they stand there, by language. Some hold only what stops a robot."""
+    """The sections of every phrase file by language."""
     return {
         file.name.removesuffix(".yaml"): read(file)
         for file in sorted(_FOLDER.iterdir(), key=lambda file: file.name)

@@ -1,1 +1,0 @@
-"""Other ways to say the same: each reading is a request in plainer words."""
