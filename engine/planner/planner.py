@@ -11,7 +11,7 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 from engine.commands import MAX_TEXT, too_long
@@ -28,13 +28,13 @@ from engine.planner.phrases.asked import Asked
 from engine.planner.phrases.phrases import Phrases, Told
 from engine.planner.phrases.stopping import is_end_task, is_only_stop, is_stop
 from engine.planner.refusal import impossible, refusal
-from engine.planner.request import Language, NoPlan, PlanRequest, Plans, Said
+from engine.planner.request import Heard, Language, NoPlan, PlanRequest, Plans, Said
 from engine.planner.sentences import SAID
 from engine.planner.stages.knowledge import Knowledge
 from engine.planner.stages.two_stage import TwoStage
 from engine.planner.text.conditions import CONDITION, IF_POLITE
 from engine.planner.text.language import language_of
-from engine.planner.understood import Reads, Understood
+from engine.planner.understood import CERTAIN, LIKELY, Reads, Understood
 from engine.planner.validation import Validation
 from engine.skills.registry import SkillRegistry
 from engine.skills.vocabulary import Vocabulary
@@ -49,15 +49,6 @@ _CALL: Final = re.compile(r"\s*([a-z]\w*)\s*\(")
 """What an action begins with that is written as such."""
 _WORDS_ONLY: Final = frozenset({"say", "finishtask", "report_pose", "list_skills"})
 """Actions that move nothing and change nothing."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Heard:
-    """A request in the language that it is answered in."""
-
-    request: PlanRequest
-    text: str
-    language: Language
 
 
 class Planner:
@@ -124,7 +115,7 @@ class Planner:
             return await self._after_feedback(request, text, language)
         if (refused := await asyncio.to_thread(refusal, text)) is not None:
             return NoPlan(text, f"refused_{refused.kind}", refused.reason, ExitCode.REFUSED)
-        heard = _Heard(request, text, language)
+        heard = Heard(request, text, language)
         for step in (self._stopped, self._agreed, self._asked_for, self._read, self._withheld):
             if (found := await step(heard)) is not None:
                 return found
@@ -148,7 +139,7 @@ class Planner:
 
     # The steps of planning: each answers, or leaves the request to the next one
 
-    async def _stopped(self, heard: _Heard) -> Plan | NoPlan | None:
+    async def _stopped(self, heard: Heard) -> Plan | NoPlan | None:
         """What stops the robot, or ends the task."""
         phrases = self._phrases(heard.language)
         if is_stop(heard.text):
@@ -158,7 +149,7 @@ class Planner:
             return self._told(heard, (ActionCall("finish_dialogue"),), phrases.phrase("end_task"))
         return None
 
-    async def _agreed(self, heard: _Heard) -> Plan | NoPlan | None:
+    async def _agreed(self, heard: Heard) -> Plan | NoPlan | None:
         """What the robot has offered, and the user says yes to."""
         question = last_question(heard.request.happened)
         if question is None:
@@ -172,7 +163,7 @@ class Planner:
             return await self.plan(replace(heard.request, text=offered, happened=()))
         return self._told(heard, offered)
 
-    async def _asked_for(self, heard: _Heard) -> Plan | NoPlan | None:
+    async def _asked_for(self, heard: Heard) -> Plan | NoPlan | None:
         """What asks for a skill in the words of its record, by itself or among other things."""
         calls: tuple[ActionCall, ...] = ()
         for part, own in self._asked.pieces(heard.text):
@@ -185,26 +176,25 @@ class Planner:
             calls += self._validation.calls(found)
         return self._told(heard, calls) if calls else None
 
-    async def _read(self, heard: _Heard) -> Plan | NoPlan | None:
+    async def _read(self, heard: Heard) -> Plan | NoPlan | None:
         """What the learned reader makes of it."""
-        request, text, language = heard.request, heard.text, heard.language
-        return await asyncio.to_thread(self._from_meaning, request, text, language)
+        return await asyncio.to_thread(self._from_meaning, heard)
 
-    def _from_meaning(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan | None:
-        """What comes of the meaning of ``text``; no plan for what the robot has no body for, however it is put."""
+    def _from_meaning(self, heard: Heard) -> Plan | NoPlan | None:
+        """What comes of the meaning; no plan for what the robot has no body for, however it is put."""
         if self._learned is None:
             return None
-        if held_back := self._learned.no_order(request, text, language):
+        if held_back := self._learned.no_order(heard):
             return held_back
-        found = self._learned.plan(request, text, language)
+        found = self._learned.plan(heard)
         if isinstance(found, NoPlan) and found.code == "unknown_place":
             return found
-        if isinstance(found, Plan) and self._learned.is_certain(text):
+        if isinstance(found, Plan) and self._learned.is_sure(heard.text, CERTAIN):
             return found
-        why = None if marks(text) else impossible(text)
-        return found if why is None else NoPlan(text, "impossible", why)
+        why = None if marks(heard.text) else impossible(heard.text)
+        return found if why is None else NoPlan(heard.text, "impossible", why)
 
-    async def _withheld(self, heard: _Heard) -> NoPlan | Plan | None:
+    async def _withheld(self, heard: Heard) -> NoPlan | Plan | None:
         """What becomes of a request that may be no order, where the reader has not understood it as one: no model may
         overrule that. None where nothing shows that it is none."""
         found = marks(heard.text)
@@ -221,7 +211,7 @@ class Planner:
             return NoPlan(heard.text, "asked", said["asked"], ExitCode.CLARIFY)
         return answer
 
-    def _told(self, heard: _Heard, calls: Sequence[ActionCall], response: str | None = None) -> Plan | NoPlan:
+    def _told(self, heard: Heard, calls: Sequence[ActionCall], response: str | None = None) -> Plan | NoPlan:
         """The plan of ``calls``, told in the language of the request."""
         told = self._phrases(heard.language).told(calls)
         answer = told.response if response is None else response
@@ -231,23 +221,23 @@ class Planner:
         """What comes of ``text`` by itself, or after the request ``before``; no large model is asked."""
         if not text.strip() or too_long(text) is not None or refusal(text) is not None:
             return None
-        heard = _Heard(PlanRequest(text), text, self._language or language_of(text))
+        heard = Heard(PlanRequest(text), text, self._language or language_of(text))
         if is_stop(text) or is_end_task(text):
             return self._told(heard, (ActionCall("stop"),))
         if calls := self._asked.call(text):
             return self._told(heard, calls)
-        if self._learned is None or not self._learned.is_likely(text):
+        if self._learned is None or not self._learned.is_sure(text, LIKELY):
             return None
         first = self._plain(before) if before else None
         if isinstance(first, Plan):
             last = first.actions[-1:]
             held = str(last[0].args["object"]) if last and last[0].name == "pick_object" else ""
             heard = replace(heard, request=replace(heard.request, happened=(Said(before), first), holding=held))
-        return self._from_meaning(heard.request, text, heard.language)
+        return self._from_meaning(heard)
 
     # Large models
 
-    async def _by_model(self, heard: _Heard) -> Plan | NoPlan:
+    async def _by_model(self, heard: Heard) -> Plan | NoPlan:
         request, language = heard.request, heard.language
         shown = " ".join("".join(c if c.isprintable() else " " for c in heard.text[: 2 * MAX_SHOWN]).split())
         shown = shown if len(shown) <= MAX_SHOWN else f"{shown[:MAX_SHOWN].rstrip()}…"
@@ -273,7 +263,7 @@ class Planner:
         if (
             first
             and self._learned is not None
-            and (decided := await asyncio.to_thread(self._learned.decided, request, text, language))
+            and (decided := await asyncio.to_thread(self._learned.decided, Heard(request, text, language)))
         ):
             return decided
         if self._models is None:

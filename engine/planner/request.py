@@ -141,6 +141,15 @@ class PlanRequest:
     """To be called with each call of a large model when it is over, also when nobody waits for it any more."""
 
 
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """A request, its text, or a part of that, and the language that it is answered in."""
+
+    request: PlanRequest
+    text: str
+    language: Language
+
+
 class Plans(Protocol):
     """Whatever makes plans for a session."""
 

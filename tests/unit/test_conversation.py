@@ -11,7 +11,7 @@ from engine.plan import ActionCall, Plan
 from engine.planner import build
 from engine.planner.options import agreed, chosen
 from engine.planner.planner import Planner
-from engine.planner.request import Happened, NoPlan, PlanRequest, Said
+from engine.planner.request import Happened, Heard, NoPlan, PlanRequest, Said
 from engine.planner.understood import Understood
 from tests.history import asked, planned
 from tests.unit.test_understood import Written
@@ -33,7 +33,7 @@ def understood(reader: Written, monkeypatch: pytest.MonkeyPatch) -> Understood:
 def after(understood: Understood, happened: tuple[Happened, ...], text: str, **about: str) -> str:
     """What is done on ``text``, or asked."""
     request = PlanRequest(text, happened, holding=about.get("holding", ""))
-    found = understood.plan(request, text, "en")
+    found = understood.plan(Heard(request, text, "en"))
     if isinstance(found, Plan):
         return "; ".join(map(str, found.actions)) or found.response
     return "" if found is None else found.answer

@@ -16,7 +16,7 @@ from engine.plan import Plan
 from engine.planner import build
 from engine.planner.accounted import accounted
 from engine.planner.planner import Planner
-from engine.planner.request import NoPlan, PlanRequest, Said
+from engine.planner.request import Heard, NoPlan, PlanRequest, Said
 from engine.planner.understood import MAYBE, SURE, Understood
 from engine.understanding.learned import LearnedReader
 from engine.understanding.meaning import Meaning, meaning_of
@@ -69,7 +69,7 @@ def understood(planner: Planner) -> Understood:
 
 def plan(understood: Understood, text: str, **about: object) -> Plan | NoPlan | None:
     request = replace(PlanRequest(text), **about)  # type: ignore[arg-type]
-    return understood.plan(request, text, "en") or understood.no_order(request, text, "en")
+    return understood.plan(Heard(request, text, "en")) or understood.no_order(Heard(request, text, "en"))
 
 
 def actions(found: Plan | NoPlan | None) -> list[str]:
@@ -116,7 +116,7 @@ def test_what_the_reader_has_missed_stops_its_plan(understood: Understood, reade
     meaning = reader.read(text)
     assert meaning is not None
     assert not accounted(meaning)
-    assert not isinstance(understood.plan(PlanRequest(text), text, "en"), Plan)
+    assert not isinstance(understood.plan(Heard(PlanRequest(text), text, "en")), Plan)
 
 
 def test_what_the_reader_has_missed_is_asked_about_where_nothing_was_taken_back(
@@ -145,7 +145,7 @@ def test_words_that_stand_in_the_meaning_stop_nothing(understood: Understood, re
 
 def test_a_reader_that_does_not_know_hands_on(understood: Understood, reader: Written) -> None:
     text = reader.knows("go | off to {place: the desk}", MAYBE - 0.01)
-    assert understood.plan(PlanRequest(text), text, "en") is None
+    assert understood.plan(Heard(PlanRequest(text), text, "en")) is None
 
 
 def test_a_reader_that_is_not_sure_asks_before_anything_moves(understood: Understood, reader: Written) -> None:
@@ -177,9 +177,9 @@ def test_a_condition_is_looked_at_first_and_decides_then(understood: Understood,
     assert not first.finished
     assert actions(first) == ["navigation(N)", "seewhat()"]
     request = PlanRequest("", sees=lambda thing: thing == "ball")
-    assert actions(understood.decided(request, text, "en")) == ["pick_object(ball)"]
+    assert actions(understood.decided(Heard(request, text, "en"))) == ["pick_object(ball)"]
     request = PlanRequest("", sees=lambda thing: False)
-    assert actions(understood.decided(request, text, "en"))[0].startswith("beep")
+    assert actions(understood.decided(Heard(request, text, "en")))[0].startswith("beep")
 
 
 def test_what_depends_on_a_look_knows_where_it_was(understood: Understood, reader: Written) -> None:
@@ -187,7 +187,7 @@ def test_what_depends_on_a_look_knows_where_it_was(understood: Understood, reade
         "if unseen then clean end | is {1.person: anybody} in {1.place: the study}? if not, clean {2.place: it}"
     )
     request = PlanRequest("", sees=lambda thing: False)
-    assert actions(understood.decided(request, text, "en")) == ["clean_room(study)"]
+    assert actions(understood.decided(Heard(request, text, "en"))) == ["clean_room(study)"]
 
 
 def test_it_in_a_condition_is_what_depends_on_it(understood: Understood, reader: Written) -> None:
@@ -196,7 +196,7 @@ def test_it_in_a_condition_is_what_depends_on_it(understood: Understood, reader:
     )
     assert actions(plan(understood, text)) == ["navigation(M)", "seewhat()"]
     request = PlanRequest("", sees=lambda thing: thing == "white cup")
-    assert actions(understood.decided(request, text, "en")) == ["pick_object(white cup)"]
+    assert actions(understood.decided(Heard(request, text, "en"))) == ["pick_object(white cup)"]
 
 
 def test_readings_that_come_to_the_same_are_as_likely_as_all_of_them(understood: Understood, reader: Written) -> None:

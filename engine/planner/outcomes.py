@@ -1,0 +1,263 @@
+"""What one meaning comes to: a plan, an answer, a question, or why there is none.
+
+The entities of this house say what the words of the meaning name, ``doing`` turns its acts into actions, and only the
+skill registry makes a plan of them. What is said to the robot as somebody it talks with ("again", "go on", "what do you
+hold") is answered from what is on record.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Final
+
+from engine.errors import ExitCode
+from engine.plan import Action, ActionCall, Plan
+from engine.planner import about_itself, amounts
+from engine.planner.doing.acts import calls_of
+from engine.planner.doing.conditions import of_itself, sought, with_antecedent
+from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, Which
+from engine.planner.doing.looking import topic_of
+from engine.planner.entities import Entities
+from engine.planner.happened import last_question, named_last, planned_last
+from engine.planner.phrases.phrases import Phrases, Told
+from engine.planner.phrases.said import Calls
+from engine.planner.request import Heard, Language, NoPlan
+from engine.planner.sentences import SAID
+from engine.planner.unknown_places import room_instead, unknown
+from engine.planner.validation import Validation
+from engine.skills.vocabulary import Vocabulary
+from engine.understanding.meaning import About, Do, If, Meaning, Node, Not, Repeat, Retract, Role
+
+DOUBT: Final = 0.15
+"""How much the reader may doubt that a request is an order for something of it to be done."""
+_ASKED: Final = frozenset({"condition", "every", "until", "times", "role"})
+"""What is asked about rather than turned down."""
+_UNITS: Final = ("m", "deg", "s", "m/s")
+_SOMEBODY: Final = re.compile(r"him|her|them|they|he|she|someone|somebody|他们?|她们?|谁|有人")
+_NO_ORDERS: Final = frozenset({"talk", "fact"})
+_OF_THE_SESSION: Final = frozenset({"answer", "report", "yes", "no", "fragment", "again", "undo", "resume", "other"})
+"""Acts of the conversation, and what no skill serves."""
+
+
+class Outcomes:
+    """Makes plans of meanings, for one house."""
+
+    def __init__(
+        self,
+        phrases: Callable[[Language], Phrases],
+        validation: Validation,
+        vocabulary: Vocabulary,
+        entities: Entities,
+        tell: Callable[[Sequence[Action], Language], Told],
+    ) -> None:
+        """``tell`` tells actions in a language."""
+        self._phrases = phrases
+        self._tell = tell
+        self._validation = validation
+        self._vocabulary = vocabulary
+        self._entities = entities
+        self._inventory = vocabulary.inventory()
+
+    def of(self, meaning: Meaning, heard: Heard) -> Plan | NoPlan | None:
+        """What comes of one meaning; None where it is for others: what no skill serves."""
+        wanted = tuple(node for node in meaning.wanted() if _is_order(node))
+        wanted = tuple(node for node in wanted if not _is_answer(node)) or wanted
+        if not wanted:
+            return self._no_act(meaning, heard)
+        if len(wanted) == 1 and isinstance(act := wanted[0], Do) and act.act in _OF_THE_SESSION:
+            return self._of_the_session(act, heard)
+        if meaning.doubt > DOUBT and not meaning.has(Retract) and not meaning.has(Not):
+            return _question(heard, "no_order", SAID[heard.language]["no_order_doubt"])
+        request = heard.request
+        thing, place = self._told_of(meaning)
+        thing = thing or named_last(request.happened, "object") or request.holding or self._only_seen(request.seen)
+        return self._done(wanted, heard, thing, place or named_last(request.happened, "place"))
+
+    def after(self, meaning: Meaning, heard: Heard, sees: Callable[[str], bool] | bool) -> Plan | NoPlan | None:
+        """What is to be done after the look of a condition; ``sees`` says what was seen, or whether it holds."""
+        wanted = meaning.wanted()
+        index = next((at for at, node in enumerate(wanted) if isinstance(node, If)), None)
+        if index is None:
+            return None
+        node = wanted[index]
+        assert isinstance(node, If)
+        try:
+            doing = Doing(self._entities, heard.request.holding)
+            looked_for = sought(doing, with_antecedent(node, self._entities))
+        except (Open, Which, NowhereKnown, Unable):
+            return None
+        thing, holds = looked_for.thing, sees if isinstance(sees, bool) else looked_for.holds(sees)
+        branch = node.then if holds else node.otherwise
+        rest = (*_only_wanted(branch), *wanted[index + 1 :])
+        if not rest:
+            tells = ("present", "absent") if looked_for.count is None else ("so_many", "not_so_many")
+            told = SAID[heard.language][tells[holds != looked_for.there]].format(thing=thing)
+            return _answer(heard, told)
+        found = self._done(rest, heard, thing, doing.place)
+        return found if found is not None else _answer(heard, SAID[heard.language]["all_right"])
+
+    def _told_of(self, meaning: Meaning) -> tuple[str, str]:
+        """The thing and the place of which something is told before the order: "that bottle's empty, bin it"."""
+        facts = [node for node in meaning.nodes if isinstance(node, Do) and node.act == "fact"]
+        things = [self._entities.of(words).thing for node in facts for words in node.all("thing")]
+        places = [self._entities.of(words).place for node in facts for words in node.all("place")]
+        return next(filter(None, things), ""), next(filter(None, places), "")
+
+    def _no_act(self, meaning: Meaning, heard: Heard) -> Plan | NoPlan | None:
+        """The answer to what asks for nothing: small talk, or that what was said before is taken back."""
+        phrases = self._phrases(heard.language)
+        if _takes_all_back(meaning):
+            return _answer(heard, SAID[heard.language]["all_right"])
+        if meaning.nodes and all(isinstance(node, Do) and node.act == "talk" for node in meaning.nodes):
+            return _answer(heard, phrases.talk(heard.text))
+        return None
+
+    def _of_the_session(self, act: Do, heard: Heard) -> Plan | NoPlan | None:
+        """What acts of the conversation come to."""
+        happened, phrases = heard.request.happened, self._phrases(heard.language)
+        match act.act:
+            case "again" if last := planned_last(happened):
+                count = amounts.times(act.words("times")) or 1
+                return self._once_more(last * min(count, MOST), heard)
+            case "resume":
+                return self._continued(heard)
+            case "report":
+                return self._reported(act, heard)
+            case "answer":
+                return _answer(heard, phrases.talk(heard.text, asks=True))
+            case "yes" | "no" if last_question(happened) is None:
+                return _answer(heard, SAID[heard.language]["all_right"])
+            case "fragment" if not happened and (talk := phrases.only_talk(heard.text)):
+                return _answer(heard, talk)
+            case "fragment" if act.words("place") and len(act.roles) == 1:
+                return self._done((replace(act, act="go"),), heard)
+            case "fragment" | "again" | "undo":
+                return _question(heard, "incomplete", phrases.question("what_do"))
+        return None
+
+    def _once_more(self, actions: tuple[Action, ...], heard: Heard) -> Plan | NoPlan:
+        actions = (replace(actions[0], alongside=False), *actions[1:])
+        told = self._tell(actions, heard.language)
+        calls = self._validation.calls(Plan(heard.text, actions, "", "reader"))
+        return _sourced(self._validation.of(heard.text, calls, told.steps, told.response))
+
+    def _continued(self, heard: Heard) -> Plan | NoPlan:
+        """What an interruption left of the last plan."""
+        if why := about_itself.cannot_continue(heard.request.on_record, heard.language):
+            return _question(heard, "nothing_to_continue", why)
+        first, *others = heard.request.on_record.left
+        left = (replace(first, alongside=False), *others)
+        told = self._tell(left, heard.language)
+        return Plan(heard.text, left, told.response, "reader", told.steps)
+
+    def _reported(self, act: Do, heard: Heard) -> Plan | NoPlan | None:
+        """What the robot tells about itself: from what is on record, or with a skill."""
+        kind = topic_of(f"{act.words('topic')} {heard.text}")
+        if kind in ("report_pose", "seewhat", "list_skills"):
+            return self._planned(heard, (ActionCall(kind),))
+        answer = about_itself.of(kind, heard.request.on_record, heard.request.holding, heard.language)
+        return _answer(heard, answer or SAID[heard.language]["asked"])
+
+    def _only_seen(self, seen: Sequence[str]) -> str:
+        """The one thing that was seen; empty where there are several, or none."""
+        names = [name for name in self._inventory if any(name in told for told in seen)]
+        return names[0] if len(names) == 1 and len(seen) == 1 else ""
+
+    def _done(
+        self, acts: Sequence[Do | If | Repeat], heard: Heard, named: str = "", place: str = ""
+    ) -> Plan | NoPlan | None:
+        """The plan of what is wanted; ``named`` is the thing that "it" is at first, ``place`` the symbol of "there"."""
+        doing = Doing(self._entities, heard.request.holding, named, place, greeting=SAID[heard.language]["hello"])
+        acts = tuple(self._completed(node) if isinstance(node, Do) else node for node in acts)
+        try:
+            index = next((index for index, node in enumerate(acts) if isinstance(node, If)), None)
+            if index is not None:
+                first = calls_of(acts[:index], doing)
+                node = acts[index]
+                assert isinstance(node, If)
+                condition = with_antecedent(node, self._entities)
+                if (holds := of_itself(doing, condition)) is not None:  # there is nothing to look at
+                    branch = _only_wanted(node.then if holds else node.otherwise)
+                    rest = (*acts[:index], *branch, *acts[index + 1 :])
+                    nothing = _answer(heard, SAID[heard.language]["all_right"])
+                    return self._done(rest, heard, named, place) if rest else nothing
+                found = self._planned(heard, (*first, *sought(doing, condition).look))
+                return replace(found, finished=False) if isinstance(found, Plan) else found
+            calls = calls_of(acts, doing)
+            if not calls:
+                return None
+            return self._validation.one_of(self._planned(heard, calls), heard.request, heard.language)
+        except Open as gap:
+            return _question(heard, "incomplete", self._phrases(heard.language).question(gap.question))
+        except Which as several:
+            return _question(heard, "ambiguous", str(several))
+        except NowhereKnown as place:
+            return self._unknown(heard, place.words)
+        except Unable as why:
+            asks = why.what == "person" and _SOMEBODY.fullmatch(why.words.casefold())
+            code = ExitCode.CLARIFY if asks or why.what in _ASKED else ExitCode.FAILED
+            key = f"unable_{why.what}"
+            return NoPlan(heard.text, key, SAID[heard.language][key].format(words=why.words), code)
+
+    def _completed(self, act: Do) -> Do:
+        """The act with what a correction leaves to what it corrects: a unit ("no, two"), a kind ("the blue one")."""
+        return replace(act, roles=tuple(self._completed_role(role) for role in act.roles))
+
+    def _completed_role(self, role: Role) -> Role:
+        if not role.instead_of:
+            return role
+        if role.name == "thing":
+            old = self._entities.near(role.instead_of)
+            if (alike := self._entities.like(role.words, self._entities.of(role.instead_of).thing or old)) is not None:
+                return replace(role, words=alike)
+        if role.name in ("amount", "time") and (number := amounts.number(role.words)) is not None:
+            unit = next((unit for unit in _UNITS if amounts.quantity(role.instead_of, unit) is not None), "")
+            return replace(role, words=f"{number:g} {unit}")
+        return role
+
+    def _planned(self, heard: Heard, calls: Calls) -> Plan | NoPlan:
+        told = self._phrases(heard.language).told(calls)
+        return _sourced(self._validation.of(heard.text, calls, told.steps, told.response))
+
+    def _unknown(self, heard: Heard, name: str) -> NoPlan:
+        """A journey to a place that the map does not have."""
+        offered = room_instead(heard.text, name, self._vocabulary, heard.language)
+        return offered or unknown(heard.text, name, self._phrases(heard.language).places, heard.language)
+
+
+def _answer(heard: Heard, words: str) -> Plan:
+    """Words alone; nothing is done."""
+    return Plan(heard.text, (), words, "reader")
+
+
+def _question(heard: Heard, code: str, words: str) -> NoPlan:
+    return NoPlan(heard.text, code, words, ExitCode.CLARIFY)
+
+
+def _sourced(found: Plan | NoPlan) -> Plan | NoPlan:
+    return replace(found, source="reader") if isinstance(found, Plan) else found
+
+
+def is_no_order(meaning: Meaning) -> bool:
+    """Whether nothing in it is to be done; small talk and what takes all back, which have their own answers, apart."""
+    talk = all(isinstance(node, Do) and node.act != "fact" for node in meaning.nodes)
+    return not talk and not _takes_all_back(meaning) and not any(_is_order(node) for node in meaning.wanted())
+
+
+def _takes_all_back(meaning: Meaning) -> bool:
+    return meaning.has(Retract) and not meaning.has(Not) and not meaning.has(About) and not meaning.wanted()
+
+
+def _is_order(node: Node) -> bool:
+    return not (isinstance(node, Do) and node.act in _NO_ORDERS)
+
+
+def _is_answer(node: Node) -> bool:
+    """ "Fine, then …": what follows it is the order."""
+    return isinstance(node, Do) and node.act in ("yes", "no")
+
+
+def _only_wanted(nodes: Sequence[Node]) -> tuple[Do | If | Repeat, ...]:
+    return tuple(node for node in nodes if isinstance(node, (Do, If, Repeat)))
