@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from typing import Final, get_args
 
 from engine.han import is_chinese
@@ -94,6 +95,22 @@ def is_cut_off(text: str) -> bool:
     return _CUT_OFF.search(text.casefold()) is not None
 
 
+def without_an_empty_branch(meaning: Meaning) -> Meaning:
+    """The meaning without a retraction that is only what a condition leaves undone: "…; if not, never mind"."""
+    *before, last = meaning.nodes or (Retract(),)
+    if not isinstance(last, Retract) or not before or not isinstance(before[-1], If):
+        return meaning
+    back = [mark for mark in marks(meaning.text) if mark.kind == "taken_back"]
+    plain = _plain(meaning.text)
+    if not back or not _OTHERWISE.search(plain[: max(plain.rfind(back[-1].words), 0)]):
+        return meaning
+    return replace(meaning, nodes=tuple(before))
+
+
+def _plain(text: str) -> str:
+    return " ".join(text.casefold().replace("’", "'").split())
+
+
 def sides_stand(meaning: Meaning) -> bool:
     """Whether it goes to no side that was not said."""
     return _sides_stand(meaning.text.casefold(), list(walk(meaning.nodes)))
@@ -109,7 +126,7 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
         return True  # "no, not that one, the other": it corrects what was said before
     acts = _acts(nodes)
     quoted = [role.words.casefold() for node in nodes for role in _roles(node) if role.name in _OF_WORDS]
-    plain = " ".join(meaning.text.casefold().replace("’", "'").split())
+    plain = _plain(meaning.text)
     for mark in marks(meaning.text):
         if depends and _OTHERWISE.search(plain[: max(plain.rfind(mark.words), 0)]):
             continue  # "… otherwise don't bother"

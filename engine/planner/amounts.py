@@ -14,7 +14,9 @@ _A_BIT: Final = re.compile(
     r"a little|slightly|"
     r"a few (?:cm|centimet(?:re|er)s))(?: (?:more|further))?|一点[点儿]?|一丁点儿?|一小点儿?|一些|一小步|稍微|一丢丢"
 )
+_PART_OF: Final = re.compile(r"(.*\d.*|point .*) of an? (\w+)")
 _AND_SO_MUCH: Final = re.compile(r"\bmet(?:re|er)s? ([a-z-]+|\d\d?)$")
+_MUCH: Final = re.compile(r"\b(?:far|lots?|long|way|much|length|same|as|until|all|many|few|further|more|less|half)\b")
 _ANGLES: Final[tuple[tuple[re.Pattern[str], float], ...]] = (
     (re.compile(r"three quarters|四分之三"), QUARTER + HALF),
     (re.compile(r"quarter|四分之一|直角|right angle"), QUARTER),
@@ -57,10 +59,20 @@ def number(words: str) -> float | None:
 
 def distance(words: str) -> float | None:
     """m; None where the words tell none."""
+    part = _PART_OF.fullmatch(words.casefold().strip())
+    if part is not None and (share := number(part[1])) is not None and (one := quantity(f"1 {part[2]}", "m")):
+        return share * one
     found = quantity(words, "m")
     if found is not None and (more := _AND_SO_MUCH.search(words.casefold())) and (small := number(more[1])) is not None:
         return found + small / 100 if 0 < small < 100 else found  # "one metre twenty"
-    return A_BIT if found is None and _A_BIT.fullmatch(words.casefold().strip()) else found
+    return A_BIT if found is None and _is_a_bit(words.casefold().strip()) else found
+
+
+def _is_a_bit(plain: str) -> bool:
+    """Whether it is no amount but a little: "a hair", "ever so slightly"."""
+    counted = any(token.kind in ("number", "quantity") for token in read_measures(words_of(plain).tokens))
+    told = plain and plain.isascii() and not counted and _MUCH.search(plain) is None
+    return bool(told) or _A_BIT.fullmatch(plain) is not None
 
 
 def angle(words: str) -> float | None:

@@ -114,6 +114,7 @@ _SIDES: Final[tuple[tuple[Side, re.Pattern[str]], ...]] = (
         r"前|前面|前方|正前方|中间|正中|面前"
     )),
 )  # fmt: skip
+_SIDE_OF: Final = re.compile(r"\b(?:on|to) (?:the |your )(left|right)\b|[你的在](左|右)[边侧手]")
 _ZH_INNER: Final = re.compile(rf"(?<=[\u3400-\u9fff])的?[这那]一?{_MEASURE}(?=[\u3400-\u9fff])")
 """In the middle of a noun phrase: "white, that cup" is "that white cup"."""
 _ZH_FRONT: Final = re.compile(
@@ -231,6 +232,12 @@ class Entities:
             return self._object(f"{which} {thing.split()[-1]}")
         except PlanError:
             return None
+
+    def side_in(self, words: str) -> Side | None:
+        """The side that is spoken of in a description: "the wall on your right"."""
+        found = _SIDE_OF.search(words.casefold())
+        side = None if found is None else found[1] or found[2]
+        return None if side is None else "left" if side in ("left", "左") else "right"
 
     def near(self, words: str) -> str:
         """``words`` as a name that may be asked back: without what stands around it."""

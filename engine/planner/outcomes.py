@@ -16,7 +16,7 @@ from engine.errors import ExitCode
 from engine.plan import Action, ActionCall, Plan
 from engine.planner import about_itself, amounts
 from engine.planner.doing.acts import calls_of
-from engine.planner.doing.conditions import of_itself, sought, with_antecedent
+from engine.planner.doing.conditions import looked_for_once, of_itself, sought, with_antecedent
 from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, Which
 from engine.planner.doing.looking import topic_of
 from engine.planner.entities import Entities
@@ -62,7 +62,7 @@ class Outcomes:
 
     def of(self, meaning: Meaning, heard: Heard) -> Plan | NoPlan | None:
         """What comes of one meaning; None where it is for others: what no skill serves."""
-        wanted = tuple(node for node in meaning.wanted() if _is_order(node))
+        wanted = tuple(node for node in self._wanted(meaning) if _is_order(node))
         wanted = tuple(node for node in wanted if not _is_answer(node)) or wanted
         if not wanted:
             return self._no_act(meaning, heard)
@@ -77,7 +77,7 @@ class Outcomes:
 
     def after(self, meaning: Meaning, heard: Heard, sees: Callable[[str], bool] | bool) -> Plan | NoPlan | None:
         """What is to be done after the look of a condition; ``sees`` says what was seen, or whether it holds."""
-        wanted = meaning.wanted()
+        wanted = self._wanted(meaning)
         index = next((at for at, node in enumerate(wanted) if isinstance(node, If)), None)
         if index is None:
             return None
@@ -85,18 +85,28 @@ class Outcomes:
         assert isinstance(node, If)
         try:
             doing = Doing(self._entities, heard.request.holding)
+            calls_of(wanted[:index], doing)  # names what "it" and "there" are
             looked_for = sought(doing, with_antecedent(node, self._entities))
         except (Open, Which, NowhereKnown, Unable):
             return None
         thing, holds = looked_for.thing, sees if isinstance(sees, bool) else looked_for.holds(sees)
         branch = node.then if holds else node.otherwise
         rest = (*_only_wanted(branch), *wanted[index + 1 :])
-        if not rest:
+        if all(self._only_tells(one) for one in rest):
             tells = ("present", "absent") if looked_for.count is None else ("so_many", "not_so_many")
             told = SAID[heard.language][tells[holds != looked_for.there]].format(thing=thing)
             return _answer(heard, told)
         found = self._done(rest, heard, thing, doing.place)
         return found if found is not None else _answer(heard, SAID[heard.language]["all_right"])
+
+    def _wanted(self, meaning: Meaning) -> tuple[Do | If | Repeat, ...]:
+        return _only_wanted(looked_for_once(meaning.wanted(), self._entities))
+
+    def _only_tells(self, node: Node) -> bool:
+        """Whether it asks for no more than the answer: "let me know"."""
+        if not isinstance(node, Do) or node.act not in ("tell", "report") or node.words("text"):
+            return False
+        return all(self._entities.of(words).me for words in node.all("person"))
 
     def _told_of(self, meaning: Meaning) -> tuple[str, str]:
         """The thing and the place of which something is told before the order: "that bottle's empty, bin it"."""

@@ -15,7 +15,7 @@ from typing import Final, Protocol
 from engine.errors import ExitCode
 from engine.events import MeaningRead
 from engine.plan import Action, Plan
-from engine.planner.accounted import accounted, is_cut_off, sides_stand
+from engine.planner.accounted import accounted, is_cut_off, sides_stand, without_an_empty_branch
 from engine.planner.conversation import Conversation
 from engine.planner.entities import Entities
 from engine.planner.not_an_order import marks
@@ -143,7 +143,7 @@ class Understood:
         first = found[0].nodes[0] if answer is not None and found and found[0].nodes else None
         refuses = isinstance(first, Not) or (isinstance(first, Do) and first.act == "no")
         if answer is None or not refuses or marks(text):
-            return found
+            return tuple(map(without_an_empty_branch, found))
         return self._read(text[answer.end() :])  # "no, raise your arm" forbids nothing
 
     def _chosen(self, heard: Heard) -> tuple[Meaning, Plan | NoPlan] | None:

@@ -184,7 +184,7 @@ def test_the_platform_that_the_settings_name_is_the_one_that_is_asked() -> None:
         settings = load(
             environ={"CLOUD_KEY": SECRET},
             overrides=[
-                "profiles.local.vision=cloud",
+                "profiles.phrases.vision=cloud",
                 "platforms.cloud.kind=openai",
                 "platforms.cloud.model=one-that-sees",
                 "platforms.cloud.api_key=${CLOUD_KEY}",

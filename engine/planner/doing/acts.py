@@ -66,6 +66,9 @@ def _repeat(node: Repeat, doing: Doing) -> None:
 
 
 def _do(act: Do, doing: Doing) -> None:
+    if act.act == "again" and doing.calls:
+        doing.calls += doing.last * (amounts.times(act.words("times")) or 1)
+        return
     if act.until is not None and (act := untimed(act)).until is not None:
         raise Unable("until")
     act = one_by_one(act, doing)
@@ -75,6 +78,8 @@ def _do(act: Do, doing: Doing) -> None:
         raise Unable("act")
     made = found(doing, roles)
     roles.must_be_used()
+    doing.went(act)
+    doing.last = made
     if made and act.together and doing.calls:
         made = (replace(made[0], alongside=True), *made[1:])
     doing.calls += made

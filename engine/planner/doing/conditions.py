@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -12,12 +12,14 @@ from engine.planner.doing.moving import anybody
 from engine.planner.entities import Entities
 from engine.planner.phrases.said import Calls, call
 from engine.planner.text.counts import Count, at_least, how_many
-from engine.understanding.meaning import Condition, Do, If
+from engine.understanding.meaning import Condition, Do, If, Node
 
 _TOLD: Final = re.compile(
     r"\b(?:i|we|you(?:'re| are)?|further|told|someone|somebody|he|she|they)\b.*"
     r"\b(?:say|says|said|tell|tells|told|call|calls|shout|stop|stops|whistle|notice|otherwise)|"
-    r"further notice|otherwise|我.*(?:说|叫|喊|让)|叫停|喊停|另行通知"
+    r"further (?:notice|orders|instructions)|otherwise|"
+    r"\b(?:i|we)(?:'m| am|'ve| have)? (?:get |got )?(?:bored|tired|fed up|done|had enough|finished|ready)|"
+    r"我.*(?:说|叫|喊|让)|叫停|喊停|另行通知"
 )
 """The user says so, which ends every action anyway."""
 _GOES_ON: Final = frozenset({"follow", "patrol", "dance"})
@@ -85,6 +87,35 @@ def _about_its_hand(condition: Condition) -> tuple[str, str] | None:
     return state, thing or _HELD_THING.sub("", state).strip()
 
 
+def looked_for_once(nodes: Sequence[Node], entities: Entities) -> tuple[Node, ...]:
+    """The nodes without a search that the condition behind it makes anyway: "look for the ball in the hall, and if it's
+    there dance"."""
+    made: list[Node] = []
+    for node in nodes:
+        last = made[-1] if made else None
+        if isinstance(node, If) and isinstance(last, Do) and last.act in _LOOKS and _about_it(last, node, entities):
+            taken = [role for role in last.roles if role.name in ("thing", "person", "place")]
+            kept = [role for role in node.condition.roles if not entities.of(role.words).refers]
+            names = {role.name for role in kept}
+            roles = (*(role for role in taken if role.name not in names), *kept)
+            made[-1] = replace(node, condition=replace(node.condition, roles=roles))
+        else:
+            made.append(node)
+    return tuple(made)
+
+
+_LOOKS: Final = frozenset({"find", "look", "check"})
+
+
+def _about_it(search: Do, node: If, entities: Entities) -> bool:
+    """Whether a condition is about what was searched for, or lies where it was looked."""
+    thing, place = node.condition.words("thing"), node.condition.words("place")
+    if search.words("thing"):
+        same = entities.of(thing).thing == entities.of(search.words("thing")).thing
+        return bool(thing) and (entities.of(thing).refers or same)
+    return not place or entities.of(place).refers
+
+
 def with_antecedent(node: If, entities: Entities) -> Condition:
     """The condition with the thing that "it" is in it, where that is only named in what depends on it: "pick up the cup
     only if it is on the desk"."""
@@ -136,7 +167,8 @@ def sought(doing: Doing, condition: Condition) -> Sought:
         thing = many[0]
     found = doing.entities.of(thing) if thing else None
     at = found.at.words if not place and found is not None and found.at is not None and found.at.known else place
-    going = call("navigation", doing.spot(at)) if at else ()
+    is_there = bool(at) and bool(doing.calls) and doing.entities.of(at).refers
+    going = call("navigation", doing.spot(at)) if at and not is_there else ()
     look = (*going, *call("seewhat"))
     there = condition.kind == "seen"
     if len(several := condition.all("thing")) > 1:  # "if both … are there", "if neither … is"

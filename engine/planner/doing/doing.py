@@ -23,6 +23,17 @@ MOST: Final = MAX_ACTIONS + 1
 """One more than any plan may have: what is said too often is turned down for its length."""
 
 
+def is_this_room(words: str) -> bool:
+    """Whether it names no more than the room in which the robot is."""
+    return _THIS_ROOM.fullmatch(" ".join(words.casefold().split())) is not None
+
+
+_THIS_ROOM: Final = re.compile(
+    r"(?:(?:all of )?(?:the|this|that|my|our) )?(?:whole |entire )?(?:room|area)(?: here)?|in here|"
+    r"(?:这个?|那个?|整个)?(?:房间|屋子|屋)"
+)
+
+
 class Open(Exception):
     """Something that is needed was not said; ``question`` says what."""
 
@@ -65,6 +76,8 @@ class Doing:
     greeting: str = "Hello."
     """In the speaker's language."""
     calls: list[ActionCall] = field(default_factory=list)
+    last: tuple[ActionCall, ...] = ()
+    """Those of the last act."""
 
     def entity(self, words: str) -> Entity:
         """What ``words`` name. Raises Which where they fit several."""
@@ -76,6 +89,11 @@ class Doing:
         if found.which:
             raise Which(found.which)
         return found
+
+    def went(self, act: Do) -> None:
+        """From now on "there" is where that act was."""
+        places = (self.entities.of(words).place for name in ("source", "place") for words in act.all(name))
+        self.place = next((place for place in reversed(list(places)) if place), self.place)
 
     def where(self, words: str) -> Entity:
         """What words for a place name; "there" is the place that was named last."""
@@ -109,7 +127,8 @@ class Doing:
         found = self.entity(words)
         if found.refers and self.place:
             return self.place
-        if found.vague or found.refers or found.side or (found.place is None and found.superlative):
+        nowhere = found.place is None and (found.superlative or is_this_room(words))
+        if found.vague or found.refers or found.side or nowhere:
             raise Open("where")
         if found.place is None:
             if found.person:

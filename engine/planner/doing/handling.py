@@ -8,7 +8,7 @@ from typing import Final
 from engine.han import is_chinese
 from engine.plan import Quantity
 from engine.planner import amounts
-from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable
+from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable, is_this_room
 from engine.planner.doing.moving import colour_of, is_everywhere
 from engine.planner.phrases.said import Calls, call
 from engine.skills.places import ZERO_SYMBOL
@@ -178,7 +178,7 @@ def tidy(doing: Doing, roles: Roles) -> Calls:
     if thing and not place and _numbered(thing):
         return sort(doing, roles)
     room = doing.entity(thing or place or source)
-    if (room.room or is_everywhere(thing or place)) and not (thing and place):
+    if (room.room or is_everywhere(thing or place) or is_this_room(thing or place)) and not (thing and place):
         return cleaned(room.room)
     colour = colour_of(doing, doing.entity(thing).thing or "") if thing else ""
     if thing and place and colour and (doing.entity(thing).every or thing.casefold().rstrip().endswith("s")):
@@ -215,7 +215,7 @@ def clean(doing: Doing, roles: Roles) -> Calls:
     made: Calls = ()
     for words in roles.all("place") or roles.all("thing"):
         found = doing.where(words)
-        if found.room is None and not (found.refers or is_everywhere(words)):
+        if found.room is None and not (found.refers or is_everywhere(words) or is_this_room(words)):
             raise Unable("act")
         made += cleaned(found.room)
     return made or call("clean_room")

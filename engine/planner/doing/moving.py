@@ -151,7 +151,7 @@ def charge(doing: Doing, roles: Roles) -> Calls:
 
 def face(doing: Doing, roles: Roles) -> Calls:
     for words in (*roles.all("place"), *roles.all("thing"), *roles.all("person")):
-        side = doing.entity(words).side
+        side = doing.entity(words).side or doing.entities.side_in(words)
         if side is None:
             raise Unable("act")
         return turned(side)
@@ -286,7 +286,7 @@ def wait(doing: Doing, roles: Roles) -> Calls:
             raise Unable("person", others[0])
         return ()  # the robot stays where it has just gone
     seconds = amounts.quantity(time, "s")
-    if seconds is None and place and not time:
+    if seconds is None and place and amounts.number(time) is None:
         return call("navigation", doing.spot(place))
     if seconds is None:
         raise Open("how_long")

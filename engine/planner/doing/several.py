@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
-from engine.planner.doing.doing import Doing, Unable
+from engine.planner.doing.doing import Doing, Open, Unable
 from engine.planner.entities import Entity
 from engine.understanding.acts import RoleName
 from engine.understanding.meaning import Do, If, Repeat, Role
@@ -20,6 +21,7 @@ _WITH_THINGS: Final = frozenset({"bring", "put", "throw_away"})
 """Acts that are done with one thing after the other."""
 _OF_ROOMS: Final = frozenset({"go", "clean", "tidy", "look"})
 """Acts whose thing may be the rooms themselves."""
+_BOTH: Final = re.compile(r"both\b")
 _EVERYWHERE: Final[tuple[RoleName, ...]] = ("place", "thing", "person")
 
 
@@ -27,6 +29,8 @@ def one_by_one(act: Do, doing: Doing) -> Do:
     """The act with the things of this house that "all the cups but the blue one" are; as it is where it has no such
     group, and for what a skill does with all things of a colour."""
     to_a_place = act.act == "tidy" and bool(act.words("place"))
+    if act.words("source") and any(_is_group(doing, words, act) for words in act.all("thing")):
+        raise Unable("every", act.words("thing"))  # which of them lie there, nobody knows yet
     if not (act.act in _WITH_THINGS or to_a_place) or not any(_is_group(doing, one, act) for one in act.all("thing")):
         return act
     without = act.all("except")
@@ -43,6 +47,8 @@ def one_by_one(act: Do, doing: Doing) -> Do:
 
 def _is_group(doing: Doing, words: str, act: Do) -> bool:
     found = doing.entity(words)
+    if found.every and _BOTH.match(words.casefold()) and len(doing.entities.members(found)) > 2:
+        raise Open("which_thing")
     of_colour = bool(found.thing and found.thing.endswith(" thing")) and not act.words("except")
     return (found.every or bool(act.words("except"))) and bool(doing.entities.members(found)) and not of_colour
 

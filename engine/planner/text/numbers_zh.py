@@ -20,7 +20,6 @@ _DIGITS: Final = {char: value for value, char in enumerate("零一二三四五�
 _SCALES: Final = {"十": 10, "百": 100, "千": 1_000}
 _GREAT: Final = {"万": 10_000, "亿": 100_000_000}
 
-NUMERALS: Final = "零〇一二两三四五六七八九十百千万亿半"
 """Characters that numbers are written with."""
 
 _NO_NUMBERS: Final = re.compile(
