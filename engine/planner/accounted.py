@@ -68,6 +68,8 @@ _EITHER: Final = re.compile(r"\bor (?:was|is|maybe|perhaps|the)\b|还是")
 """A choice that is left open."""
 _NO_NUMBER: Final = re.compile(r"\d{16}")
 """More digits than a number has."""
+_ARM: Final = re.compile(r"\bservo (?:number )?(?:1|one)\b|舵机[1一]|[1一]号舵机")
+"""What turns the arm about its vertical axis: the number is a name."""
 _NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once", "一", "一次", "一遍", "一下", "一趟", "一回"})
 
 
@@ -241,7 +243,8 @@ def _numbers_stand(meaning: Meaning, nodes: Sequence[Node]) -> bool:
     if any(isinstance(node, Repeat) for node in nodes):
         return True
     spans = [(role.start, role.end) for node in nodes for role in _roles(node)]
-    counts = (token for token in read_measures(words_of(meaning.text).tokens) if token.kind in ("number", "quantity"))
+    text = _ARM.sub(lambda found: " " * len(found[0]), meaning.text.casefold())
+    counts = (token for token in read_measures(words_of(text).tokens) if token.kind in ("number", "quantity"))
     return all(
         meaning.text[token.start : token.end].casefold() in _NO_AMOUNTS
         or any(start <= token.start < end for start, end in spans)

@@ -95,6 +95,8 @@ lock him in
 向那个孩子冲过去
 打他一下
 打死那只蜘蛛
+拿瓶子照着弟弟的头来一下
+朝他脸上扔个球
 """
 DAMAGE = """
 make the vase fall off the shelf
