@@ -250,12 +250,16 @@ def _reader(settings: Settings) -> Finding:
     from engine.planner.build import learned_reader
     from engine.understanding.base import MODEL
 
+    if not settings.planner.reader:
+        return Finding("reader", "ok", "switched off (planner.reader)")
     reader = learned_reader(settings.models.folder or paths().models)
     meaning = reader.read("go to the kitchen") if reader is not None else None
     if reader is not None and reader.trouble is not None:
-        return Finding("reader", "limited", f"cannot be loaded: {reader.trouble}", f"sayso models verify {MODEL}")
+        fix = f"sayso models verify {MODEL}"
+        return Finding("reader", "missing", f"cannot be loaded: {reader.trouble}", fix, needed=True)
     if meaning is None:
-        return Finding("reader", "limited", "not here: only plain phrases are understood", f"sayso models pull {MODEL}")
+        fix = f"sayso models pull {MODEL}"
+        return Finding("reader", "missing", "not here: nothing is understood but stop", fix, needed=True)
     return Finding("reader", "ok", f"learned reader on {MODEL}")
 
 
