@@ -204,7 +204,7 @@ def _colour_stands(text: str, nodes: Sequence[Node]) -> bool:
 
 _COLOUR: Final = re.compile(r"\bcolou?r|颜色")
 _OTHERWISE: Final = re.compile(
-    r"(?:\b(?:else|otherwise|if not|if there (?:isn't|aren't|is not|are not)(?: any| one)?|or)|"
+    r"(?:\b(?:else|otherwise|if not|if there (?:isn't|aren't|is not|are not)(?: any| one)?)|"
     r"没有?(?:的话)?|不然|否则|要不然?)"
     r"[\W_]*(?:(?:then|just|do|you can|就|那|那就|也)\b[\W_]*)*(?:就|那就)?$"
 )

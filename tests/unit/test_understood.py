@@ -304,3 +304,23 @@ def test_nothing_moves_on_sentences_that_are_taken_back_or_forbidden(trained: Le
         if isinstance(found, Plan) and not {action.name for action in found.actions} <= _STILL:
             moved.append(example.text)
     assert len(moved) <= 1, moved  # likelihoods differ a little between processors; here it is none
+
+
+@pytest.mark.parametrize(
+    ("line", "looks"),
+    [
+        ("if seen then bring end | if {1.thing: a cup} is on {1.place: the stool} bring {2.thing: it} here, otherwise "
+         "don't bother", True),
+        ("if seen then bring end retract | if {1.thing: a cup} is on {1.place: the stool} bring {2.thing: it} here; if "
+         "not, never mind", True),
+        ("if seen then bring end retract | if {1.thing: a cup} is on {1.place: the stool} bring {2.thing: it} here, ah "
+         "never mind", False),
+        ("if seen then bring end | if {1.thing: a cup} is on {1.place: the stool} don't bring {2.thing: it} here",
+         False),
+    ],
+)  # fmt: skip
+def test_what_a_condition_leaves_undone_takes_nothing_back(
+    understood: Understood, reader: Written, line: str, looks: bool
+) -> None:
+    found = plan(understood, reader.knows(line))
+    assert (isinstance(found, Plan) and [action.name for action in found.actions] == ["navigation", "seewhat"]) == looks
