@@ -144,7 +144,7 @@ class Outcomes:
             case "fragment" if act.words("place") and len(act.roles) == 1:
                 return self._done((replace(act, act="go"),), heard)
             case "fragment" | "again" | "undo":
-                return _question(heard, "incomplete", phrases.question("what_do"))
+                return _question(heard, "no_act", phrases.question("what_do"))
         return None
 
     def _once_more(self, actions: tuple[Action, ...], heard: Heard) -> Plan | NoPlan:
@@ -200,7 +200,8 @@ class Outcomes:
                 return None
             return self._validation.one_of(self._planned(heard, calls), heard.request, heard.language)
         except Open as gap:
-            return _question(heard, "incomplete", self._phrases(heard.language).question(gap.question))
+            question = self._phrases(heard.language).question(gap.question)
+            return _question(heard, "vague" if gap.vague else "incomplete", question)
         except Which as several:
             return _question(heard, "ambiguous", str(several))
         except NowhereKnown as place:

@@ -181,8 +181,9 @@ class Planner:
         return await asyncio.to_thread(self._from_meaning, heard)
 
     def _from_meaning(self, heard: Heard) -> Plan | NoPlan | None:
-        """What comes of the meaning; no plan for what the robot has no body for, however it is put."""
-        if self._learned is None:
+        """What comes of the meaning; nothing of what is not said to the robot, and no plan for what it has no body for,
+        however it is put."""
+        if self._learned is None or self._learned.overhears(heard):
             return None
         if held_back := self._learned.no_order(heard):
             return held_back
@@ -198,15 +199,20 @@ class Planner:
         """What becomes of a request that may be no order, where the reader has not understood it as one: no model may
         overrule that. None where nothing shows that it is none."""
         found = marks(heard.text)
-        if not found:
+        overheard = self._learned is not None and await asyncio.to_thread(self._learned.overhears, heard)
+        if not found and not overheard:
             return None
         first = next((mark for mark in found if mark.kind != "asked"), None)
         said = SAID[heard.language]
         if first is not None:
             told = said["told" if first.kind == "told" else "forbidden"].format(words=first.words)
             return NoPlan(heard.text, "no_order", told, ExitCode.CLARIFY)
-        answer = await self._by_model(heard)  # what asks is answered in words, or not at all
+        answer = await self._by_model(heard)  # what asks, or is overheard, is answered in words, or not at all
         acts = isinstance(answer, Plan) and any(action.name not in _WORDS_ONLY for action in answer.actions)
+        if overheard and acts:
+            return self._not_understood(heard)
+        if overheard:
+            return answer
         if acts or (isinstance(answer, NoPlan) and "model" not in answer.code):
             return NoPlan(heard.text, "asked", said["asked"], ExitCode.CLARIFY)
         return answer
@@ -218,10 +224,11 @@ class Planner:
         return self._validation.of(heard.text, calls, told.steps, answer)
 
     def _plain(self, text: str, before: str = "") -> Plan | NoPlan | None:
-        """What comes of ``text`` by itself, or after the request ``before``; no large model is asked."""
+        """What comes of ``text``, which somebody says, by itself or after the request ``before``; no large model is
+        asked."""
         if not text.strip() or too_long(text) is not None or refusal(text) is not None:
             return None
-        heard = Heard(PlanRequest(text), text, self._language or language_of(text))
+        heard = Heard(PlanRequest(text, spoken=True), text, self._language or language_of(text))
         if is_stop(text) or is_end_task(text):
             return self._told(heard, (ActionCall("stop"),))
         if calls := self._asked.call(text):
@@ -239,14 +246,10 @@ class Planner:
 
     async def _by_model(self, heard: Heard) -> Plan | NoPlan:
         request, language = heard.request, heard.language
-        shown = " ".join("".join(c if c.isprintable() else " " for c in heard.text[: 2 * MAX_SHOWN]).split())
-        shown = shown if len(shown) <= MAX_SHOWN else f"{shown[:MAX_SHOWN].rstrip()}…"
-        understood = self._phrases(language).understood
-        answer = SAID[language]["not_understood"].format(part=f": “{shown}”", understood=understood)
         if self._models is None:
             if self._learned is not None and not self._learned.reads:
                 return NoPlan(request.text, "no_reader", SAID[language]["no_reader"], ExitCode.MISSING)
-            return NoPlan(request.text, "not_understood", answer)
+            return self._not_understood(heard)
         depends = CONDITION.search(IF_POLITE.sub("", request.text)) is not None
         if depends and self._models.is_small:
             return NoPlan(request.text, "condition", SAID[language]["condition"], ExitCode.CLARIFY)
@@ -255,8 +258,16 @@ class Planner:
             found = await self._models.plan(request, language, known=known, looks_first=depends)
             return self._validation.one_of(found, request, language)
         except ChatError as error:
-            told = SAID[language]["no_model"].format(answer=answer, error=str(error))
+            told = SAID[language]["no_model"].format(answer=self._not_understood(heard).answer, error=str(error))
             return NoPlan(request.text, error.code, told, ExitCode(error.exit_code))
+
+    def _not_understood(self, heard: Heard) -> NoPlan:
+        """That the request was not understood, and what would be."""
+        shown = " ".join("".join(c if c.isprintable() else " " for c in heard.text[: 2 * MAX_SHOWN]).split())
+        shown = shown if len(shown) <= MAX_SHOWN else f"{shown[:MAX_SHOWN].rstrip()}…"
+        understood = self._phrases(heard.language).understood
+        answer = SAID[heard.language]["not_understood"].format(part=f": “{shown}”", understood=understood)
+        return NoPlan(heard.request.text, "not_understood", answer)
 
     async def _after_feedback(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan:
         first = request.sees is not None and rounds(request.happened) == 1

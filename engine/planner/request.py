@@ -117,6 +117,8 @@ class PlanRequest:
     """Names the task: requests with the same one belong together."""
     language: Language | None = None
     """What the recogniser heard; None: to be seen from the text."""
+    spoken: bool = False
+    """Whether a microphone heard it: then it may have been said to somebody else, or be noise."""
     spent: frozenset[str] = frozenset()
     """Actions, as they are written, that have failed too often in this request to be tried again."""
     on_record: OnRecord = NOTHING_ON_RECORD

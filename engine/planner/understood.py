@@ -25,6 +25,7 @@ from engine.planner.request import Heard, Language, NoPlan
 from engine.planner.sentences import SAID
 from engine.planner.validation import Validation
 from engine.skills.vocabulary import Vocabulary
+from engine.understanding.learned import UNDIRECTED
 from engine.understanding.meaning import About, Do, Meaning, Not, Retract
 
 SURE: Final = 0.4
@@ -91,6 +92,11 @@ class Understood:
         """Whether the likeliest meaning is at least as likely as that."""
         meaning = self.meaning(text)
         return meaning is not None and meaning.confidence >= enough
+
+    def overhears(self, heard: Heard) -> bool:
+        """Whether it is not said to the robot: talk between others, or words in no order. What is typed always is."""
+        meaning = self.meaning(heard.text) if heard.request.spoken else None
+        return meaning is not None and meaning.directed < UNDIRECTED
 
     def agrees(self, text: str) -> bool:
         """Whether that is a yes, and nothing else."""

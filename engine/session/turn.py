@@ -123,6 +123,7 @@ class Turn:
         self._thinking = False
         self._stage: State | None = None  # that thinking has reached
         self._language: Language | None = None  # that was heard
+        self._spoken = False
         self._so_far: tuple[Happened, ...] = ()  # what had happened in the cycle when it was asked
         self._asked_at = 0.0  # robot time, s
         self._failures: Counter[str] = Counter()
@@ -218,6 +219,7 @@ class Turn:
 
     def _take_in(self, heard: events.TranscriptFinal) -> None:
         self._note(heard.text)
+        self._spoken = True
         self._language = "zh" if heard.language == "zh" else None  # else the text itself shows it
 
     def _note(self, text: str) -> None:
@@ -236,6 +238,7 @@ class Turn:
             so_far,
             cycle=self._cycle.name,
             language=self._language,
+            spoken=self._spoken,
             on_record=self._cycle.on_record(),
             spent=frozenset(action for action, failures in self._failures.items() if failures >= MOST_FAILURES),
             enter=self._enter_stage,

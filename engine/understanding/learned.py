@@ -2,14 +2,14 @@
 
 The network writes symbols and points at words (``training/network.py``); a grammar allows only what is a meaning
 (``symbols.py``). How sure it is, is the product of the likelihoods of all that it wrote, each against that of what it
-is certain of.
+is certain of. A third graph tells whether the words are said to the robot at all (``training/directed.py``).
 """
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from heapq import heappop, heappush
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -28,6 +28,8 @@ HEADS: Final = 6
 MAX_UNITS: Final = 90
 CERTAIN: Final = 0.95
 """How likely a symbol is of which the network is certain: training lets it be no surer (label smoothing)."""
+UNDIRECTED: Final = 0.1
+"""What is less likely to be said to the robot than this, is not."""
 _NO_ORDER: Final = frozenset({"about", "instead", "not", "retract"})
 ENOUGH: Final = 0.9
 """Of all likelihood: once meanings make that up, no further one is looked for."""
@@ -43,13 +45,23 @@ class _Parts(NamedTuple):
     base: Base
     encoder: Any  # onnxruntime.InferenceSession
     decoder: Any
+    directed: Any
+
+
+class _Sentence(NamedTuple):
+    """What the encoder gives."""
+
+    units: list[Unit]
+    spans: Floats  # (1, units, WIDTH)
+    fixed: dict[str, Any]
+    """What the decoder gets at every step."""
 
 
 class LearnedReader:
     """Thread-safe. It is loaded when it is first asked, in about 0.5 s, and takes about 90 MB then."""
 
     def __init__(self, base: Path, folder: Path) -> None:
-        """``base`` is the file of the encoder, ``folder`` has both graphs."""
+        """``base`` is the file of the encoder, ``folder`` has the graphs."""
         self._base, self._folder = base, folder
         self._lock = threading.Lock()
         self._loaded: _Parts | None = None
@@ -70,9 +82,8 @@ class LearnedReader:
         """Load it now. Raises OSError, ``BaseError``, and what onnxruntime raises where a graph is damaged."""
         with self._lock:
             if self._loaded is None:
-                self._loaded = _Parts(
-                    Base(self._base), _session(self._folder / "encoder.onnx"), _session(self._folder / "decoder.onnx")
-                )
+                graphs = (_session(self._folder / f"{name}.onnx") for name in ("encoder", "decoder", "directed"))
+                self._loaded = _Parts(Base(self._base), *graphs)
             return self._loaded
 
     def read(self, text: str) -> Meaning | None:
@@ -82,26 +93,42 @@ class LearnedReader:
     def readings(self, text: str) -> tuple[Meaning, ...]:
         """What the text may mean, the likeliest first; the confidence of each is how likely it is. Nothing where there
         is no word in the text, or far too many, and as long as the base is not on this machine."""
-        found = units(text)
-        if not 0 < len(found) <= MAX_UNITS or not self.here or self.trouble is not None:
+        if not self.here or self.trouble is not None:
             return ()
         try:
             parts = self.load()
         except Exception as error:  # noqa: BLE001 - onnxruntime has errors of its own for a damaged graph
             self.trouble = error
             return ()
-        pieces, owners = parts.base.pieces(found)
-        if len(pieces) > MAX_PIECES:
+        sentence = _sentence(text, parts)
+        if sentence is None:
             return ()
-        pool = np.zeros((1, len(found), len(pieces)), np.float32)
-        for index, owner in enumerate(owners):
-            if owner >= 0:
-                pool[0, owner, index] = 1 / owners.count(owner)
-        inputs = {"words": parts.base.vectors(pieces)[None], "pool": pool}
-        spans, starts, ends, *sentence = parts.encoder.run(None, inputs)
-        fixed: dict[str, Any] = {"starts_of": starts, "ends_of": ends}
-        fixed |= {f"sentence_{kind}{at // 2}": sentence[at] for at, kind in enumerate("kv" * LAYERS)}
-        return tuple(_search(text, found, parts.decoder, fixed, spans))
+        directed = float(parts.directed.run(None, {"spans": sentence.spans})[0][0])
+        found = _search(text, sentence.units, parts.decoder, sentence.fixed, sentence.spans)
+        return tuple(replace(meaning, directed=directed) for meaning in found)
+
+    def vectors(self, text: str) -> Floats | None:
+        """Vectors of the units of the text (units, 384), of which a network can be trained; None as for
+        :meth:`readings`. Raises as :meth:`load`."""
+        sentence = _sentence(text, self.load())
+        return None if sentence is None else sentence.spans[0]
+
+
+def _sentence(text: str, parts: _Parts) -> _Sentence | None:
+    found = units(text)
+    if not 0 < len(found) <= MAX_UNITS:
+        return None
+    pieces, owners = parts.base.pieces(found)
+    if len(pieces) > MAX_PIECES:
+        return None
+    pool = np.zeros((1, len(found), len(pieces)), np.float32)
+    for index, owner in enumerate(owners):
+        if owner >= 0:
+            pool[0, owner, index] = 1 / owners.count(owner)
+    spans, starts, ends, *rest = parts.encoder.run(None, {"words": parts.base.vectors(pieces)[None], "pool": pool})
+    fixed: dict[str, Any] = {"starts_of": starts, "ends_of": ends}
+    fixed |= {f"sentence_{kind}{at // 2}": rest[at] for at, kind in enumerate("kv" * LAYERS)}
+    return _Sentence(found, spans, fixed)
 
 
 @dataclass(frozen=True, slots=True)

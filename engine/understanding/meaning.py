@@ -127,6 +127,8 @@ class Meaning:
     confidence: float = 1.0
     doubt: float = 0.0
     """How likely the reader held it that more of this is no order than what it has written, 0 to 1."""
+    directed: float = 1.0
+    """How likely it is that this is said to the robot at all, and not talk or words in no order, 0 to 1."""
 
     def wanted(self) -> tuple[Do | If | Repeat, ...]:
         """What is to be done in the end: nothing that was taken back, forbidden or only spoken about."""
@@ -142,6 +144,7 @@ class Meaning:
             "reader": self.reader,
             "confidence": round(self.confidence, 3),
             "doubt": round(self.doubt, 3),
+            "directed": round(self.directed, 3),
             "nodes": [_described(node) for node in self.nodes],
         }
 

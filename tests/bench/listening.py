@@ -229,5 +229,5 @@ class Ears:
 
 async def planned(planner: Planner, text: str) -> tuple[Action, ...]:
     """What the robot would do without large models; nothing where it would ask or give up."""
-    found = await planner.plan(PlanRequest(text))
+    found = await planner.plan(PlanRequest(text, spoken=True))
     return found.actions if isinstance(found, Plan) else ()

@@ -29,6 +29,7 @@ def shown(text: str) -> str:
     [
         ("half a metre", "0.5 m"),
         ("half of a meter", "0.5 m"),
+        ("half the meter", "0.5 m"),
         ("a half metre", "0.5 m"),
         ("one and a half metres", "1.5 m"),
         ("1 and a half metres", "1.5 m"),

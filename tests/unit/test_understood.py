@@ -12,7 +12,7 @@ from config import load, paths
 from engine.errors import ExitCode
 from engine.events import MeaningRead
 from engine.parts.loading import at_home
-from engine.plan import Plan
+from engine.plan import Plan, parse_calls
 from engine.planner import build
 from engine.planner.accounted import accounted
 from engine.planner.planner import Planner
@@ -37,9 +37,9 @@ class Written:
     def __init__(self) -> None:
         self._known: dict[str, list[Meaning]] = {}
 
-    def knows(self, line: str, confidence: float = 1.0) -> str:
+    def knows(self, line: str, confidence: float = 1.0, *, directed: float = 1.0) -> str:
         example = read(line)
-        meaning = meaning_of(example.text, example.steps, "learned", confidence)
+        meaning = replace(meaning_of(example.text, example.steps, "learned", confidence), directed=directed)
         self._known.setdefault(example.text, []).append(meaning)
         return example.text
 
@@ -324,3 +324,53 @@ def test_what_a_condition_leaves_undone_takes_nothing_back(
 ) -> None:
     found = plan(understood, reader.knows(line))
     assert (isinstance(found, Plan) and [action.name for action in found.actions] == ["navigation", "seewhat"]) == looks
+
+
+def test_what_a_microphone_hears_and_nobody_says_to_the_robot_moves_nothing(planner: Planner, reader: Written) -> None:
+    said = reader.knows("light | the traffic {colour: light} was yellow", directed=0.01)
+    overheard = asyncio.run(planner.plan(PlanRequest(said, spoken=True)))
+    assert isinstance(overheard, NoPlan)
+    assert overheard.code == "not_understood"
+    assert planner.completeness(said) == "unknown"
+
+
+def test_what_is_typed_is_said_to_the_robot(planner: Planner, reader: Written) -> None:
+    typed = reader.knows("beep | beep", directed=0.01)
+    assert actions(asyncio.run(planner.plan(PlanRequest(typed)))) == ["beep(0.2)"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Fleet cook through head B.", "Give sure yellow come away would.", "lamp fox jumps over the lazy dog",
+     "先把蓝的飞机星期铅笔厨房"],
+)  # fmt: skip
+def test_the_real_reader_knows_words_in_no_order(text: str) -> None:
+    real = build.build_planner(at_home(load(environ={})))
+    assert isinstance(asyncio.run(real.plan(PlanRequest(text, spoken=True))), NoPlan)
+
+
+@pytest.mark.parametrize("text", ["go to the kitchen", "bring me the red cup please", "去厨房", "yes", "the blue one"])
+def test_the_real_reader_knows_that_orders_and_answers_are_said_to_it(text: str) -> None:
+    real = build.build_planner(at_home(load(environ={})))
+    assert real._learned is not None
+    assert not real._learned.overhears(Heard(PlanRequest(text, spoken=True), text, "en"))
+
+
+def test_large_models_may_talk_about_what_is_overheard_but_not_act(
+    planner: Planner, reader: Written, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = reader.knows("talk | the cup final is on at eight", directed=0.01)
+
+    class Models:
+        is_small = False
+        calls = "move_forward(1)"
+
+        async def plan(self, request: PlanRequest, language: str, **about: object) -> Plan | NoPlan:
+            return planner._validation.of(request.text, parse_calls(self.calls), (), "Enjoy it.")
+
+    monkeypatch.setattr(planner, "_models", models := Models())
+    found = asyncio.run(planner.plan(PlanRequest(said, spoken=True)))
+    assert isinstance(found, NoPlan)
+    assert found.code == "not_understood"
+    models.calls = "finishtask()"
+    assert actions(asyncio.run(planner.plan(PlanRequest(said, spoken=True)))) == ["finishtask()"]

@@ -35,11 +35,12 @@ _THIS_ROOM: Final = re.compile(
 
 
 class Open(Exception):
-    """Something that is needed was not said; ``question`` says what."""
+    """Something that is needed was not said; ``question`` says what. ``vague``: it was said, and could be anything."""
 
-    def __init__(self, question: Question) -> None:
+    def __init__(self, question: Question, *, vague: bool = False) -> None:
         super().__init__(question)
         self.question: Question = question
+        self.vague = vague
 
 
 class Which(Exception):
@@ -129,7 +130,7 @@ class Doing:
             return self.place
         nowhere = found.place is None and (found.superlative or is_this_room(words))
         if found.vague or found.refers or found.side or nowhere:
-            raise Open("where")
+            raise Open("where", vague=True)
         if found.place is None:
             if found.person:
                 raise Unable("person", words)

@@ -202,10 +202,11 @@ class _Reader:
         return None
 
     def _of(self, fraction: _Number) -> _Number:
-        """Skip the "of a" in ``a quarter of a metre`` and the "a" in ``half a metre``, where a unit follows."""
+        """Skip the "of a" in ``a quarter of a metre`` and the "a" in ``half a metre``, where a unit follows; "the" is
+        how recognisers hear it."""
         end = fraction.end
         end += self._word(end) == "of"
-        end += self._word(end) in _ARTICLES
+        end += self._word(end) in (*_ARTICLES, "the")
         return fraction._replace(end=end) if self._unit(end) is not None else fraction
 
     def _fraction(self, at: int) -> _Number | None:

@@ -20,7 +20,9 @@ from engine.han import is_chinese
 from engine.understanding.acts import ACTS
 from engine.understanding.notation import Example, NotationError, Step, read
 
-SENTENCES: Final = Path("assets/understanding/sentences")
+ASSETS: Final = Path("assets/understanding")
+HABITS: Final = ASSETS / "habits.yaml"
+SENTENCES: Final = ASSETS / "sentences"
 """A folder of folders of files of sentences."""
 SHARE: Final = 0.15
 """Of the thinned sentences, what an epoch takes."""

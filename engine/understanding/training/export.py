@@ -1,4 +1,5 @@
-"""Writes a trained network as the two graphs that run: ``encoder.onnx`` and ``decoder.onnx``, in eight bits."""
+"""Writes a trained network as the two graphs that run: ``encoder.onnx`` and ``decoder.onnx``, in eight bits; and the
+small one that tells what is said to the robot: ``directed.onnx``."""
 
 from __future__ import annotations
 
@@ -17,6 +18,7 @@ from engine.understanding.symbols import SYMBOLS
 from engine.understanding.training.network import POINTING, Network
 
 GRAPHS: Final = ("encoder.onnx", "decoder.onnx")
+DIRECTED: Final = "directed.onnx"
 
 
 class Reading(nn.Module):
@@ -99,6 +101,16 @@ def export_plain(network: Network, folder: Path) -> None:
                           **{name: {2: "before"} for name in names("past")}},
             dynamo=False, opset_version=17,
         )  # fmt: skip
+
+
+def export_directed(network: nn.Module, folder: Path) -> None:
+    """Write the graph that tells whether something is said to the robot."""
+    torch.onnx.export(
+        network, (torch.zeros(1, 5, WIDTH),), str(folder / DIRECTED),
+        input_names=["spans"], output_names=["directed"], dynamic_axes={"spans": {1: "units"}},
+        dynamo=False, opset_version=17,
+    )  # fmt: skip
+    sign(folder / DIRECTED)
 
 
 def sign(file: Path) -> None:

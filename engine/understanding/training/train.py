@@ -25,8 +25,8 @@ from engine.understanding.base import MAX_PIECES, MODEL, WIDTH, Base
 from engine.understanding.learned import CERTAIN, MAX_UNITS
 from engine.understanding.notation import Example
 from engine.understanding.symbols import BEGIN, DONE, IDS, MAX_STEPS
-from engine.understanding.training import gpsr, huric
-from engine.understanding.training.examples import SENTENCES, Variations, habits, written
+from engine.understanding.training import directed, gpsr, huric
+from engine.understanding.training.examples import ASSETS, HABITS, SENTENCES, Variations, habits, written
 from engine.understanding.training.export import export
 from engine.understanding.training.network import Network
 from engine.understanding.training.resume import resume
@@ -37,10 +37,8 @@ LAYERS_OF_BASE: Final = 6
 """Layers of the base that are used; all of them are tuned."""
 GRAMMAR: Final = 1200
 """Sentences of the public grammar that are learnt from."""
-ASSETS: Final = Path("assets/understanding")
 MADE_UP: Final = "from_meanings"
 """The folder of sentences for meanings that were put together by chance: less natural than the others."""
-HABITS: Final = ASSETS / "habits.yaml"
 RATE: Final = {"encoder": 1e-4, "decoder": 4e-4}
 RESUMED: Final = 0.45
 """Of the rates, where it goes on from what has been learnt."""
@@ -163,7 +161,8 @@ def main() -> int:
     torch.manual_seed(arguments.seed)
     chance = random.Random(arguments.seed)
     store = ModelStore(paths().models)
-    base = Base(arguments.base or store.find(MODEL) / store.file(MODEL).name)
+    file = arguments.base or store.find(MODEL) / store.file(MODEL).name
+    base = Base(file)
     files = sorted(SENTENCES.glob("*/*.txt"))
     kept = [file for file in files if file.stem not in arguments.leave_out]
     learnt = written(file for file in kept if file.parent.name != MADE_UP)
@@ -180,6 +179,7 @@ def main() -> int:
     variations = Variations(learnt, habits(HABITS), chance, thinned)
     for _ in _epochs(network, variations, held, base, chance, arguments.epochs, pace):
         export(network, arguments.out)  # each time: whoever stops it keeps what it has learnt
+    directed.train(arguments.out, file, arguments.leave_out, arguments.seed)
     return 0
 
 
