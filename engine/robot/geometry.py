@@ -45,3 +45,19 @@ class Twist:
 
 
 ZERO = Twist()
+
+
+UNMOVED = Pose(0.0, 0.0, 0.0)
+"""The rigid motion that moves nothing."""
+
+
+def compose(first: Pose, then: Pose) -> Pose:
+    """``then``, which is told in the frame of ``first``, in the frame that ``first`` is told in."""
+    c, s = math.cos(first.yaw), math.sin(first.yaw)
+    return Pose(first.x + c * then.x - s * then.y, first.y + s * then.x + c * then.y, wrap(first.yaw + then.yaw))
+
+
+def inverse(pose: Pose) -> Pose:
+    """What ``compose`` makes nothing of: the outer frame, told in the frame of ``pose``."""
+    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+    return Pose(-c * pose.x - s * pose.y, s * pose.x - c * pose.y, wrap(-pose.yaw))

@@ -37,7 +37,7 @@ from engine.asr.agreement import normalised_words
 from engine.audio.source import FRAME_S, FRAME_SAMPLES, RATE, Samples
 from engine.errors import SaysoError
 from engine.planner.build import build_planner, build_registry
-from engine.robot.sim.memory import STOP_EPOCH, Memory
+from engine.robot.host.memory import STOP_EPOCH, Memory
 from engine.wake.training.voices import Remembered, Sound, Voice, find_voices
 from tests.bench.listening import planned
 from tests.bench.report import figures, print_report, report

@@ -26,7 +26,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from engine.robot.geometry import Twist
-from engine.robot.sim.memory import REST_TIME, SCHEDULING, STOP_TIME, STOPPED_EPOCH, ZERO_TIME, Memory
+from engine.robot.host.memory import REST_TIME, SCHEDULING, STOP_TIME, STOPPED_EPOCH, ZERO_TIME, Memory
 from engine.robot.sim.robot import SimRobot
 from engine.scheduling import Scheduling, from_word, raise_priority
 from tests.bench.load import busy_machine, busy_recogniser

@@ -15,8 +15,8 @@ from time import perf_counter
 import numpy as np
 
 from engine.robot.geometry import Twist
+from engine.robot.host.memory import LOOP_SAMPLES, OVERRUNS, SCHEDULING, STEPS
 from engine.robot.sim.build import TIMESTEP
-from engine.robot.sim.memory import LOOP_SAMPLES, OVERRUNS, SCHEDULING, STEPS
 from engine.scheduling import from_word
 from tests.bench.load import busy_machine
 from tests.bench.report import Figure, figures, print_report, report

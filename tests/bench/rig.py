@@ -35,7 +35,7 @@ from engine.commands import Wake
 from engine.engine import Engine
 from engine.events import Event
 from engine.parts.loading import Sound
-from engine.robot.sim.memory import Memory
+from engine.robot.host.memory import Memory
 from engine.scheduling import raise_priority
 from tests.bench.load import busy_recogniser
 from tests.bench.speech import DEMO, SHARED, speech_bounds

@@ -13,13 +13,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from engine.robot.geometry import Pose, Twist
-from engine.robot.sim.memory import REST_TIME, TICKS, ZERO_TIME, Memory
+from engine.robot.host.memory import REST_TIME, TICKS, ZERO_TIME, Memory
 from tests.children import children
 
 CAN_READ = sys.platform == "linux" and Path("/proc/self/fd").is_dir()
 LIMIT_S = 30
 DRIVING = 0.2  # m/s
-_MODULE = "engine.robot.sim.physics"
+_MODULE = "engine.robot.host_main"
 _LOOK_S = 0.001
 
 

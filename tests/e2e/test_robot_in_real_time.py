@@ -18,8 +18,8 @@ import pytest
 from engine.errors import RobotError
 from engine.perception.memory import WorldMemory
 from engine.robot.geometry import ZERO, Pose, Twist
+from engine.robot.host.memory import LOOP_SAMPLES, REST_TIME, STEPS, ZERO_TIME, Memory
 from engine.robot.robot import UNDECIDED, RobotState
-from engine.robot.sim.memory import LOOP_SAMPLES, REST_TIME, STEPS, ZERO_TIME, Memory
 from engine.robot.sim.robot import SimRobot
 from engine.skills.library.motion import set_cmdvel
 from tests.sim.inhand import context_of
@@ -206,7 +206,7 @@ async def _tick_for_ever(robot: SimRobot) -> None:
 
 @pytest.mark.parametrize("speed", ["max", "real"])
 def test_a_frozen_robot_process_is_not_waited_for_for_ever(monkeypatch: pytest.MonkeyPatch, speed: str) -> None:
-    monkeypatch.setattr("engine.robot.sim.robot.ANSWER_LIMIT", 0.3)
+    monkeypatch.setattr("engine.robot.host.hosted.ANSWER_LIMIT", 0.3)
 
     async def main() -> None:
         async with running(speed=speed) as robot, beating(robot):
@@ -223,7 +223,7 @@ def test_a_frozen_robot_process_is_not_waited_for_for_ever(monkeypatch: pytest.M
 def test_a_lost_robot_starts_again_where_it_was(
     monkeypatch: pytest.MonkeyPatch, speed: str, number: signal.Signals
 ) -> None:
-    monkeypatch.setattr("engine.robot.sim.robot.ANSWER_LIMIT", 0.5)
+    monkeypatch.setattr("engine.robot.host.hosted.ANSWER_LIMIT", 0.5)
 
     async def main() -> None:
         async with running(speed=speed) as robot, beating(robot):

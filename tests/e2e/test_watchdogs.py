@@ -17,7 +17,7 @@ import psutil
 import pytest
 
 from engine.errors import ExitCode
-from engine.robot.sim.memory import STOP_EPOCH
+from engine.robot.host.memory import STOP_EPOCH
 from tests.e2e.body import CAN_READ, Body, until
 from tests.e2e.engine import Engine, engine
 from tests.e2e.sayso import command, environment

@@ -27,7 +27,7 @@ from engine.engine import Engine
 from engine.events import Event
 from engine.parts.loading import Sound
 from engine.robot.geometry import Pose
-from engine.robot.sim.memory import Memory
+from engine.robot.host.memory import Memory
 from engine.robot.sim.world import World
 from tests.eval.checker import Done, Evidence, Sample, faults
 from tests.eval.tasks import Trial

@@ -20,13 +20,12 @@ from engine.perception.memory import WorldMemory
 from engine.robot.arm import ARM_INITIAL, ArmModel
 from engine.robot.camera import Lens, Picture
 from engine.robot.floor_map import FloorMap
-from engine.robot.geometry import Pose, Twist
+from engine.robot.geometry import UNMOVED, Pose, Twist, compose, inverse
+from engine.robot.host.memory import STATE
+from engine.robot.lidar import LIDAR_ANGLES
 from engine.robot.robot import Capability, Footprint, RobotState, Scan
-from engine.robot.sim.body import initial_qpos
-from engine.robot.sim.dimensions import ARM, CAMERA_VIEW, FOOTPRINT, LIDAR_ANGLES
+from engine.robot.sim.dimensions import ARM, CAMERA_VIEW, FOOTPRINT
 from engine.robot.sim.floor import floor_map
-from engine.robot.sim.memory import STATE
-from engine.robot.sim.odometry import UNCORRECTED, compose, inverse
 from engine.robot.sim.rays import RayCamera
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.world import World
@@ -160,10 +159,8 @@ class HandRobot:
 
     def stand_at(self, pose: Pose) -> None:
         """Stand there, and know it, with the arm folded and the gripper half open."""
-        self.world._odometry.resume(pose, pose, UNCORRECTED)
-        initial_qpos(self.world.model, self.world.data, pose)
-        self.world.data.qvel[:] = 0
-        mujoco.mj_forward(self.world.model, self.world.data)
+        self.world.simulated.put_at(pose)
+        self.world.correct(UNMOVED)
         self.world.arm.move(ARM_INITIAL, 2.0)
         self.world.arm.resume_grip(0.5)
 

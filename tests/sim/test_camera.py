@@ -18,9 +18,9 @@ from engine.robot.arm import ARM_INITIAL, Joints
 from engine.robot.camera import Picture, Points
 from engine.robot.camera_news import CameraNews, GivenUp, Opened
 from engine.robot.geometry import Pose, Twist
+from engine.robot.host.memory import Memory
 from engine.robot.sim.camera import SimCamera
 from engine.robot.sim.colours import rgba
-from engine.robot.sim.memory import Memory
 from engine.robot.sim.robot import SimRobot
 from engine.robot.sim.scene_file import scene_path
 from engine.robot.sim.textures import TAG_CELLS, tag_cells

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from config.schema import Limits
 from engine.robot.clearance import Points, gaps
-from engine.robot.envelope import (
+from engine.robot.geometry import ZERO, Pose, Twist
+from engine.robot.host.envelope import (
     TURN_MARGIN,
     Envelope,
     clamp,
@@ -21,7 +22,6 @@ from engine.robot.envelope import (
     into_map_frame,
     ramp,
 )
-from engine.robot.geometry import ZERO, Pose, Twist
 from engine.robot.robot import Footprint
 
 LIMITS = Limits(

@@ -26,7 +26,7 @@ from engine.events import Event
 from engine.parts.loading import Sound
 from engine.perception.memory import WorldMemory
 from engine.robot.geometry import Pose
-from engine.robot.sim.memory import Memory
+from engine.robot.host.memory import Memory
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.world import World
 from engine.skills.hand import still_held

@@ -14,11 +14,10 @@ import pytest
 
 from engine.errors import ExitCode, RobotError, SceneError
 from engine.robot.geometry import ZERO, Twist
+from engine.robot.host.memory import Memory
+from engine.robot.host.process import HostProcess
 from engine.robot.robot import RobotState
-from engine.robot.sim.memory import Memory
-from engine.robot.sim.process import RobotProcess
 from engine.robot.sim.robot import SimRobot
-from engine.robot.sim.scene_file import scene_path
 from tests.open_files import open_files
 from tests.sim.rig import keep_driving, run, running, settings, ticks_until
 
@@ -254,7 +253,7 @@ def test_it_can_be_started_and_closed_again_and_again_without_leaving_anything()
 def test_whoever_still_knows_a_process_that_was_released_holds_no_file_open() -> None:
     before = open_files()
     memory = Memory.create()
-    process = RobotProcess(scene_path("flat"), settings(), memory)
+    process = HostProcess(settings(), memory, {})
     assert open_files() != before
     process.kill()
     process.release()

@@ -10,9 +10,10 @@ import pytest
 
 from engine.robot.arm import ARM_DOWN, ARM_INITIAL, ARM_UP
 from engine.robot.geometry import Pose, Twist
+from engine.robot.host.memory import STATE
+from engine.robot.lidar import LIDAR_ANGLES
 from engine.robot.mecanum import twist_of, wheel_speeds
-from engine.robot.sim.dimensions import FOOTPRINT, LIDAR_ANGLES
-from engine.robot.sim.memory import STATE
+from engine.robot.sim.dimensions import FOOTPRINT
 from engine.robot.sim.odometry import Odometry
 from engine.robot.sim.scene_parts import KeepOut
 from engine.robot.sim.world import World
@@ -163,8 +164,8 @@ def test_odometry_errors_grow_with_the_way_at_the_stated_rate() -> None:
     for seed in range(200):
         odometry = Odometry(Pose(0, 0, 0), noise=0.02, seed=seed)
         for i in range(1, 101):
-            odometry.update(Pose(i / 100, 0, 0))
-        errors.append(odometry.pose.x - 1.0)
+            added = odometry.update(Pose(i / 100, 0, 0))
+        errors.append(added.x - 1.0)
     assert np.mean(errors) == pytest.approx(0, abs=0.006)
     assert 0.015 < np.std(errors) < 0.03
 

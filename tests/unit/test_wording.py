@@ -35,8 +35,8 @@ SETTINGS = load_settings(environ={})
 WORDING = build_wording(SETTINGS)
 
 ALL_TEXT: Final = (
-    "skills", "perception/describe.py", "perception/naming.py", "robot/envelope.py", "robot/occupancy.py", "states.py",
-    "robot/sim/robot.py", "robot/sim/camera.py", "robot/sim/camera_process.py", "robot/sim/process.py",
+    "skills", "perception/describe.py", "perception/naming.py", "robot/host/envelope.py", "robot/occupancy.py",
+    "states.py", "robot/host/hosted.py", "robot/sim/camera.py", "robot/sim/camera_process.py", "robot/host/process.py",
     "parts/keeper.py", "parts/camera.py", "asr/isolated.py", "llm/service.py", "llm/openai.py", "llm/dify.py",
     "llm/llama.py", "llm/local.py", "session/turn.py", "session/session.py", "hearing/hearing.py",
     "hearing/intake.py", "session/dispatch.py",
@@ -45,7 +45,7 @@ ALL_TEXT: Final = (
 ENDS_ONLY: Final = (
     "plan.py", "planner", "asr/gates.py", "asr/whisper.py", "audio/recorder.py", "audio/microphone.py",
     "wyoming.py", "asr/wyoming.py", "tts/wyoming.py", "audio/satellite.py", "audio/satellite_microphone.py",
-    "audio/satellite_loudspeaker.py", "robot/sim/memory.py",
+    "audio/satellite_loudspeaker.py", "robot/host/memory.py",
 )  # fmt: skip
 """Where only what errors and answers are made of is said."""
 SAYS: Final = frozenset({"NoPlan", "Rejected", "NothingHeard", "Trouble", "fault"})

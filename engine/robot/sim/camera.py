@@ -19,11 +19,10 @@ from config.schema import Camera as CameraSettings
 from engine.errors import CameraError
 from engine.robot.camera import Lens, Picture
 from engine.robot.camera_news import GivenUp, Lost, Opened, Opening, TellOfCamera
+from engine.robot.host.memory import Memory, believed
 from engine.robot.sim.camera_process import Backend, CameraProcess
 from engine.robot.sim.dimensions import ARM, CAMERA_VIEW
 from engine.robot.sim.film import Film
-from engine.robot.sim.memory import Memory
-from engine.robot.sim.odometry import believed
 
 PAUSES_S = (0.0, 1.0, 2.0)
 """Before the first, second and third time that a lost process is replaced, s."""

@@ -13,9 +13,9 @@ from typing import Literal
 
 from engine.child import Child, end_for_good
 from engine.errors import CameraError, ProcessError
+from engine.robot.host.memory import Memory
+from engine.robot.host.process import LEAN
 from engine.robot.sim.film import Film
-from engine.robot.sim.memory import Memory
-from engine.robot.sim.process import LEAN
 
 START_LIMIT_S = 60.0
 """s until a camera process must be ready."""

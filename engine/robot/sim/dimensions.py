@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from engine.robot.arm import ArmModel
 from engine.robot.robot import Footprint
 
@@ -33,10 +30,3 @@ LIDAR_HEIGHT = 0.10
 """m above the floor: furniture, walls and cartons are seen, things as small as a cup on the floor are not."""
 LIDAR_RANGE = 12.0
 """m."""
-RAYS = 360
-"""Directions of the lidar."""
-
-_turn = np.arange(RAYS, dtype=np.float64) * (2 * math.pi / RAYS)
-LIDAR_ANGLES: NDArray[np.float64] = np.where(_turn <= math.pi, _turn, _turn - 2 * math.pi)
-"""Directions of the rays, rad, base frame: the first looks forward, then counter-clockwise, in (−π, π]."""
-LIDAR_ANGLES.setflags(write=False)

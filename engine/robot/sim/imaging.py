@@ -22,10 +22,10 @@ import mujoco
 
 from engine.errors import ExitCode, SaysoError
 from engine.robot.camera import Lens
+from engine.robot.host.memory import Memory, Record
 from engine.robot.sim.build import build
 from engine.robot.sim.dimensions import CAMERA_VIEW
 from engine.robot.sim.film import Film
-from engine.robot.sim.memory import Memory, Record
 from engine.robot.sim.rays import Exposure, RayCamera
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.scene_file import load_scene

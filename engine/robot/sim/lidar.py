@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.robot.geometry import Pose
+from engine.robot.lidar import DIRECTIONS, RAYS
 from engine.robot.sim.body import UNSEEN
-from engine.robot.sim.dimensions import LIDAR_ANGLES, LIDAR_HEIGHT, LIDAR_RANGE, RAYS
-
-_DIRECTIONS = np.column_stack((np.cos(LIDAR_ANGLES), np.sin(LIDAR_ANGLES)))
+from engine.robot.sim.dimensions import LIDAR_HEIGHT, LIDAR_RANGE
 
 
 class Lidar:
@@ -30,7 +29,7 @@ class Lidar:
     def ranges(self, pose: Pose) -> NDArray[np.float64]:
         """Distances from the robot's centre at its true ``pose``, m; inf where nothing is within range."""
         c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-        self._rays[:, :2] = _DIRECTIONS @ np.array([[c, s], [-s, c]])
+        self._rays[:, :2] = DIRECTIONS @ np.array([[c, s], [-s, c]])
         mujoco.mj_multiRay(
             self._model,
             self._data,
@@ -46,10 +45,3 @@ class Lidar:
             LIDAR_RANGE,
         )
         return np.where(self._distances < 0, np.inf, self._distances)
-
-
-def points(ranges: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The hits of a scan in the base frame, shape (n, 2), m."""
-    hit = np.isfinite(ranges)
-    found: NDArray[np.float64] = _DIRECTIONS[hit] * ranges[hit, None]
-    return found

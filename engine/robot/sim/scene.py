@@ -76,6 +76,11 @@ class Scene(Part):
             )
         return found
 
+    def edges(self) -> list[tuple[float, float, float, float]]:
+        """Rectangles whose outlines the robot must not cross, x and y of two corners, m: bounds and keep-out zones."""
+        areas: tuple[Area | KeepOut, ...] = (self.bounds, *self.keep_out)
+        return [(area.x[0], area.y[0], area.x[1], area.y[1]) for area in areas]
+
     @model_validator(mode="after")
     def _names_exist_and_things_are_inside(self) -> Self:
         for index, door in enumerate(self.doors):

@@ -21,7 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.errors import RobotError
-from engine.robot.sim.dimensions import RAYS
+from engine.robot.geometry import Pose, compose, inverse
+from engine.robot.lidar import RAYS
 
 MAX_QPOS = 512
 """Most position coordinates a scene may have."""
@@ -46,9 +47,9 @@ STATE = np.dtype(
         ("halted_in", "i8"),  # epoch
         ("paused", "i8"),  # 0 or 1
         ("paused_s", "f8"),  # of ``t``
-        ("true_pose", "f8", 3),  # without odometry noise, for tests and evaluation
         ("correction", "f8", 3),  # of odometry, in ``pose`` already
-        ("qpos", "f8", MAX_QPOS),  # of the whole scene, for cameras
+        ("true_pose", "f8", 3),  # in a simulation, without odometry noise: for tests and evaluation
+        ("qpos", "f8", MAX_QPOS),  # in a simulation, of the whole scene: for its camera
     ]
 )
 SCAN = np.dtype([("t", "f8"), ("ranges", "f8", RAYS)])
@@ -80,6 +81,13 @@ def pause_token(epoch: int, number: int) -> int:
 def epoch_of(token: int) -> int:
     """The epoch of a pause."""
     return token >> 24
+
+
+def believed(record: Record, correction: Record) -> Pose:
+    """The pose of a state or a picture under the correction that is in force by now, of which whoever took it may
+    not have known."""
+    pose, known, now = (tuple(part.tolist()) for part in (record["pose"], record["correction"], correction["pose"]))
+    return Pose(*pose) if known == now else compose(Pose(*now), compose(inverse(Pose(*known)), Pose(*pose)))
 
 
 class Mailbox:

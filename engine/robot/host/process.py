@@ -1,4 +1,4 @@
-"""The robot process from outside: starting it, noticing its end, and what it died of.
+"""The host's process from outside: starting it, noticing its end, and what it died of.
 
 Beside the link of every :class:`engine.child.Child` it shares an unnamed piece of memory with us, which belongs to
 whoever starts the process, and may have served one before.
@@ -7,40 +7,40 @@ whoever starts the process, and may have served one before.
 from __future__ import annotations
 
 import contextlib
-from pathlib import Path
+from collections.abc import Mapping
 
 from config.schema import Robot as RobotSettings
 from engine.child import Child
 from engine.errors import ProcessError, RobotError
-from engine.robot.sim import memory as m
-from engine.robot.sim.memory import Memory
+from engine.robot.host import memory as m
+from engine.robot.host.memory import Memory
 
 LEAN = {"PYDANTIC_DISABLE_PLUGINS": "__all__"}
-"""Environment of the simulation's processes: looking for plugins, of which there are none, takes as long as a scene."""
+"""Environment of a robot's processes: looking for plugins, of which there are none, takes as long as a scene."""
 START_LIMIT = 60.0
-"""s until the robot process must have built its world."""
+"""s until the robot process must have opened its body."""
 
 
-class RobotProcess(Child):
-    """One running robot process. Whoever makes it closes it."""
+class HostProcess(Child):
+    """One running host. Whoever makes it closes it."""
 
-    def __init__(self, scene: Path, settings: RobotSettings, memory: Memory) -> None:
-        """Start the process. Raises :class:`RobotError`."""
+    def __init__(self, settings: RobotSettings, memory: Memory, environment: Mapping[str, str]) -> None:
+        """Start the process; ``environment`` is added to ours. Raises :class:`RobotError`."""
         self._memory: Memory | None = memory
-        arguments = [f"--memory={memory.fd}", f"--scene={scene}", f"--settings={settings.model_dump_json()}"]
+        arguments = [f"--memory={memory.fd}", f"--settings={settings.model_dump_json()}"]
         try:
             super().__init__(
                 "robot",
-                "engine.robot.sim.physics",
+                "engine.robot.host_main",
                 arguments,
                 shared=(memory.fd,),
-                environment={"MUJOCO_GL": "disable", **LEAN},  # it shows nothing
+                environment={**environment, **LEAN},
             )
         except ProcessError as error:
             raise RobotError(error.message) from error
 
     def wait_until_ready(self) -> None:
-        """Block until the world is built. Raises :class:`RobotError`."""
+        """Block until the body is open. Raises :class:`RobotError`."""
         self.link.settimeout(START_LIMIT)
         with contextlib.suppress(OSError):  # time-out or a broken connection: not ready either
             if self.link.recv(1):

@@ -1,45 +1,38 @@
-"""The robot process: ``python -m engine.robot.sim.physics``, started by :class:`engine.robot.sim.robot.SimRobot`.
+"""The host of a robot: takes stops, heartbeats and commands from shared memory, and shows readings there.
 
 In real time it steps every 2 ms against absolute deadlines; the first thing of every step is the stop stamp, the
 second the heartbeat. At full speed it stands still until the engine asks for the next tick over a socket, so that
-time passes only while somebody waits for it.
+time passes only while somebody waits for it (a simulation can do that).
 
 It stands by itself when the engine falls silent. An engine that was merely busy finds it ready to go on; one that was
 away for longer must not go on where it was: the robot has *halted*, and nothing moves it but a new epoch. A *pause*
 that nobody ends makes it halt as well. When the socket closes, its parent is gone or it is told to end, it brings the
 robot to rest first and leaves a last state that says so.
 
-Memory that holds a state already is that of a robot that was lost: it goes on from there.
+Memory that holds a state already is that of a robot that was lost: it goes on from there. Which body is driven, none of
+this knows.
 """
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import os
-import signal
 import socket
-import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
-from types import FrameType
 
 from config.schema import Robot as RobotSettings
-from engine.errors import SaysoError
 from engine.robot.geometry import Pose, Twist
+from engine.robot.host import memory as m
+from engine.robot.host.body import STEP_S
+from engine.robot.host.controller import Controller
+from engine.robot.host.memory import Mailbox, Memory
 from engine.robot.robot import PAUSE_LIMIT_S, UNDECIDED
-from engine.robot.sim import memory as m
-from engine.robot.sim.build import TIMESTEP
-from engine.robot.sim.memory import Mailbox, Memory
-from engine.robot.sim.scene_file import load_scene
-from engine.robot.sim.world import World
-from engine.scheduling import as_word, quiet_memory, raise_priority
 
 TICK_STEPS = 10
-"""Physics steps per tick (20 ms)."""
+"""Steps per tick (20 ms)."""
 DEBT = 0.05
-"""s that real time may run ahead before the simulation stops trying to catch up."""
+"""s that real time may run ahead before the host stops trying to catch up."""
 BRAKE_PART = 0.7
 """Of the silence that is allowed: then the base brakes. From full speed it needs 0.1 s to stand, and 0.3 s after the
 engine's last sign of life it must."""
@@ -50,12 +43,12 @@ SETTLE_LIMIT = 0.5
 """s of robot time in which the base comes to rest before the process ends; from full speed it needs 0.1."""
 
 
-class Firmware:
-    """Between shared memory and the world: takes stops, heartbeats and commands, publishes readings."""
+class Host:
+    """Between shared memory and the controller of a body."""
 
-    def __init__(self, memory: Memory, world: World, settings: RobotSettings) -> None:
+    def __init__(self, memory: Memory, controller: Controller, settings: RobotSettings) -> None:
         self._memory = memory
-        self._world = world
+        self._controller = controller
         self._allowed = settings.heartbeat_s if settings.speed == "real" else float("inf")
         self._epoch = memory.ints[m.STOP_EPOCH]
         self._halted = ""
@@ -69,11 +62,11 @@ class Firmware:
         self._scanned = -1.0
 
     def step(self, now: float) -> None:
-        """One physics step; ``now`` is ``time.monotonic()``."""
+        """One step of the body; ``now`` is ``time.monotonic()``."""
         memory = self._memory
         epoch = memory.ints[m.STOP_EPOCH]
         if epoch != self._epoch:
-            self._world.stop()
+            self._controller.stop()
             self._stamp_zero()
             self._epoch, self._paused_at = epoch, None
             memory.ints[m.STOPPED_EPOCH] = epoch
@@ -89,7 +82,7 @@ class Firmware:
     def settle(self, why: str, pace: Callable[[], object] = lambda: None) -> None:
         """The last thing of all: come to rest, whatever was commanded, and leave that as the last state."""
         self._halt(why)
-        for _ in range(round(SETTLE_LIMIT / TIMESTEP)):
+        for _ in range(round(SETTLE_LIMIT / STEP_S)):
             if not self._stopping:
                 break
             pace()
@@ -98,16 +91,16 @@ class Firmware:
 
     def publish(self) -> None:
         """Show the readings of now."""
-        world, box = self._world, self._memory.state
-        world.fill(box.scratch)
+        controller, box = self._controller, self._memory.state
+        controller.fill(box.scratch)
         box.scratch["epoch"] = self._epoch
         box.scratch["halted"], box.scratch["halted_in"] = self._halted.encode(), self._halted_in
         box.scratch["paused"], box.scratch["paused_s"] = self._paused_at is not None, self._paused_s
         box.put()
-        if world.scan_time != self._scanned:
-            self._scanned = world.scan_time
+        if controller.scan_time != self._scanned:
+            self._scanned = controller.scan_time
             scan = self._memory.scan
-            scan.scratch["t"], scan.scratch["ranges"] = world.scan_time, world.ranges
+            scan.scratch["t"], scan.scratch["ranges"] = controller.scan_time, controller.ranges
             scan.put()
 
     def _watch(self, now: float, heartbeat: float) -> None:
@@ -122,10 +115,10 @@ class Firmware:
         elif (late := silence > BRAKE_PART * self._allowed) != self._braked:
             self._braked = late
             if late:
-                self._world.pause()
+                self._controller.pause()
                 self._stamp_zero()
             elif self._paused_at is None:
-                self._world.resume()
+                self._controller.resume()
 
     def _heed_pause(self, now: float, token: int) -> None:
         """Rest while a pause of this epoch lasts; halt when nobody ends it."""
@@ -135,20 +128,20 @@ class Firmware:
                 self._paused_at = None
                 self._seen[self._memory.drive] = self._memory.drive.count  # that was for then
                 if not self._braked:
-                    self._world.resume()
+                    self._controller.resume()
                 self.publish()
         elif self._paused_at is None:
             self._paused_at = now
-            self._world.rest()
+            self._controller.rest()
             self.publish()
         elif now - self._paused_at > PAUSE_LIMIT_S:
             self._halt(UNDECIDED)
         else:
-            self._paused_s += TIMESTEP
+            self._paused_s += STEP_S
 
     def _halt(self, why: str) -> None:
         self._halted, self._halted_in = why, self._epoch
-        self._world.stop()
+        self._controller.stop()
         if not self._braked:
             self._stamp_zero()
         self._braked = False
@@ -160,44 +153,44 @@ class Firmware:
         self._stopping = True
 
     def _advance(self) -> None:
-        self._world.step()
-        if self._stopping and self._world.at_rest:
+        self._controller.step()
+        if self._stopping and self._controller.at_rest:
             self._memory.times[m.REST_TIME] = time.monotonic()
             self._stopping = False
 
     def _take_motions(self) -> None:
-        memory, world = self._memory, self._world
+        memory, controller = self._memory, self._controller
         if (box := memory.drive).count != self._seen[box]:
             record = box.get()
             if self._is_ours(box, record):
-                world.drive(Twist(*record["twist"].tolist()))
+                controller.drive(Twist(*record["twist"].tolist()))
         if (box := memory.arm).count != self._seen[box]:
             record = box.get()
             if self._is_ours(box, record):
-                world.move_arm(record["joints"].tolist(), float(record["speed"]))
+                controller.move_arm(record["joints"].tolist(), float(record["speed"]))
         if (box := memory.gripper).count != self._seen[box]:
             record = box.get()
             if self._is_ours(box, record):
-                world.grip(float(record["opening"]))
+                controller.grip(float(record["opening"]))
 
     def _take_signals(self) -> None:
         """Light and sound move nothing: a robot that stands may use them."""
-        memory, world = self._memory, self._world
+        memory, controller = self._memory, self._controller
         if (box := memory.light).count != self._seen[box]:
             record = box.get()
             if self._is_ours(box, record):
                 red, green, blue = record["light"].tolist()
-                world.shine((red, green, blue))
+                controller.shine((red, green, blue))
         if (box := memory.buzzer).count != self._seen[box]:
             record = box.get()
             if self._is_ours(box, record):
-                world.beep(float(record["seconds"]))
+                controller.beep(float(record["seconds"]))
 
     def _take_correction(self) -> None:
         """Where the robot is on the map is so in every epoch."""
         if (box := self._memory.correction).count != self._seen[box]:
             self._seen[box] = box.count
-            self._world.correct(Pose(*box.get()["pose"].tolist()))
+            self._controller.correct(Pose(*box.get()["pose"].tolist()))
 
     def _is_ours(self, box: Mailbox, record: m.Record) -> bool:
         """Whether a command is of the epoch in force. One of a coming epoch is left for when its stop has arrived:
@@ -208,7 +201,7 @@ class Firmware:
         return True
 
 
-def run_in_real_time(memory: Memory, firmware: Firmware, link: socket.socket) -> None:
+def run_in_real_time(memory: Memory, host: Host, link: socket.socket) -> None:
     """Step every 2 ms until the engine closes the link; then come to rest."""
     ints, times, loop = memory.ints, memory.times, memory.loop
     parent = os.getppid()
@@ -220,40 +213,40 @@ def run_in_real_time(memory: Memory, firmware: Firmware, link: socket.socket) ->
         now = time.monotonic()
         if late > DEBT:
             ints[m.OVERRUNS] += 1
-        firmware.step(now)
+        host.step(now)
         times[m.ALIVE] = now
         step += 1
         if step % TICK_STEPS == 0:
-            firmware.publish()
+            host.publish()
             ints[m.TICKS] += 1
             linked = _still_linked(link, wake=ints[m.WAITERS] != 0) and os.getppid() == parent
         loop[step % m.LOOP_SAMPLES] = (late, time.monotonic() - now)
         ints[m.STEPS] = step
-    firmware.settle(_why_it_ends(memory), pace.wait)
+    host.settle(_why_it_ends(memory), pace.wait)
 
 
-def run_on_demand(memory: Memory, firmware: Firmware, link: socket.socket) -> None:
+def run_on_demand(memory: Memory, host: Host, link: socket.socket) -> None:
     """Step one tick per request until the engine closes the link; then come to rest."""
     link.setblocking(True)
     with contextlib.suppress(OSError):  # an engine that was killed between asking and hearing
         while link.recv(1):
             for _ in range(TICK_STEPS):
-                firmware.step(time.monotonic())
-            firmware.publish()
+                host.step(time.monotonic())
+            host.publish()
             memory.ints[m.TICKS] += 1
             link.send(b".")
-    firmware.settle(_why_it_ends(memory))
+    host.settle(_why_it_ends(memory))
 
 
 class Pace:
-    """Absolute deadlines, one for every physics step."""
+    """Absolute deadlines, one for every step."""
 
     def __init__(self) -> None:
         self._deadline = time.monotonic()
 
     def wait(self) -> float:
         """Sleep to the next deadline and return how late it has become, s; what is much too late is let go."""
-        self._deadline += TIMESTEP
+        self._deadline += STEP_S
         left = self._deadline - time.monotonic()
         if left > 0:
             time.sleep(left)
@@ -277,47 +270,3 @@ def _still_linked(link: socket.socket, *, wake: bool) -> bool:
         return True  # nothing to read, or an engine that reads slowly: both are fine
     except OSError:
         return False
-
-
-def main(argv: list[str]) -> int:
-    """Build the world, say so, and run it."""
-    parser = argparse.ArgumentParser(prog="python -m engine.robot.sim.physics", description="Internal to sayso.")
-    for name in ("memory", "link"):
-        parser.add_argument(f"--{name}", type=int, required=True, help="an inherited file descriptor")
-    parser.add_argument("--scene", type=Path, required=True)
-    parser.add_argument("--settings", required=True, help="settings of the robot, JSON")
-    args = parser.parse_args(argv)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the engine's business: it stops us when it is done
-    settings = RobotSettings.model_validate_json(args.settings)
-    memory = Memory(args.memory)
-    link = socket.socket(fileno=args.link)
-
-    def terminate(number: int, frame: FrameType | None) -> None:
-        memory.ints[m.QUIT] = 1
-        link.shutdown(socket.SHUT_RD)  # wakes the loop that waits for a request
-
-    signal.signal(signal.SIGTERM, terminate)
-    try:
-        last = memory.state.get() if memory.state.count else None
-        world = World(load_scene(args.scene), settings, last, pictures=False)
-    except SaysoError as error:
-        print(error, file=sys.stderr)  # noqa: T201 - SimRobot puts our stderr into its own error
-        return int(error.exit_code)
-    firmware = Firmware(memory, world, settings)
-    with link:
-        if settings.speed == "real" and settings.realtime_priority:
-            memory.ints[m.SCHEDULING] = as_word(raise_priority())
-        quiet_memory()
-        firmware.publish()
-        memory.times[m.ALIVE] = time.monotonic()
-        memory.ints[m.READY] = 1
-        link.send(b".")
-        if settings.speed == "real":
-            run_in_real_time(memory, firmware, link)
-        else:
-            run_on_demand(memory, firmware, link)
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from engine.robot.geometry import Twist
+from engine.robot.host import memory as m
+from engine.robot.host.host import BRAKE_PART, HALT_S, Host
+from engine.robot.host.memory import Memory
 from engine.robot.robot import PAUSE_LIMIT_S, UNDECIDED
-from engine.robot.sim import memory as m
 from engine.robot.sim.build import TIMESTEP
-from engine.robot.sim.memory import Memory
-from engine.robot.sim.physics import BRAKE_PART, HALT_S, Firmware
 from engine.robot.sim.world import World
 from tests.sim.rig import in_the_flat, settings
 
@@ -21,11 +21,11 @@ STANDS_WITHIN_S = 0.3
 
 
 class Rig:
-    """The firmware over a world, a clock, and the engine's side of the memory."""
+    """The host over a world, a clock, and the engine's side of the memory."""
 
     def __init__(self, memory: Memory, world: World) -> None:
         self.memory, self.world, self.now = memory, world, 100.0
-        self.firmware = Firmware(memory, world, settings(speed="real"))
+        self.host = Host(memory, world, settings(speed="real"))
 
     def let_pass(self, seconds: float, *, beating: bool, speed: float | None = None, epoch: int = 1) -> None:
         """Let time pass, while the engine beats or not, and repeats a command or not."""
@@ -37,8 +37,8 @@ class Rig:
                 box.scratch["epoch"], box.scratch["twist"] = epoch, (speed, 0, 0)
                 box.put()
             self.now += TIMESTEP
-            self.firmware.step(self.now)
-        self.firmware.publish()
+            self.host.step(self.now)
+        self.host.publish()
 
     def pause(self, epoch: int = 1, number: int = 1) -> None:
         self.memory.ints[m.PAUSE] = m.pause_token(epoch, number)

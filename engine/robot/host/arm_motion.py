@@ -1,32 +1,28 @@
-"""The arm's controller: servo targets that move along a straight line in joint space, smoothly and not too fast."""
+"""How an arm moves: servo targets that go along a straight line in joint space, smoothly and not too fast."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
-import numpy as np
-
-from engine.robot.arm import ARM_JOINTS
-from engine.robot.envelope import clamp_joints
-from engine.robot.sim.dimensions import FINGER_TRAVEL, JOINT_RANGES
+from engine.robot.host.body import Body
+from engine.robot.host.envelope import clamp_joints
 
 MAX_SPEED = 2.5
 """rad/s of any joint, whatever a command asks for."""
 ACCELERATION = 8.0  # rad/s² of the joint that moves furthest
 GRIPPER_SPEED = 2.0  # of the opening per second
 
+Ranges = Sequence[tuple[float, float]]
+"""Of the joints, rad, in the order of ``ARM_JOINTS``."""
 
-class Arm:
+
+class ArmMotion:
     """Five servos and the gripper. ``move`` and ``grip`` set goals, ``step`` moves the servo targets towards them."""
 
-    def __init__(self, model: Any, data: Any) -> None:
-        self._data = data
-        self._positions = np.array([model.joint(name).qposadr[0] for name in ARM_JOINTS])
-        self._fingers = np.array([model.joint(f"finger {side}").qposadr[0] for side in ("left", "right")])
-        self._servos = np.array([model.actuator(name).id for name in ARM_JOINTS])
-        self._motor = model.actuator("gripper").id
+    def __init__(self, body: Body, ranges: Ranges) -> None:
+        self._body = body
+        self._ranges = ranges
         self.paused = False
         """It stays where it is, and goes on to its goal when it is let go."""
         self.targets = self.joints
@@ -38,12 +34,12 @@ class Arm:
     @property
     def joints(self) -> tuple[float, ...]:
         """Measured, rad."""
-        return tuple(self._data.qpos[self._positions].tolist())
+        return self._body.joints
 
     @property
     def opening(self) -> float:
         """Measured, 0 closed … 1 open."""
-        return max(0.0, min(1.0, float(self._data.qpos[self._fingers].mean()) / FINGER_TRAVEL))
+        return self._body.opening
 
     @property
     def grip_target(self) -> float:
@@ -57,7 +53,7 @@ class Arm:
 
     def move(self, joints: Sequence[float], speed: float) -> bool:
         """Set a goal; within the ranges of the joints. One that is not finite is refused."""
-        goal = clamp_joints(joints, JOINT_RANGES)
+        goal = clamp_joints(joints, self._ranges)
         if goal is None or not math.isfinite(speed) or speed <= 0:
             return False
         self._goal, self._most = goal, min(speed, MAX_SPEED)
@@ -98,5 +94,4 @@ class Arm:
         self._tell()
 
     def _tell(self) -> None:
-        self._data.ctrl[self._servos] = self.targets
-        self._data.ctrl[self._motor] = self._opening * FINGER_TRAVEL
+        self._body.place_arm(self.targets, self._opening)

@@ -1,0 +1,82 @@
+"""What the host drives: hardware, or its simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.robot.geometry import Pose, Twist
+from engine.robot.host.memory import Record
+
+STEP_S = 0.002
+"""How much time one step of a body is, s: the host looks for a stop before each of them."""
+
+
+class Body(Protocol):
+    """Is told velocities and joint angles, and tells what it measures. Belongs to the thread that opened it.
+
+    It knows no limits, no epochs and no map: whoever tells it something has made sure of all that. What is told to it
+    holds until it is told otherwise. Nothing here blocks.
+    """
+
+    @property
+    def t(self) -> float:
+        """The robot's own clock, s."""
+        ...
+
+    @property
+    def twist(self) -> Twist:
+        """Measured velocity, base frame."""
+        ...
+
+    @property
+    def joints(self) -> tuple[float, ...]:
+        """Measured, rad, in the order of ``ARM_JOINTS``."""
+        ...
+
+    @property
+    def opening(self) -> float:
+        """Of the gripper, measured, 0 closed … 1 open."""
+        ...
+
+    def step(self) -> None:
+        """Let ``STEP_S`` pass: in a simulation they do, on hardware this sends and reads. Raises ``RobotError`` where
+        the body is gone."""
+        ...
+
+    def drive(self, twist: Twist) -> None:
+        """Tell the motors this velocity, from now on."""
+        ...
+
+    def place_arm(self, joints: Sequence[float], opening: float) -> None:
+        """Tell the servos these angles, rad, and the gripper this opening."""
+        ...
+
+    def shine(self, rgb: tuple[int, int, int]) -> None:
+        """Set the light, 0…255 each."""
+        ...
+
+    def beep(self, seconds: float) -> None:
+        """Sound the buzzer for so long."""
+        ...
+
+    def odometry(self) -> Pose:
+        """Where its own motion, added up, has brought it, from where it was put down. Asked once in every control
+        period."""
+        ...
+
+    def scan(self) -> NDArray[np.float64] | None:
+        """A turn of the lidar (``engine.robot.lidar``), m, inf where nothing was hit; None where there is none that is
+        newer than the last one that was asked for."""
+        ...
+
+    def fill(self, record: Record) -> None:
+        """Write what only this body knows into a record of ``memory.STATE``."""
+        ...
+
+    def close(self) -> None:
+        """Let go of everything; it has been brought to rest before."""
+        ...

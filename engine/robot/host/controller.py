@@ -1,0 +1,236 @@
+"""What every body is driven by: the safety envelope of the base, the motion of the arm, and where the robot believes it
+is.
+
+It knows nothing of processes, clocks or shared memory, so that a test can hold one in its hand. A body advances in
+steps of 2 ms; every fifth step is a control period, in which the safety envelope decides what the base motors are told.
+:meth:`Controller.stop` acts at once, between two steps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from config.schema import Limits
+from engine.robot.clearance import Points
+from engine.robot.geometry import UNMOVED, ZERO, Pose, Twist, compose, inverse
+from engine.robot.host.arm_motion import ArmMotion, Ranges
+from engine.robot.host.body import STEP_S, Body
+from engine.robot.host.envelope import SCAN_LIFETIME, Envelope, into_base_frame, into_map_frame
+from engine.robot.host.memory import Record
+from engine.robot.lidar import RAYS, points
+from engine.robot.robot import Footprint
+
+CONTROL_STEPS: Final = 5
+"""Steps per control period (10 ms)."""
+SCAN_STEPS: Final = 25
+"""Steps between two looks for a turn of the lidar (50 ms)."""
+LONGEST_BEEP_S: Final = 5.0
+
+_REST_SPEED, _REST_TURN = 0.003, 0.01  # m/s, rad/s: what RobotState.moving counts as rest
+
+
+class Controller:
+    """One body under control."""
+
+    def __init__(
+        self,
+        body: Body,
+        start: Pose,
+        limits: Limits,
+        footprint: Footprint,
+        ranges: Ranges,
+        edges: Points,
+        last: Record | None = None,
+    ) -> None:
+        """``start`` is where the body's odometry begins; ``ranges`` are those of the arm's joints, ``edges`` points on
+        the map that the hull may not cross. ``last`` is the state that the body goes on from, standing still."""
+        self.body = body
+        self.arm = ArmMotion(body, ranges)
+        self._envelope = Envelope(limits, footprint)
+        self._edges = edges
+        self._correction = UNMOVED
+        self._pose = self._added = start  # the latter is its own motion, without the correction
+        self._steps = 0
+        self._told = ZERO
+        self._ranges: NDArray[np.float64] = np.full(RAYS, np.inf)
+        self._scan_time = -math.inf
+        self._seen: Points = np.empty((0, 2))  # by the lidar, map frame
+        self._around: Points = np.empty((0, 2))  # that and the edges, as far as it can matter before the next scan
+        self._near = self._envelope.reach + math.sqrt(2) * limits.linear_speed * SCAN_LIFETIME
+        self._blocked: str | None = None
+        self._light_rgb = (0, 0, 0)
+        self._buzzer_until = 0.0
+        if last is not None:
+            self._correction, self._pose = Pose(*last["correction"].tolist()), Pose(*last["pose"].tolist())
+            self._added = added_up(last)
+            self.arm.resume_grip(float(last["grip"]))
+            red, green, blue = last["light"].tolist()
+            self.shine((red, green, blue))
+            self._buzzer_until = float(last["buzzer_until"])
+        self._scan()
+
+    # Commands. Each returns False when its values are unusable; nothing moves then.
+
+    def drive(self, twist: Twist) -> bool:
+        """Drive until the command lifetime is over."""
+        return self._envelope.command(twist, self.t)
+
+    def move_arm(self, joints: Sequence[float], speed: float) -> bool:
+        """Move the arm's joints, at no more than ``speed`` rad/s."""
+        return self.arm.move(joints, speed)
+
+    def grip(self, opening: float) -> bool:
+        """Open or close the gripper."""
+        return self.arm.grip(opening)
+
+    def shine(self, rgb: tuple[int, int, int]) -> None:
+        """Set the light."""
+        self._light_rgb = rgb
+        self.body.shine(rgb)
+
+    def beep(self, seconds: float) -> None:
+        """Sound the buzzer."""
+        seconds = min(seconds, LONGEST_BEEP_S)
+        self._buzzer_until = self.t + seconds
+        self.body.beep(seconds)
+
+    def correct(self, correction: Pose) -> None:
+        """Believe from now on to be where odometry is after this rigid motion of the map; nothing moves. It is always
+        the whole of it, so giving it twice does no harm."""
+        before, self._correction = self._pose, correction
+        self._pose = self._corrected()
+        # What was seen stays where it is around the robot.
+        self._seen = into_map_frame(into_base_frame(self._seen, before), self._pose)
+        self._look_around()
+
+    def stop(self) -> None:
+        """Base to zero velocity now, arm where it is, gripper as it grips."""
+        self.pause()
+        self.arm.hold()
+        self.resume()
+
+    def pause(self) -> None:
+        """Base to zero velocity now, arm and gripper where they are, until :meth:`resume`."""
+        self._envelope.halt()
+        self._blocked = None
+        self._tell(ZERO)
+        self.arm.paused = True
+
+    def rest(self) -> None:
+        """The same, but the base comes to rest as gently as it drives."""
+        self._envelope.command(ZERO, self.t)
+        self.arm.paused = True
+
+    def resume(self) -> None:
+        """The arm goes on to its goal, the base with its next command."""
+        self.arm.paused = False
+
+    # Time
+
+    @property
+    def t(self) -> float:
+        """Robot time, s."""
+        return self.body.t
+
+    def step(self) -> None:
+        """Advance by one step of the body."""
+        if self._steps % SCAN_STEPS == 0:
+            self._scan()
+        if self._steps % CONTROL_STEPS == 0:
+            self._control()
+        self.arm.step(STEP_S)
+        self.body.step()
+        self._steps += 1
+        if self._steps % CONTROL_STEPS == 0:  # here, so that who reads the state next reads where it is now
+            self._added = self.body.odometry()
+            self._pose = self._corrected()
+
+    def _control(self) -> None:
+        obstacles = None if self._envelope.idle else self._obstacles()
+        shaped = self._envelope.shape(self.t, CONTROL_STEPS * STEP_S, obstacles)
+        self._blocked = shaped.blocked
+        self._tell(shaped.twist)
+
+    def _tell(self, twist: Twist) -> None:
+        self._told = twist
+        self.body.drive(twist)
+
+    # Readings
+
+    @property
+    def twist(self) -> Twist:
+        """Measured velocity, base frame."""
+        return self.body.twist
+
+    @property
+    def command(self) -> Twist:
+        """What the motors are told."""
+        return self._told
+
+    @property
+    def blocked(self) -> str | None:
+        return self._blocked
+
+    @property
+    def at_rest(self) -> bool:
+        twist = self.twist
+        return math.hypot(twist.vx, twist.vy) <= _REST_SPEED and abs(twist.wz) <= _REST_TURN
+
+    @property
+    def ranges(self) -> NDArray[np.float64]:
+        """The newest scan (see ``engine.robot.lidar``), m."""
+        return self._ranges
+
+    @property
+    def scan_time(self) -> float:
+        """When the newest scan was taken, robot time."""
+        return self._scan_time
+
+    def fill(self, record: Record) -> None:
+        """Write the readings into a record of ``memory.STATE``; epoch and halted are not ours."""
+        pose, twist, told, correction = self._pose, self.twist, self._told, self._correction
+        record["t"] = self.t
+        record["pose"] = (pose.x, pose.y, pose.yaw)
+        record["correction"] = (correction.x, correction.y, correction.yaw)
+        record["twist"] = (twist.vx, twist.vy, twist.wz)
+        record["command"] = (told.vx, told.vy, told.wz)
+        record["joints"], record["joint_targets"] = self.arm.joints, self.arm.targets
+        record["gripper"], record["grip"] = self.arm.opening, self.arm.grip_target
+        record["light"] = self._light_rgb
+        record["buzzer_until"] = self._buzzer_until
+        record["blocked"] = (self._blocked or "").encode()
+        self.body.fill(record)
+
+    # Seeing
+
+    def _scan(self) -> None:
+        ranges = self.body.scan()
+        if ranges is None:
+            return
+        self._ranges, self._scan_time = ranges, self.t
+        self._seen = into_map_frame(points(ranges), self._pose)
+        self._look_around()
+
+    def _look_around(self) -> None:
+        everything = np.concatenate((self._seen, self._edges))
+        apart = everything - (self._pose.x, self._pose.y)
+        self._around = everything[np.einsum("ij,ij->i", apart, apart) < self._near**2]
+
+    def _obstacles(self) -> Points | None:
+        """What must not be driven into, base frame: the newest scan and the edges of the workspace."""
+        if self.t - self._scan_time > SCAN_LIFETIME:
+            return None
+        return into_base_frame(self._around, self._pose)
+
+    def _corrected(self) -> Pose:
+        return self._added if self._correction == UNMOVED else compose(self._correction, self._added)
+
+
+def added_up(last: Record) -> Pose:
+    """What the motion of a robot had added up to in its last state, without the correction."""
+    return compose(inverse(Pose(*last["correction"].tolist())), Pose(*last["pose"].tolist()))
