@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from config.schema import WakeProtocol
+from engine.framing import Format
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,8 +32,8 @@ class Told:
 Frame = Called | Told
 
 
-class Module(Protocol):
-    """One kind of module. It keeps nothing between two calls."""
+class Module(Format[Frame], Protocol):
+    """One kind of module."""
 
     @property
     def name(self) -> WakeProtocol:
@@ -40,31 +41,8 @@ class Module(Protocol):
         ...
 
     @property
-    def header(self) -> bytes:
-        """What every frame begins with."""
-        ...
-
-    @property
-    def head(self) -> int:
-        """Bytes after which the length of a frame is known, the header among them."""
-        ...
-
-    @property
-    def longest(self) -> int:
-        """Length of the longest frame, bytes."""
-        ...
-
-    @property
     def greeting(self) -> bytes:
         """What the host says first, to a port of which somebody has said that this module hangs on it."""
-        ...
-
-    def length(self, head: bytes) -> int | None:
-        """Length of a frame with this beginning, bytes, from ``head`` to ``longest``; None when no frame begins so."""
-        ...
-
-    def read(self, frame: bytes) -> Frame | None:
-        """What so many bytes mean; None when they are no frame."""
         ...
 
     def play(self, phrase: int) -> bytes | None:

@@ -1,4 +1,4 @@
-"""Serial ports: which ones a setting means, how one is opened, and what to do when it cannot be.
+"""Which serial ports a setting means, and how one is opened for a wake module.
 
 A setting names a device, a kind of USB device by its numbers, or ``auto``, which is every USB serial port. A device
 that was open once is known again by its USB identity, should the system give it another name when it comes back. One
@@ -8,44 +8,13 @@ Plugged in elsewhere it is one of those that may be the module, as is whatever e
 
 from __future__ import annotations
 
-import errno
-import grp
 import os
-import termios
 from dataclasses import dataclass, replace
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 from config.schema import USB_DEVICE
-from engine.errors import DeviceError
-
-BAUD: Final = 115200
-"""That of all wake modules."""
-
-Reason = Literal["absent", "taken", "denied", "busy", "broken"]
-
-
-class PortError(DeviceError):
-    """A serial port cannot be used."""
-
-    def __init__(self, reason: Reason, message: str, *, hint: str = "") -> None:
-        super().__init__(message, hint=hint)
-        self.reason = reason
-
-
-@dataclass(frozen=True, slots=True)
-class Port:
-    """A serial port of this machine."""
-
-    path: str
-    description: str
-    identity: tuple[int, int, str] | None  # vendor, product, serial number; None: not on USB
-    location: str  # where on USB; empty where unknown
-
-    @property
-    def named(self) -> str:
-        """What it is, for people, and how a setting names it."""
-        numbers = "" if self.identity is None else f"{self.identity[0]:04x}:{self.identity[1]:04x}"
-        return " ".join(word for word in (self.description, numbers) if word and word != "n/a") or "not on USB"
+from engine import serial_port
+from engine.serial_port import Port, PortError, attached, device_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,16 +53,6 @@ class Wanted:
     certain: bool
 
 
-def attached() -> tuple[Port, ...]:
-    """The serial ports there are; none while one is being unplugged: the next look finds the others."""
-    from serial.tools import list_ports
-
-    try:
-        return tuple(_port(info) for info in list_ports.comports())
-    except (OSError, TypeError, ValueError):  # pyserial reads what is gone meanwhile (its issues 550 and 774)
-        return ()
-
-
 def wanted(setting: str, known: Known | None = None) -> Wanted:
     """The ports that a setting means, as far as they are there.
 
@@ -112,38 +71,17 @@ def wanted(setting: str, known: Known | None = None) -> Wanted:
     return Wanted(tuple(port.path for port in ports), certain=False)
 
 
-def at(path: str) -> Port:
-    """The port of this name, with its identity where it has one."""
-    device = _device(path)
-    return next((port for port in attached() if port.path == device), Port(device, "", None, ""))
-
-
 def opened(path: str) -> Any:
-    """A ``serial.Serial`` for nobody but us. RTS and DTR stay low, for many boards are reset by them. Raises
-    :class:`PortError`."""
-    import serial
-
-    port = serial.Serial(None, BAUD, timeout=0, exclusive=True)
-    port.rts = port.dtr = False
-    port.port = path
-    try:
-        port.open()
-    except (OSError, ValueError, termios.error) as error:  # a SerialException is an OSError
-        raise _explained(path, error) from error
-    return port
+    """The port of this name, see :func:`engine.serial_port.opened`. Raises :class:`PortError`."""
+    return serial_port.opened(path, "wake.serial.port", _LOOK)
 
 
 _LOOK: Final = "Plug the wake module in: it is found by itself. `sayso doctor` lists the ports there are."
 
 
-def _port(info: Any) -> Port:
-    identity = None if info.vid is None else (info.vid, info.pid, info.serial_number or "")
-    return Port(info.device, info.description or "", identity, info.location or "")
-
-
 def _named(path: str, known: Known | None) -> Wanted:
     """The port of this name, or the known one if names have been dealt out anew. Raises :class:`PortError`."""
-    device = _device(path)
+    device = device_of(path)
     there = _is_there(device)
     if known is None or known.port.identity is None:
         if there:
@@ -162,14 +100,6 @@ def _named(path: str, known: Known | None) -> Wanted:
 
 def _is_there(device: str) -> bool:
     return os.path.exists(device)  # noqa: PTH110 - a device is no file to look into
-
-
-def _device(path: str) -> str:
-    """The device behind a name, which may be a link; the name itself while that link is being taken away."""
-    try:
-        return os.path.realpath(path)
-    except OSError:  # it was a link a moment ago: realpath lets nothing else through
-        return path
 
 
 def _is_usb(port: Port, setting: str) -> bool:
@@ -200,25 +130,3 @@ def _again(ports: tuple[Port, ...], known: Known | None, device: str = "") -> Po
 def _place(port: Port) -> str:
     """Where on USB it is; its name where that is not known."""
     return port.location or port.path
-
-
-def _explained(path: str, error: Exception) -> PortError:
-    match getattr(error, "errno", None):
-        case errno.ENOENT | errno.ENODEV | errno.ENXIO:
-            return PortError("absent", f"There is no serial port {path}.", hint=_LOOK)
-        case errno.EACCES | errno.EPERM:
-            hint = f"Join the group that may, and log in again: sudo usermod -aG {_group(path)} $USER"
-            return PortError("denied", f"You may not open the serial port {path}.", hint=hint)
-        case errno.EAGAIN | errno.EBUSY:
-            hint = "Close what uses it, perhaps another sayso, or name another port in wake.serial.port."
-            return PortError("busy", f"Another program has the serial port {path} open.", hint=hint)
-    message = f"{path} cannot be used as a serial port: {error}."
-    return PortError("broken", message, hint="Name another port in wake.serial.port; `sayso doctor` lists them.")
-
-
-def _group(path: str) -> str:
-    """The group that may open it."""
-    try:
-        return grp.getgrgid(os.stat(path).st_gid).gr_name  # noqa: PTH116 - as above
-    except (OSError, KeyError):
-        return "dialout"

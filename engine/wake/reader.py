@@ -25,13 +25,14 @@ from typing import Any, Final
 from config.schema import SerialWake
 from engine.commands import Wake
 from engine.errors import DeviceError, SaysoError
+from engine.framing import Framer
 from engine.scheduling import raise_priority
+from engine.serial_port import Port, PortError, Reason, at
 from engine.wake.ai_voice import AiVoice
 from engine.wake.csk4002 import Csk4002
-from engine.wake.framing import Framer
 from engine.wake.iflytek import IflytekRing
 from engine.wake.module import Called, Frame, Module, Told
-from engine.wake.ports import Known, Port, PortError, Reason, Wanted, at, opened, wanted
+from engine.wake.ports import Known, Wanted, opened, wanted
 
 READ_BYTES: Final = 4096
 PAUSES_S: Final = (0.1, 0.2, 0.5, 1.0, 2.0)
@@ -79,7 +80,7 @@ class _Line:
     path: str
     port: Any  # serial.Serial
     is_at: Port
-    framers: tuple[Framer, ...]
+    framers: tuple[tuple[Module, Framer[Frame]], ...]
     module: Module | None  # None: no frame has come yet
     without_frame: int | None = 0  # bytes so far; None: there was one, or it has been said that there is none
     refused: bool = False  # it did not take what it was sent, and that has been said
@@ -198,7 +199,7 @@ class WakeReader:
 
     def _open(self, path: str, *, greet: bool) -> None:
         modules = GUESSED if self._named is None else (self._named,)
-        line = _Line(path, opened(path), at(path), tuple(map(Framer, modules)), self._named)
+        line = _Line(path, opened(path), at(path), tuple((module, Framer(module)) for module in modules), self._named)
         self._lines[path] = line
         self._selector.register(line.fd, selectors.EVENT_READ, line)
         if self._named is not None and greet:
@@ -235,7 +236,7 @@ class WakeReader:
         if not data:  # an unplugged device has always nothing to read, or an error
             self._lose(line)
             return
-        frames = [(framer.module, frame) for framer in line.framers for frame in framer.push(data)]
+        frames = [(module, frame) for module, framer in line.framers for frame in framer.push(data)]
         calls = [(module, frame) for module, frame in frames if isinstance(frame, Called)]
         if calls:
             newest = calls[-1][1]

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from engine.framing import Framer
 from engine.wake import ai_voice, iflytek
 from engine.wake.ai_voice import AiVoice
 from engine.wake.csk4002 import Csk4002
-from engine.wake.framing import Framer
 from engine.wake.iflytek import IflytekRing
 from engine.wake.module import Called, Frame, Module, Told
 from tests.wake_module import AI_VOICE_WAKE, CSK4002_WAKE, ring_wake

@@ -16,9 +16,10 @@ from pydantic import ValidationError
 
 from config.schema import SerialWake
 from engine.commands import Wake
+from engine.serial_port import at, attached
 from engine.wake import iflytek, ports, reader
 from engine.wake.ai_voice import frame
-from engine.wake.ports import attached, opened
+from engine.wake.ports import opened
 from engine.wake.reader import Listening, Lost, News, Remark, WakeReader
 from tests.wake_module import AI_VOICE_WAKE, CSK4002_WAKE, LIMIT_S, WakeModule, ring_wake
 
@@ -588,4 +589,4 @@ def test_ports_are_listed_with_how_a_setting_names_them(usb: Usb, module: WakeMo
     usb.add(module)
     (port,) = attached()
     assert (port.path, port.named) == (device(module), "USB Serial 1a86:7523")
-    assert ports.at(str(module.path)) == port
+    assert at(str(module.path)) == port

@@ -54,7 +54,8 @@ SHOWN: Final = (
     "../tui/doctor/diagnosis.py", "../tui/doctor/examiner.py", "engine.py", "parts", "session",
     "hearing/hearing.py", "hearing/intake.py", "llm/chain.py", "planner/stages/two_stage.py",
     "planner/worlds/world_file.py", "robot/sim/camera.py", "tts", "wake/choice.py", "wake/embedding.py",
-    "wake/head.py", "wake/micro.py", "wake/ports.py", "wake/reader.py", "audio/loudspeaker.py", "audio/sounder.py",
+    "wake/head.py", "wake/micro.py", "wake/ports.py", "serial_port.py",
+    "wake/reader.py", "audio/loudspeaker.py", "audio/sounder.py",
     "audio/vad.py",
 )  # fmt: skip
 """Where something is written that a console shows: what the doctor finds, how parts are doing, lines of the log."""

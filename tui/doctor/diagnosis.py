@@ -265,7 +265,7 @@ def _reader(settings: Settings) -> Finding:
 
 def _serial(settings: Settings) -> Finding:
     del settings
-    from engine.wake.ports import attached
+    from engine.serial_port import attached
 
     ports = [f"{port.path} ({port.named})" for port in attached()]
     return Finding("serial ports", "ok" if ports else "limited", ", ".join(ports) or "none: no wake module attached")

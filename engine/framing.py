@@ -9,15 +9,44 @@ stream was cut, or on time.
 from __future__ import annotations
 
 from heapq import heappop, heappush
+from typing import Generic, Protocol, TypeVar
 
-from engine.wake.module import Frame, Module
+Frame_co = TypeVar("Frame_co", covariant=True)
+Frame = TypeVar("Frame")
 
 
-class Framer:
-    """Finds the frames of one kind of module. Holds as many bytes as its longest frame has, and one piece more."""
+class Format(Protocol[Frame_co]):
+    """How frames look, and what they mean. It keeps nothing between two calls, and no bytes make it raise."""
 
-    def __init__(self, module: Module) -> None:
-        self.module = module
+    @property
+    def header(self) -> bytes:
+        """What every frame begins with."""
+        ...
+
+    @property
+    def head(self) -> int:
+        """Bytes after which the length of a frame is known, the header among them."""
+        ...
+
+    @property
+    def longest(self) -> int:
+        """Length of the longest frame, bytes."""
+        ...
+
+    def length(self, head: bytes) -> int | None:
+        """The length of the frame that begins so, bytes; None when none does."""
+        ...
+
+    def read(self, frame: bytes) -> Frame_co | None:
+        """What these bytes mean; None when they are no frame after all."""
+        ...
+
+
+class Framer(Generic[Frame]):
+    """Finds the frames of one format. Holds as many bytes as its longest frame has, and one piece more."""
+
+    def __init__(self, format: Format[Frame]) -> None:
+        self.format = format
         self._bytes = bytearray()
         self._first = 0  # where in the stream they begin
         self._looked = 0  # up to where in the stream beginnings have been looked for
@@ -33,16 +62,16 @@ class Framer:
             end, start = heappop(self._begun)
             if start < self._first:  # a frame was found that it overlaps
                 continue
-            frame = self.module.read(bytes(self._bytes[start - self._first : end - self._first]))
+            frame = self.format.read(bytes(self._bytes[start - self._first : end - self._first]))
             if frame is not None:
                 found.append(frame)
                 self._drop(end)
-        self._drop(max(self._first, there - self.module.longest))  # what began before that has ended by now
+        self._drop(max(self._first, there - self.format.longest))  # what began before that has ended by now
         return found
 
     def _look(self) -> None:
         """Note every beginning of which enough is there to know where it would end."""
-        header, head = self.module.header, self.module.head
+        header, head = self.format.header, self.format.head
         at = max(self._looked - self._first, 0)
         while at + head <= len(self._bytes):
             at = self._bytes.find(header, at)
@@ -51,7 +80,7 @@ class Framer:
                 break
             if at + head > len(self._bytes):
                 break
-            length = self.module.length(bytes(self._bytes[at : at + head]))
+            length = self.format.length(bytes(self._bytes[at : at + head]))
             if length is not None:
                 heappush(self._begun, (self._first + at + length, self._first + at))
             at += 1
