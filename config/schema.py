@@ -283,15 +283,37 @@ class Camera(Section):
 class Robot(Section):
     """Which robot, and how fast it may be."""
 
-    kind: Literal["sim"] = Field(description="sim: the MuJoCo robot.")
-    scene: str = Field(description="Name of a scene in assets/scenes, or the path of a scene file.")
-    speed: Literal["real", "max"] = Field(description="Simulated time: real, or as fast as the machine can.")
+    kind: Literal["sim", "rosmaster"] = Field(
+        description="sim: the MuJoCo robot; rosmaster: one with Yahboom's Rosmaster motor board."
+    )
+    model: str | None = Field(
+        description="How it is made: a name from `sayso robot list`, or a file; null: sim, and x3plus on a board."
+    )
+    port: str | None = Field(description="Serial port of the motor board; /dev/serial/by-id/… names stay the same.")
+    scene: str = Field(
+        description="The house: name of a scene in assets/scenes, or the path of a scene file. On a real robot it is "
+        "the map alone."
+    )
+    speed: Literal["real", "max"] = Field(
+        description="Simulated time: real, or as fast as the machine can. A real robot has the real one."
+    )
     heartbeat_s: Seconds = Field(gt=0, le=2, description="The robot stops when the engine is silent for this long.")
     realtime_priority: bool = Field(description="SCHED_FIFO for the robot process where the system allows it.")
     odometry_noise: float = Field(ge=0, le=0.5, description="Relative error of odometry; 0 for none.")
     seed: int = Field(description="Seed of everything random in the simulation.")
     limits: Limits
     camera: Camera
+
+    @model_validator(mode="after")
+    def _board_has_a_port(self) -> Robot:
+        if self.kind == "rosmaster" and not self.port:
+            raise ValueError("a rosmaster needs robot.port; `sayso robot check` lists the ports there are")
+        return self
+
+    @property
+    def made_as(self) -> str:
+        """The description: the one that is named, else the usual one of its kind."""
+        return self.model or ("sim" if self.kind == "sim" else "x3plus")
 
 
 class Quaternion(Section):

@@ -45,7 +45,6 @@ from engine.parts.loading import (
     is_to_be_heard,
     make_models,
     make_player,
-    make_robot,
     make_satellite,
     make_vision,
     model_store,
@@ -62,6 +61,7 @@ from engine.planner.build import build_planner, build_registry
 from engine.planner.phrases.stopping import is_stop
 from engine.planner.planner import Planner
 from engine.planner.worlds.house import build_vocabulary
+from engine.robot.bodies import make_robot
 from engine.robot.floor_map import FloorMap
 from engine.robot.robot import Robot, RobotState, Scan
 from engine.scheduling import collect_in_small_steps, prefer, workers

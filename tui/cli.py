@@ -223,6 +223,11 @@ def build_parser() -> argparse.ArgumentParser:
     png = scene.add_argument("--png", metavar="FILE", type=Path, help="write the picture to FILE")
     png.complete = COMPLETE_FILE  # type: ignore[attr-defined]
 
+    robot = command("robot", "tui.commands.robot:run", "list, show, check and emulate robots")
+    robot.add_argument("action", choices=["list", "show", "check", "emulate"])
+    robot.add_argument("name", nargs="?", metavar="MODEL", help="default: the robot of the settings")
+    robot.add_argument("--port", metavar="PATH", type=Path, help="to emulate: where the board is (default: ./board)")
+
     config = command("config", "tui.commands.config:run", "show and check the configuration")
     config.add_argument("action", choices=["show", "path", "check"])
 

@@ -13,7 +13,6 @@ import yaml
 
 from config import paths
 from config.schema import WYOMING, Settings
-from config.schema import Robot as RobotSettings
 from config.schema import Voice as VoiceSettings
 from engine.asr.recogniser import Recogniser
 from engine.asr.whole import WholeRecogniser
@@ -31,8 +30,7 @@ from engine.llm.local import LocalChat
 from engine.models import ModelStore
 from engine.planner.stages.models import Models
 from engine.planner.worlds.house import build_vocabulary
-from engine.robot.camera_news import TellOfCamera
-from engine.robot.robot import Robot
+from engine.robot.home import home
 from engine.tts.choice import ByLanguage
 from engine.tts.synthesis import Synthesiser
 
@@ -52,20 +50,11 @@ class Sound:
     source: Source | None = None
 
 
-def make_robot(settings: RobotSettings, on_camera: TellOfCamera | None = None) -> Robot:
-    """The configured robot; ``on_camera`` is told how its camera is doing. Raises ``SceneError``."""
-    from engine.robot.sim.robot import SimRobot
-
-    return SimRobot(settings, on_camera)
-
-
 def at_home(settings: Settings) -> Settings:
-    """The settings with the places of the robot's house: those of the scene where it names some, else those of the
+    """The settings with the places of the robot's house: those of the map where it names some, else those of the
     configuration. Raises ``SceneError``."""
-    from engine.robot.sim.scene_file import load_scene, scene_path
-
-    places = load_scene(scene_path(settings.robot.scene)).known_places()
-    return settings.model_copy(update={"places": places}) if places else settings
+    places = home(settings.robot).places
+    return settings.model_copy(update={"places": dict(places)}) if places else settings
 
 
 def make_vision(settings: Settings) -> Onlooker | None:

@@ -29,7 +29,7 @@ from engine.planner.stages.two_stage import TwoStage
 from engine.planner.validation import as_call
 from engine.planner.worlds.house import build_vocabulary
 from engine.planner.worlds.world import World
-from engine.robot.robot import Capability
+from engine.robot.bodies import capabilities
 from engine.skills.external.host import external_skill
 from engine.skills.library import LIBRARY
 from engine.skills.library.signals import COLOURS
@@ -39,9 +39,6 @@ from engine.skills.vocabulary import Vocabulary
 from engine.understanding.base import MODEL
 from engine.understanding.learned import LearnedReader
 
-CAPABILITIES: dict[str, frozenset[Capability]] = {"sim": frozenset({"base", "arm", "camera", "voice"})}
-"""What each kind of robot has; known without starting it."""
-
 
 def build_registry(settings: Settings, places: Places | None = None, *, world: World | None = None) -> SkillRegistry:
     """The skills that the configured robot can do: the library, and the programs of the configuration. ``world``
@@ -49,7 +46,7 @@ def build_registry(settings: Settings, places: Places | None = None, *, world: W
     words = build_vocabulary(settings, places) if world is None else world.vocabulary(places)
     return SkillRegistry(
         (*LIBRARY, *_external(settings)),
-        capabilities=CAPABILITIES[settings.robot.kind],
+        capabilities=capabilities(settings.robot),
         vocabulary={**words.resolvers(), "colour": _colour},
     )
 

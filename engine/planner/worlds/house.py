@@ -4,30 +4,28 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+from config.schema import Robot as RobotSettings
 from config.schema import Settings
 from engine.perception.naming import UnknownObject, wanted
+from engine.robot.home import home
 from engine.skills.places import Places
 from engine.skills.vocabulary import House, Vocabulary
 
 
 def build_vocabulary(settings: Settings, places: Places | None = None) -> Vocabulary:
     """The words of the configured house. Raises ``SceneError``."""
-    return Vocabulary(places or Places(settings.places), _house(settings.robot.scene))
+    return Vocabulary(places or Places(settings.places), _house(settings.robot))
 
 
 @lru_cache(maxsize=8)
-def _house(scene: str) -> House:
-    """What map and inventory of a simulated house tell."""
-    from engine.robot.sim.floor import floor_map
-    from engine.robot.sim.scene_file import load_scene, scene_path
-
-    loaded = load_scene(scene_path(scene))
-    mapped = floor_map(loaded)
-    things = {name: _looks(name, f"{thing.colour} {thing.kind}") for name, thing in loaded.objects.items()}
-    named = [(name, room.aliases) for name, room in loaded.rooms.items()]
-    named += [(name, piece.aliases) for name, piece in loaded.furniture.items()]
-    called = {word: name for name, words in named for word in words}
-    return House(mapped.furniture, mapped.rooms, {name: looks for name, looks in things.items() if looks}, called)
+def _house(robot: RobotSettings) -> House:
+    """What map and inventory of its house tell."""
+    lived_in = home(robot)
+    mapped = lived_in.floor_map
+    things = {thing.name: _looks(thing.name, thing.looks) for thing in lived_in.things}
+    return House(
+        mapped.furniture, mapped.rooms, {name: looks for name, looks in things.items() if looks}, lived_in.called
+    )
 
 
 def _looks(name: str, otherwise: str) -> str:

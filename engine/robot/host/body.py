@@ -23,6 +23,11 @@ class Body(Protocol):
     """
 
     @property
+    def trouble(self) -> str:
+        """Why it can't be moved now, in words for people ("… was unplugged"); empty where it can."""
+        ...
+
+    @property
     def t(self) -> float:
         """The robot's own clock, s."""
         ...
@@ -43,8 +48,7 @@ class Body(Protocol):
         ...
 
     def step(self) -> None:
-        """Let ``STEP_S`` pass: in a simulation they do, on hardware this sends and reads. Raises ``RobotError`` where
-        the body is gone."""
+        """Let ``STEP_S`` pass: in a simulation they do, on hardware this sends and reads."""
         ...
 
     def drive(self, twist: Twist) -> None:

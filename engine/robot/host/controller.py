@@ -30,6 +30,8 @@ CONTROL_STEPS: Final = 5
 SCAN_STEPS: Final = 25
 """Steps between two looks for a turn of the lidar (50 ms)."""
 LONGEST_BEEP_S: Final = 5.0
+BLIND: Final = Twist(0.25, 0.25, 1.0)
+"""Fastest without a lidar, m/s and rad/s: a person steps aside or catches it."""
 
 _REST_SPEED, _REST_TURN = 0.003, 0.01  # m/s, rad/s: what RobotState.moving counts as rest
 
@@ -46,13 +48,24 @@ class Controller:
         ranges: Ranges,
         edges: Points,
         last: Record | None = None,
+        *,
+        blind: bool = False,
     ) -> None:
         """``start`` is where the body's odometry begins; ``ranges`` are those of the arm's joints, ``edges`` points on
-        the map that the hull may not cross. ``last`` is the state that the body goes on from, standing still."""
+        the map that the hull may not cross. ``last`` is the state that the body goes on from, standing still. A body
+        that is ``blind`` has no lidar: it stops short of the edges alone, and drives no faster than ``BLIND``."""
+        if blind:
+            limits = limits.model_copy(
+                update={
+                    "linear_speed": min(limits.linear_speed, BLIND.vx),
+                    "angular_speed": min(limits.angular_speed, BLIND.wz),
+                }
+            )
         self.body = body
         self.arm = ArmMotion(body, ranges)
         self._envelope = Envelope(limits, footprint)
         self._edges = edges
+        self._blind = blind
         self._correction = UNMOVED
         self._pose = self._added = start  # the latter is its own motion, without the correction
         self._steps = 0
@@ -211,6 +224,8 @@ class Controller:
     def _scan(self) -> None:
         ranges = self.body.scan()
         if ranges is None:
+            if self._blind:
+                self._look_around()
             return
         self._ranges, self._scan_time = ranges, self.t
         self._seen = into_map_frame(points(ranges), self._pose)
@@ -223,7 +238,7 @@ class Controller:
 
     def _obstacles(self) -> Points | None:
         """What must not be driven into, base frame: the newest scan and the edges of the workspace."""
-        if self.t - self._scan_time > SCAN_LIFETIME:
+        if not self._blind and self.t - self._scan_time > SCAN_LIFETIME:
             return None
         return into_base_frame(self._around, self._pose)
 

@@ -20,8 +20,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
+import numpy as np
+
 from config.schema import Robot as RobotSettings
-from engine.errors import RobotError
+from engine.errors import CameraError, RobotError
 from engine.robot.arm import ArmModel
 from engine.robot.camera import Picture
 from engine.robot.camera_news import CameraNews, TellOfCamera
@@ -30,7 +32,7 @@ from engine.robot.geometry import Pose, Twist, compose, inverse
 from engine.robot.host import memory as m
 from engine.robot.host.memory import Memory, Record, believed
 from engine.robot.host.process import HostProcess
-from engine.robot.lidar import LIDAR_ANGLES
+from engine.robot.lidar import LIDAR_ANGLES, RAYS
 from engine.robot.robot import Capability, Footprint, RobotState, Scan
 
 ANSWER_LIMIT = 2.5
@@ -65,8 +67,8 @@ class Build:
     footprint: Footprint
     floor_map: FloorMap
     arm: ArmModel
-    eye: Callable[[Memory, TellOfCamera], Eye]
-    """Opens the camera."""
+    eye: Callable[[Memory, TellOfCamera], Eye] | None
+    """Opens the camera; None where there is none."""
     environment: Mapping[str, str] = field(default_factory=dict)
     """Of the host's process."""
 
@@ -162,7 +164,7 @@ class HostedRobot:
             self._loop.add_reader(process.link, self._on_link)
         else:
             process.link.settimeout(ANSWER_LIMIT)
-        if self._on_camera is not None:
+        if self._on_camera is not None and self._build.eye is not None:
             self._open_camera(self._memory)
 
     async def close(self) -> None:
@@ -283,7 +285,10 @@ class HostedRobot:
         return state
 
     def scan(self) -> Scan:
-        record = self._running().scan.get()
+        box = self._running().scan
+        if not box.count:  # a robot without a lidar
+            return Scan(self.state().t, LIDAR_ANGLES, np.full(RAYS, np.inf))
+        record = box.get()
         return Scan(float(record["t"]), LIDAR_ANGLES, record["ranges"].copy())
 
     async def look(self, *, labels: bool = False) -> Picture:
@@ -298,6 +303,8 @@ class HostedRobot:
                 asyncio.get_running_loop().call_soon(self._exchange)
 
     def _open_camera(self, memory: Memory) -> Eye:
+        if self._build.eye is None:
+            raise CameraError("This robot has no camera.")
         if self._camera is None:
             self._camera = self._build.eye(memory, self._on_camera or _ignore)
         return self._camera

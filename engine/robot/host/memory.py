@@ -47,6 +47,7 @@ STATE = np.dtype(
         ("halted_in", "i8"),  # epoch
         ("paused", "i8"),  # 0 or 1
         ("paused_s", "f8"),  # of ``t``
+        ("volts", "f8"),  # of the battery; 0 where nothing measures it
         ("correction", "f8", 3),  # of odometry, in ``pose`` already
         ("true_pose", "f8", 3),  # in a simulation, without odometry noise: for tests and evaluation
         ("qpos", "f8", MAX_QPOS),  # in a simulation, of the whole scene: for its camera

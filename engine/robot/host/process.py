@@ -47,7 +47,7 @@ class HostProcess(Child):
                 return
         raise RobotError(
             self.epitaph(wait=0.5) or f"The robot process was not ready within {START_LIMIT:.0f} s.",
-            hint="Check robot.scene in your configuration.",
+            hint="`sayso doctor` looks at everything that it needs.",
         )
 
     def end(self) -> None:

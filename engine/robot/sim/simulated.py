@@ -33,6 +33,9 @@ from engine.robot.sim.scene import Scene
 class SimulatedBody:
     """A :class:`engine.robot.host.body.Body` in a scene."""
 
+    trouble = ""
+    """Nothing goes wrong with it."""
+
     def __init__(
         self, scene: Scene, settings: RobotSettings, last: Record | None = None, *, pictures: bool = True
     ) -> None:

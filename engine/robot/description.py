@@ -1,0 +1,202 @@
+"""How a robot is made, as a file says it: hull, drive, arm, camera, lidar and board.
+
+The files that come with sayso are in ``assets/robots``; people put their own beside their configuration, or anywhere.
+What a robot has decides which skills it is offered for; what it may do at most lies below the safety envelope.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from functools import lru_cache
+from importlib import resources
+from pathlib import Path
+from typing import Literal, Self
+
+import yaml
+from pydantic import Field, ValidationError, model_validator
+
+from config.schema import Section
+from engine.errors import UsageError
+from engine.robot.arm import ARM_JOINTS, ArmModel
+from engine.robot.geometry import Point
+from engine.robot.robot import Capability, Footprint
+
+Drive = Literal["mecanum", "differential", "ackermann"]
+FOLDER = "robots"
+
+
+class Hull(Section):
+    """The hull, seen from above, as a rectangle centred on the robot."""
+
+    length: float = Field(gt=0.05, le=3, description="m, along the way it drives.")
+    width: float = Field(gt=0.05, le=3, description="m.")
+
+
+class Speeds(Section):
+    """What the drive can do at most; the safety envelope allows less."""
+
+    forward: float = Field(gt=0, le=3, description="m/s.")
+    sideways: float = Field(ge=0, le=3, description="m/s; 0 where the wheels cannot.")
+    turn: float = Field(gt=0, le=10, description="rad/s.")
+
+
+class Wheels(Section):
+    """What odometry is added up from. Counts of the encoders are read in the order front left, rear left, front right,
+    rear right, positive when a wheel rolls forward."""
+
+    radius: float = Field(gt=0.005, le=0.5, description="m.")
+    base: float = Field(gt=0.01, le=2, description="m, front axle to rear axle.")
+    track: float = Field(gt=0.01, le=2, description="m, left wheels to right wheels.")
+    counts: float = Field(gt=0, description="Of an encoder, for one turn of the wheel.")
+
+
+class Board(Section):
+    """The motor board."""
+
+    kind: Literal["rosmaster"]
+    car_type: int = Field(ge=1, le=5, description="What the board calls this robot: X3 1, X3 Plus 2, X1 4, R2 5.")
+    stops_by_itself: bool | None = Field(
+        default=None, description="Whether it stops when the line falls silent, as `sayso doctor --wheels-up` found."
+    )
+
+
+class Servo(Section):
+    """A servo, and how its angle goes with that of a joint: servo = zero + sign · joint."""
+
+    number: int = Field(ge=1, le=6)
+    zero: float = Field(default=90, ge=0, le=270, description="deg of the servo where the joint is at 0.")
+    sign: Literal[1, -1] = 1
+
+
+class JointOf(Section):
+    """A joint of the arm."""
+
+    range: tuple[float, float] = Field(description="deg.")
+    servo: Servo | None = None
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if not self.range[0] < self.range[1]:
+            raise ValueError("a range goes from less to more")
+        return self
+
+
+class Gripper(Section):
+    """The gripper, and the angles of its servo."""
+
+    opens: float = Field(gt=0, le=0.3, description="m between the fingers at most.")
+    servo: int = Field(default=6, ge=1, le=6)
+    closed: float = Field(default=180, ge=0, le=270, description="deg of the servo.")
+    open: float = Field(default=30, ge=0, le=270, description="deg of the servo.")
+
+
+class ArmOf(Section):
+    """The arm: lengths in m, places in the base frame (shoulder) and in the wrist's (eye)."""
+
+    shoulder: Point = Field(description="Where the shoulder axis crosses the yaw axis.")
+    upper: float = Field(gt=0, description="Shoulder to elbow.")
+    fore: float = Field(gt=0, description="Elbow to wrist.")
+    hand: float = Field(gt=0, description="Wrist to the point between the fingertips.")
+    eye: Point = Field(default=(0.0, 0.0, 0.0), description="The camera's place on the wrist, where it is there.")
+    joints: dict[str, JointOf]
+    gripper: Gripper
+
+    @model_validator(mode="after")
+    def _all_joints(self) -> Self:
+        if tuple(self.joints) != ARM_JOINTS:
+            raise ValueError(f"the joints are, in this order: {', '.join(ARM_JOINTS)}")
+        return self
+
+
+class CameraOf(Section):
+    """The camera."""
+
+    depth: bool = Field(description="Whether it measures distances; without, those of known things are guessed.")
+    view: float = Field(gt=10, lt=170, description="deg, up and down.")
+
+
+class Description(Section):
+    """One kind of robot."""
+
+    name: str
+    source: str = Field(description="Where the numbers are from, and what of them was measured.")
+    drive: Drive
+    hull: Hull
+    speeds: Speeds
+    wheels: Wheels | None = None
+    board: Board | None = None
+    arm: ArmOf | None = None
+    camera: CameraOf | None = None
+    lidar: bool = Field(default=False, description="Without one nothing is seen in the way: it drives slowly then.")
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if self.drive != "mecanum" and self.speeds.sideways:
+            raise ValueError(f"a {self.drive} drive cannot go sideways: speeds.sideways is 0")
+        if self.board is not None:
+            if self.wheels is None:
+                raise ValueError("a board needs wheels: odometry is added up from them")
+            if self.arm is not None and any(joint.servo is None for joint in self.arm.joints.values()):
+                raise ValueError("on a board, every joint needs a servo")
+        return self
+
+    @property
+    def footprint(self) -> Footprint:
+        return Footprint(self.hull.length, self.hull.width)
+
+    @property
+    def capabilities(self) -> frozenset[Capability]:
+        """What skills can be offered for."""
+        has: set[Capability] = {"base", "voice"}
+        if self.arm is not None:
+            has.add("arm")
+        if self.camera is not None:
+            has.add("camera")
+        return frozenset(has)
+
+    @property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Of the joints, rad; where there is no arm, none of them moves."""
+        if self.arm is None:
+            return ((0.0, 0.0),) * len(ARM_JOINTS)
+        return tuple((math.radians(j.range[0]), math.radians(j.range[1])) for j in self.arm.joints.values())
+
+    @property
+    def arm_model(self) -> ArmModel:
+        """The geometry of the arm; of none where there is none."""
+        arm = self.arm
+        if arm is None:
+            return ArmModel((0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, self.ranges, (0.0, 0.0, 0.0))
+        return ArmModel(arm.shoulder, arm.upper, arm.fore, arm.hand, arm.gripper.opens, self.ranges, arm.eye)
+
+
+def known() -> tuple[str, ...]:
+    """Names of the descriptions that come with sayso."""
+    return tuple(sorted(path.stem for path in _folder().glob("*.yaml")))
+
+
+def described(name: str) -> Description:
+    """The description of this name, or in this file. Raises :class:`UsageError`."""
+    path = Path(name).expanduser() if name.endswith((".yaml", ".yml")) or "/" in name else _folder() / f"{name}.yaml"
+    if not path.is_file():
+        near = difflib.get_close_matches(name, known(), 1, 0.5)
+        hint = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known())}; or give a file."
+        raise UsageError(f"There is no robot called {name!r}.", hint=hint)
+    return _read(path.resolve(), path.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=16)
+def _read(path: Path, changed: int) -> Description:
+    try:
+        return Description.model_validate(yaml.safe_load(path.read_text("utf-8")))
+    except (OSError, UnicodeError, yaml.YAMLError) as error:
+        raise UsageError(f"{path} cannot be read: {error}.") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"])) or "the file"
+        raise UsageError(f"{path}: {key}: {first['msg']}.", hint="`sayso robot show x3plus` is an example.") from error
+
+
+def _folder() -> Path:
+    return Path(str(resources.files("assets") / FOLDER))

@@ -1,0 +1,1 @@
+"""A motor board to test on, with the simulated robot behind it."""

@@ -1,0 +1,60 @@
+"""A second process beside a host whose body keeps moving when nobody speaks to it any more.
+
+It shares the body's port. When the host dies, or hangs for 0.1 s, it tells the body to rest, over and over. The host in
+turn looks after its guard, and stands while there is none. So the death of either leaves the body at rest.
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+import time
+
+from engine.child import Child
+from engine.robot.host.guard_main import GUARD_ALIVE, HOST_ALIVE, SIZE
+from engine.robot.host.memory import unnamed_file
+
+SILENCE_S = 0.2
+"""From this long without a sign of life, the guard counts as lost."""
+START_S = 5.0
+"""In which it must have given its first."""
+
+
+class Guard(Child):
+    """One running guard. Whoever makes it ends it, then releases it."""
+
+    def __init__(self, port: int, rest: bytes) -> None:
+        """Start it for this open port; ``rest`` brings the body to rest. Raises ``ProcessError``."""
+        self._shared = unnamed_file("sayso-guard", SIZE)
+        try:
+            self._words = memoryview(mmap.mmap(self._shared, SIZE)).cast("d")
+            self._began = self._words[HOST_ALIVE] = time.monotonic()
+            arguments = [f"--memory={self._shared}", f"--port={port}", f"--rest={rest.hex()}"]
+            super().__init__("guard", "engine.robot.host.guard_main", arguments, shared=(self._shared, port))
+            self.link.setblocking(False)
+        except BaseException:
+            os.close(self._shared)
+            raise
+
+    def beat(self, now: float) -> bool:
+        """Tell it that the host lives, and say whether it lives itself; ``now`` is ``time.monotonic()``. Never
+        waits."""
+        self._words[HOST_ALIVE] = now
+        try:
+            if not self.link.recv(64):
+                return False
+        except BlockingIOError:
+            pass
+        except OSError:
+            return False
+        alive = self._words[GUARD_ALIVE]
+        return now - alive <= SILENCE_S if alive else now - self._began <= START_S
+
+    @property
+    def watches(self) -> bool:
+        """Whether it has begun to."""
+        return self._words[GUARD_ALIVE] > 0
+
+    def release(self) -> None:
+        super().release()
+        os.close(self._shared)

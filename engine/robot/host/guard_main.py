@@ -1,0 +1,76 @@
+"""The guard process: ``python -m engine.robot.host.guard_main``, started by :class:`engine.robot.host.guard.Guard`.
+
+It loads nothing but the standard library: it must be there within milliseconds, and nothing here may fail.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import mmap
+import os
+import select
+import signal
+import socket
+import sys
+import termios
+import time
+
+from engine.scheduling import raise_priority
+
+TICK_S = 0.01
+"""Between two looks at the host."""
+SILENCE_S = 0.1
+"""From this long without a sign of life, the host counts as hanging."""
+LAST_WORDS = 5
+"""How often it tells the body to rest before it leaves, and every how many ``TICK_S`` while the host hangs: two."""
+
+HOST_ALIVE, GUARD_ALIVE = 0, 1
+"""Words of the memory that both share: when each was last there, seconds of ``time.monotonic()``."""
+SIZE = 16
+"""Of that memory, bytes."""
+
+
+def main(argv: list[str]) -> int:
+    """Watch the host until it is gone or ends; bring the body to rest whenever nobody else would."""
+    parser = argparse.ArgumentParser(prog="python -m engine.robot.host.guard_main", description="Internal to sayso.")
+    for name in ("memory", "link", "port"):
+        parser.add_argument(f"--{name}", type=int, required=True, help="an inherited file descriptor")
+    parser.add_argument("--rest", type=bytes.fromhex, required=True, help="what brings the body to rest")
+    args = parser.parse_args(argv)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)  # it leaves when the host does
+    raise_priority()
+    words = memoryview(mmap.mmap(args.memory, SIZE)).cast("d")
+    with socket.socket(fileno=args.link) as link:
+        tick = 0
+        while not (select.select([link], [], [], TICK_S)[0] and not _heard(link)):
+            words[GUARD_ALIVE] = now = time.monotonic()
+            tick += 1
+            if now - words[HOST_ALIVE] > SILENCE_S and tick % 2 == 0:
+                _rest(args.port, args.rest)
+    for _ in range(LAST_WORDS):
+        _rest(args.port, args.rest)
+        time.sleep(TICK_S)
+    return 0
+
+
+def _heard(link: socket.socket) -> bytes:
+    try:
+        return link.recv(64)
+    except OSError:
+        return b""
+
+
+def _rest(port: int, frame: bytes) -> None:
+    """Write the frame, before anything that still waits to be written."""
+    with contextlib.suppress(OSError, termios.error):  # unplugged: there is nobody to tell
+        try:
+            os.write(port, frame)
+        except BlockingIOError:
+            termios.tcflush(port, termios.TCOFLUSH)
+            os.write(port, frame)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

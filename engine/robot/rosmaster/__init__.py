@@ -1,0 +1,1 @@
+"""The motor board of the Rosmaster robots, over a serial line."""

@@ -1,0 +1,330 @@
+"""A robot with a Rosmaster motor board, as a body of the host.
+
+The board drives at the last speed that it was told until it is told another, so this keeps telling: at once when the
+speed changes, twenty times a second when it does not. Frames that are written into a stalled line would come late; a
+zero is put before everything that waits. Beside it a guard holds the same port (``engine.robot.host.guard``).
+
+Whenever the line is gone, silent or stalled, or the guard is, this says so (``trouble``), and the host stands. It opens
+the port again as soon as that is there.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import time
+from collections.abc import Callable, Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.errors import DeviceError, ProcessError
+from engine.framing import Framer
+from engine.robot.arm import ARM_JOINTS
+from engine.robot.description import Description
+from engine.robot.geometry import ZERO, Pose, Twist
+from engine.robot.host.controller import added_up
+from engine.robot.host.guard import Guard
+from engine.robot.host.memory import Record
+from engine.robot.rosmaster import frames
+from engine.robot.rosmaster.frames import ArmAt, Attitude, Encoders, FromBoard, Report, Speed
+from engine.robot.rosmaster.line import Line, Opener, SerialLine
+from engine.robot.rosmaster.odometry import Odometry
+from engine.robot.rosmaster.servos import Servos
+from engine.serial_port import PortError
+
+REPEAT_S: Final = 0.05
+"""Between two motion frames of the same speed."""
+SILENCE_S: Final = 0.25
+"""From this long without a report, the board counts as silent; it sends one every 10 ms."""
+STALL_S: Final = 0.15
+"""From this long without a byte that could be written, the line counts as stalled."""
+ARM_S: Final = 0.02
+"""Between two frames to the servos; they are given twice that to get there."""
+ARM_QUERY_S: Final = 0.1
+"""Between two questions where the servos are."""
+ASK_S: Final = 0.4
+"""Between two tries to have the board report."""
+LOOK_S: Final = 0.5
+"""Between two tries to open the port."""
+OPEN_LIMIT_S: Final = 4.0
+"""In which a board must report after its port was opened: some reset for 1.5 s."""
+BUSY_LIMIT_S: Final = 1.5
+"""In which a guard of ours that was left behind lets go of the port."""
+
+Clock = Callable[[], float]
+
+
+class RosmasterBody:
+    """A :class:`engine.robot.host.body.Body` behind a serial port."""
+
+    def __init__(
+        self,
+        port: str,
+        description: Description,
+        start: Pose,
+        last: Record | None = None,
+        *,
+        guarded: bool = True,
+        clock: Clock = time.monotonic,
+        open_line: Opener = SerialLine,
+    ) -> None:
+        """Open the port and wait until the board reports. ``start`` is where odometry begins, ``last`` the state to go
+        on from. Raises ``DeviceError``; of a port that cannot be opened, ``PortError``."""
+        assert description.board is not None, "checked by whoever has chosen this body"
+        self._path = port
+        self._description = description
+        self._car_type = description.board.car_type
+        self._guarded = guarded
+        self._clock = clock
+        self._open_line = open_line
+        self._began = clock() - (float(last["t"]) if last is not None else 0.0)
+        self._line: Line | None = None
+        self._guard: Guard | None = None
+        self._framer: Framer[Report] = Framer(FromBoard())
+        self._heard = self._asked = self._written = self._looked = -math.inf
+        self._left = b""  # of a frame that was written in part
+        self._told, self._told_at = ZERO, -math.inf
+        self._servos = Servos(description.arm) if description.arm is not None else None
+        self._placed: tuple[int, ...] | None = None  # what the servos were told last
+        self._to_place: tuple[int, ...] | None = None
+        self._placed_at = self._arm_asked = -math.inf
+        self._joints: tuple[float, ...] = (0.0,) * len(ARM_JOINTS)
+        self._opening = 0.0
+        self._arm_known = False
+        self._light: tuple[int, int, int] | None = None
+        self._twist, self._twist_at = ZERO, -math.inf
+        self._odometry = Odometry(description, start if last is None else added_up(last))
+        self.volts = 0.0
+        self.trouble = "the board has not been opened"
+        if last is not None:
+            self._joints, self._opening = tuple(last["joints"].tolist()), float(last["gripper"])
+        self._open_first()
+
+    def _open_first(self) -> None:
+        """Wait for the board, for as long as its reset takes."""
+        limit = self._clock() + BUSY_LIMIT_S
+        while self._line is None:
+            try:
+                self._open(self._clock())
+            except PortError as error:
+                if error.reason != "busy" or self._clock() > limit:
+                    raise
+                time.sleep(0.05)
+        limit = self._clock() + OPEN_LIMIT_S
+        while self.trouble or (self._servos is not None and not self._arm_known and self._clock() < limit - 2.0):
+            if self._clock() > limit:
+                why = self.trouble
+                self.close()
+                raise DeviceError(
+                    f"No Rosmaster board can be driven on {self._path}: {why}.",
+                    hint="Is the robot switched on? `sayso robot check` looks closer.",
+                )
+            self.step()
+            time.sleep(0.002)
+
+    # What a body is
+
+    @property
+    def t(self) -> float:
+        return self._clock() - self._began
+
+    @property
+    def twist(self) -> Twist:
+        """As the board says; where it says nothing, what it was told."""
+        return self._twist if self._clock() - self._twist_at < SILENCE_S else self._told
+
+    @property
+    def joints(self) -> tuple[float, ...]:
+        return self._joints
+
+    @property
+    def opening(self) -> float:
+        return self._opening
+
+    def step(self) -> None:
+        now = self._clock()
+        if self._line is None:
+            if now - self._looked >= LOOK_S:
+                with contextlib.suppress(PortError):
+                    self._open(now)
+            return
+        try:
+            self._hear(self._line, now)
+            self._say(self._line, now)
+        except OSError:
+            self._lose(f"{self._path} was unplugged", now)
+            return
+        self._look_after(now)
+
+    def drive(self, twist: Twist) -> None:
+        limited = self._within(twist) if not self.trouble else ZERO
+        if limited == self._told:
+            return
+        self._told = limited
+        if self._line is not None:
+            with contextlib.suppress(OSError):  # the next step finds out
+                self._tell_speed(self._line, self._clock())
+
+    def place_arm(self, joints: Sequence[float], opening: float) -> None:
+        if self._servos is None:
+            return
+        self._to_place = self._servos.pulses(joints, opening)
+        if not self._arm_known:  # nothing says otherwise: they are where they are told to be
+            self._joints, self._opening = tuple(joints), opening
+
+    def shine(self, rgb: tuple[int, int, int]) -> None:
+        self._light = rgb
+        self._send(frames.light(*rgb))
+
+    def beep(self, seconds: float) -> None:
+        self._send(frames.beep(round(1000 * seconds)))
+
+    def odometry(self) -> Pose:
+        return self._odometry.pose
+
+    def scan(self) -> NDArray[np.float64] | None:
+        return None
+
+    def fill(self, record: Record) -> None:
+        record["volts"] = self.volts
+
+    def close(self) -> None:
+        if self._line is not None:
+            self._told = ZERO
+            with contextlib.suppress(OSError):
+                self._tell_speed(self._line, self._clock())
+        self._lose("it has been closed", self._clock())
+
+    # The port
+
+    def _open(self, now: float) -> None:
+        """Raises :class:`PortError`. From here on the board is told to stand; it may be driving."""
+        self._looked = now
+        line = self._open_line(self._path)
+        try:
+            if self._guarded:
+                self._guard = Guard(line.fileno(), frames.motion(self._car_type, ZERO))
+        except (ProcessError, OSError) as error:
+            line.close()
+            message = error.message if isinstance(error, ProcessError) else str(error)
+            raise PortError("broken", message) from error
+        self._line = line
+        self._framer = Framer(FromBoard())
+        self._left, self._told, self._placed = b"", ZERO, None
+        self._heard, self._asked, self._written, self._told_at = -math.inf, -math.inf, now, -math.inf
+        self._odometry.begin_again()
+        self.trouble = f"the board on {self._path} has not answered yet"
+
+    def _lose(self, why: str, now: float) -> None:
+        self.trouble = why
+        self._told, self._twist, self._looked = ZERO, ZERO, now
+        guard, self._guard = self._guard, None
+        line, self._line = self._line, None
+        if line is not None:
+            line.close()
+        if guard is not None:
+            guard.discard()
+
+    def _look_after(self, now: float) -> None:
+        """Whether everything is as it must be for driving."""
+        if self._guard is not None and not self._guard.beat(now):
+            self._lose("the guard process was lost", now - LOOK_S)  # the port is opened again, with another one
+        elif self._left and now - self._written > STALL_S:
+            self._complain(f"{self._path} takes no bytes")
+        elif now - self._heard > SILENCE_S:
+            self._complain(f"the board on {self._path} is silent")
+        elif self.trouble and (self._guard is None or self._guard.watches):
+            self.trouble = ""
+
+    def _complain(self, why: str) -> None:
+        if not self.trouble:
+            self.trouble = why
+            self._twist = ZERO
+
+    # What it tells
+
+    def _hear(self, line: Line, now: float) -> None:
+        for report in self._framer.push(line.read()):
+            self._heard = now
+            self._take(report, now)
+
+    def _take(self, report: Report, now: float) -> None:
+        match report:
+            case Speed(twist, volts):
+                self._odometry.speed(twist, now - self._twist_at)
+                self._twist, self._twist_at = twist, now
+                self.volts = volts
+            case Attitude(_, _, yaw):
+                self._odometry.attitude(yaw, now)
+            case Encoders(counts):
+                self._odometry.encoders(counts, now)
+            case ArmAt(pulses) if self._servos is not None:
+                self._joints = self._servos.angles(pulses, self._joints)
+                self._opening = self._servos.opening(pulses, self._opening)
+                self._arm_known = True
+            case _:
+                pass
+
+    # What it is told
+
+    def _say(self, line: Line, now: float) -> None:
+        self._push(line, now)
+        if now - self._heard > SILENCE_S and now - self._asked >= ASK_S:
+            self._asked = now
+            self._greet(line, now)
+        if now - self._told_at >= REPEAT_S:
+            self._tell_speed(line, now)
+        if self._servos is None or self.trouble:
+            return
+        if self._to_place is not None and self._to_place != self._placed and now - self._placed_at >= ARM_S:
+            if self._write(line, frames.arm(self._to_place, round(2000 * ARM_S)), now):
+                self._placed, self._placed_at = self._to_place, now
+        elif now - self._arm_asked >= ARM_QUERY_S:
+            self._arm_asked = now
+            self._write(line, frames.request(frames.ARM, 1), now)
+
+    def _greet(self, line: Line, now: float) -> None:
+        """What a board must know that was just switched on."""
+        self._write(line, frames.auto_report(True), now)
+        if self._servos is not None:
+            self._write(line, frames.torque(True), now)
+            self._write(line, frames.request(frames.ARM, 1), now)
+        if self._light is not None:
+            self._write(line, frames.light(*self._light), now)
+
+    def _tell_speed(self, line: Line, now: float) -> None:
+        """A zero goes before everything that still waits to be written."""
+        if self._told.is_zero and self._left:
+            line.forget()
+            self._left = b""
+        if self._write(line, frames.motion(self._car_type, self._told), now):
+            self._told_at = now
+
+    def _send(self, frame: bytes) -> None:
+        if self._line is not None:
+            with contextlib.suppress(OSError):  # the next step finds out
+                self._write(self._line, frame, self._clock())
+
+    def _write(self, line: Line, frame: bytes, now: float) -> bool:
+        """Write a frame, or nothing while a part of another still waits."""
+        if self._left:
+            return False
+        self._left = frame
+        self._push(line, now)
+        return True
+
+    def _push(self, line: Line, now: float) -> None:
+        if not self._left:
+            self._written = now
+        elif count := line.write(self._left):
+            self._left, self._written = self._left[count:], now
+
+    def _within(self, twist: Twist) -> Twist:
+        """What this robot's drive can do: never more than its limits, and in proportion along the floor."""
+        most = self._description.speeds
+        vy = twist.vy if most.sideways else 0.0
+        over = max(abs(twist.vx) / most.forward, abs(vy) / most.sideways if most.sideways else 0.0, 1.0)
+        wz = max(-most.turn, min(most.turn, twist.wz))
+        return Twist(twist.vx / over, vy / over, wz)

@@ -1,0 +1,201 @@
+"""``sayso robot``: which robots there are, how one is made, whether it answers, and a board to test on."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import sys
+import time
+from argparse import Namespace
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from engine.errors import DeviceError, ExitCode, UsageError
+from tui.commands.settings import load_settings
+from tui.output import data, json_line, say
+
+if TYPE_CHECKING:
+    from config.schema import Settings
+    from engine.robot.description import Description
+    from engine.robot.emulation.board import BoardState
+
+CHECK_S = 1.5
+"""How long a board is listened to, s."""
+
+
+def run(arguments: Namespace) -> int:
+    """The command as the command line gives it."""
+    match arguments.action:
+        case "list":
+            return robot_list(json=arguments.json)
+        case "show":
+            return robot_show(load_settings(arguments), arguments.name, json=arguments.json)
+        case "check":
+            return robot_check(load_settings(arguments), json=arguments.json)
+        case _:
+            return robot_emulate(load_settings(arguments), arguments.name, arguments.port, json=arguments.json)
+
+
+def robot_list(*, json: bool = False) -> int:
+    """One line a robot: the name that ``robot.model`` takes, and what it has."""
+    from engine.robot.description import described, known
+
+    for name in known():
+        robot = described(name)
+        if json:
+            json_line({"name": name, **_facts(robot)})
+        else:
+            data(f"{name:<10} {robot.name:<18} {', '.join(_parts(robot))}")
+    return int(ExitCode.DONE)
+
+
+def robot_show(settings: Settings, name: str | None, *, json: bool = False) -> int:
+    """How one is made. Without a name: the robot of the settings."""
+    from engine.robot.description import described
+
+    robot = described(name or settings.robot.made_as)
+    if json:
+        json_line(robot.model_dump(mode="json"))
+        return int(ExitCode.DONE)
+    hull, speeds = robot.hull, robot.speeds
+    data(f"{robot.name}\n  {robot.source}")
+    data(f"  drive    {robot.drive}, {speeds.forward:g} m/s ahead, {speeds.sideways:g} sideways, {speeds.turn:g} rad/s")
+    data(f"  hull     {100 * hull.length:.0f} × {100 * hull.width:.0f} cm")
+    if robot.board is not None:
+        stops = {None: "not known (sayso doctor --wheels-up finds out)", True: "yes", False: "no"}
+        data(f"  board    {robot.board.kind}, car type {robot.board.car_type}")
+        data(f"           stops by itself when the line falls silent: {stops[robot.board.stops_by_itself]}")
+    if robot.arm is not None:
+        reach = robot.arm.upper + robot.arm.fore + robot.arm.hand
+        grip = 100 * robot.arm.gripper.opens
+        data(f"  arm      {len(robot.arm.joints)} joints, {100 * reach:.0f} cm, gripper {grip:.0f} cm")
+    data(f"  camera   {_camera(robot)}")
+    none = "none: it drives slowly, and stops short of what is on the map alone"
+    data(f"  lidar    {'yes' if robot.lidar else none}")
+    return int(ExitCode.DONE)
+
+
+def robot_check(settings: Settings, *, json: bool = False) -> int:
+    """The ports there are, and what answers on the configured one. Nothing moves."""
+    from engine.robot.bodies import description_of
+    from engine.robot.rosmaster.inspection import inspect
+    from engine.serial_port import attached
+
+    ports = attached()
+    port = settings.robot.port
+    if not json:
+        for one in ports:
+            data(f"port      {one.path} ({one.named})")
+        if not ports:
+            data("port      none attached to USB")
+    if port is None:
+        say("sayso: robot.port names none of them: --set robot.port=/dev/serial/by-id/…")
+        if json:
+            json_line({"ports": [one.path for one in ports], "board": None})
+        return int(ExitCode.MISSING)
+    robot = description_of(settings.robot) if settings.robot.kind == "rosmaster" else None
+    board = inspect(port, CHECK_S)
+    if json:
+        json_line({"ports": [one.path for one in ports], "board": asdict(board)})
+    else:
+        data(f"board     version {board.version or '?'}, car type {board.car_type or '?'} on {port}")
+        data(f"battery   {board.volts:.1f} V" if board.volts else "battery   not told")
+        data(f"reports   {board.reports} in {CHECK_S:g} s")
+        data(f"servos    {', '.join(map(str, board.servos)) if board.servos else 'none answered'}")
+    if robot is not None and robot.board is not None and board.car_type not in (None, robot.board.car_type):
+        say(f"sayso: the board takes itself for car type {board.car_type}; robot.model says {robot.board.car_type}.")
+    if not board.reports:
+        raise DeviceError(f"{port} is open, but no Rosmaster board reports there.", hint="Is the robot switched on?")
+    return int(ExitCode.DONE)
+
+
+def robot_emulate(settings: Settings, name: str | None, port: Path | None, *, json: bool = False) -> int:
+    """A board on a pseudo-terminal with the simulated robot behind it, until Ctrl-C. What goes wrong comes on stdin."""
+    from engine.robot.description import described
+    from engine.robot.emulation.board import EmulatedBoard
+    from engine.robot.emulation.line import COMMANDS, Line
+    from engine.robot.emulation.line import run as run_line
+    from engine.robot.sim.scene_file import load_scene, scene_path
+    from engine.robot.sim.simulated import SimulatedBody
+
+    model = name or (settings.robot.made_as if settings.robot.kind == "rosmaster" else "x3plus")
+    description = described(model)
+    if description.board is None:
+        raise UsageError(f"{model!r} has no board to emulate.", hint="`sayso robot list` shows which have.")
+    scene = load_scene(scene_path(settings.robot.scene))
+    board = EmulatedBoard(SimulatedBody(scene, settings.robot, pictures=False), description)
+    line = Line((port or Path("board")).absolute())
+    say(f"sayso: an emulated {description.name} in {scene.name}; drive it from another terminal:")
+    say(f"  sayso --set robot.kind=rosmaster --set robot.model={model} --set robot.port={line.path}")
+    say(f"On stdin it takes: {'; '.join(COMMANDS)}.")
+    run_line(line, board, _Stdin(), _Shown(json=json).show)
+    return int(ExitCode.DONE)
+
+
+class _Stdin:
+    """Lines of stdin, as they come. When stdin ends, the board stays."""
+
+    def __init__(self) -> None:
+        self._held = b""
+        self._fd = os.dup(0)
+
+    def fileno(self) -> int:
+        return self._fd
+
+    def lines(self) -> list[str] | None:
+        piece = os.read(self._fd, 4096)
+        if not piece:
+            os.close(self._fd)
+            self._fd, _ = os.pipe()  # from which nothing ever comes
+            return []
+        *lines, self._held = (self._held + piece).split(b"\n")
+        return [line.decode(errors="replace") for line in lines]
+
+
+class _Shown:
+    """States on stdout: all of them as JSON lines, or one line for people when something changes."""
+
+    def __init__(self, *, json: bool) -> None:
+        self._json = json
+        self._last = ""
+
+    def show(self, state: BoardState) -> None:
+        if self._json:
+            if select.select([], [1], [], 0)[1]:  # a reader who does not read must not hold up the board
+                print(json.dumps({**asdict(state), "at": time.monotonic()}), flush=True)  # noqa: T201
+            return
+        told = state.told
+        line = (
+            f"({state.x:6.2f}, {state.y:6.2f}) {state.yaw:5.2f} rad   told {told.vx:5.2f} {told.vy:5.2f} {told.wz:5.2f}"
+            f"   arm {' '.join(f'{joint:5.2f}' for joint in state.joints)}   {state.volts:.1f} V"
+        )
+        if line != self._last and sys.stdout.isatty():
+            print(f"\r{line}", end="", flush=True)  # noqa: T201
+        self._last = line
+
+
+def _facts(robot: Description) -> dict[str, Any]:
+    return {
+        "title": robot.name,
+        "kind": "rosmaster" if robot.board is not None else "sim",
+        "drive": robot.drive,
+        "has": sorted(robot.capabilities),
+        "lidar": robot.lidar,
+    }
+
+
+def _parts(robot: Description) -> list[str]:
+    parts: list[str] = [robot.drive]
+    parts += ["arm"] if robot.arm is not None else []
+    parts += [f"camera {_camera(robot)}"] if robot.camera is not None else []
+    parts += ["lidar"] if robot.lidar else []
+    parts += ["Rosmaster board"] if robot.board is not None else ["simulated"]
+    return parts
+
+
+def _camera(robot: Description) -> str:
+    if robot.camera is None:
+        return "none"
+    return "with depth" if robot.camera.depth else "colour only: distances are guessed"
