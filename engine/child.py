@@ -13,12 +13,12 @@ import signal
 import socket
 import subprocess
 import sys
-import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import engine
 from engine.errors import ProcessError
+from engine.unnamed import unnamed_file
 
 LEAVE_LIMIT_S = 1.5
 """s in which a child leaves when asked."""
@@ -49,7 +49,8 @@ class Child:
                 ours.enter_context(self.link)
                 with theirs:
                     # No pipe for stderr: nobody would read it while all is well, and a full pipe stops the writer.
-                    self._stderr = ours.enter_context(tempfile.TemporaryFile())
+                    # Nor a file in a folder: a full disk must not keep a child from starting.
+                    self._stderr = ours.enter_context(os.fdopen(unnamed_file("sayso-last-words"), "w+b"))
                     self._process = subprocess.Popen(
                         [sys.executable, "-P", "-m", module, f"--link={theirs.fileno()}", *arguments],
                         pass_fds=(theirs.fileno(), *shared),

@@ -6,10 +6,13 @@ import json
 import os
 import select
 import subprocess
+import sys
 import time
 from pathlib import Path
 from types import TracebackType
 from typing import Any
+
+import psutil
 
 from engine.framing import Framer
 from engine.robot.description import Description, described
@@ -21,6 +24,7 @@ from engine.robot.rosmaster.body import RosmasterBody
 from engine.robot.rosmaster.frames import Order, ToBoard
 from engine.robot.sim.simulated import SimulatedBody
 from engine.serial_port import PortError
+from tests.children import children
 from tests.e2e.sayso import command
 from tests.sim.rig import flat, settings
 
@@ -167,15 +171,21 @@ class Emulator:
         self._process.stdin.write(f"{line}\n".encode())
         self._process.stdin.flush()
 
-    def until(self, condition: Any, limit_s: float = LIMIT_S) -> dict[str, Any]:
+    def until(self, condition: Any) -> dict[str, Any]:
         """The first state from now on that fulfils this."""
-        until = time.monotonic() + limit_s
+        found = self.comes_to(condition, LIMIT_S)
+        assert found is not None, f"the board never came to that; its last state was {self.state}"
+        return found
+
+    def comes_to(self, condition: Any, limit_s: float) -> dict[str, Any] | None:
+        """The same; None if there is none in time."""
         since = time.monotonic()
+        until = since + limit_s
         while time.monotonic() < until:
             for state in self.states(until):
                 if state["at"] >= since and condition(state):
                     return state
-        raise AssertionError(f"the board never came to that; its last state was {self.state}")
+        return None
 
     def states(self, until: float) -> list[dict[str, Any]]:
         """Those that have come; waits for one until then."""
@@ -190,3 +200,67 @@ class Emulator:
         if found:
             self.state = found[-1]
         return found
+
+
+class Turning:
+    """:mod:`tests.turning` as a process: a robot that turns on the spot through an emulated board."""
+
+    def __init__(self, port: Path, model: str = "x3plus") -> None:
+        self._held = b""
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "tests.turning", str(port), model],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            cwd=Path(__file__).parents[1],
+            start_new_session=True,
+        )
+
+    def __enter__(self) -> Turning:
+        self.until("ready")
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            assert pipe is not None
+            pipe.close()
+
+    @property
+    def engine(self) -> psutil.Process:
+        return psutil.Process(self._process.pid)
+
+    @property
+    def host(self) -> psutil.Process:
+        (found,) = children("engine.robot.host_main", self._process.pid)
+        return found
+
+    @property
+    def guard(self) -> psutil.Process:
+        (found,) = children("engine.robot.host.guard_main", self._process.pid)
+        return found
+
+    def say(self, order: str) -> None:
+        """``go`` or ``stop``."""
+        assert self._process.stdin is not None
+        self._process.stdin.write(f"{order}\n".encode())
+        self._process.stdin.flush()
+
+    def until(self, event: str, limit_s: float = LIMIT_S) -> dict[str, Any]:
+        """The next event of this kind."""
+        assert self._process.stdout is not None
+        fd, until = self._process.stdout.fileno(), time.monotonic() + limit_s
+        while time.monotonic() < until:
+            line, newline, rest = self._held.partition(b"\n")
+            if newline:
+                self._held = rest
+                found: dict[str, Any] = json.loads(line)
+                if found["event"] == event:
+                    return found
+            elif select.select([fd], [], [], max(0.0, until - time.monotonic()))[0]:
+                piece = os.read(fd, 1 << 16)
+                assert piece, "it has ended"
+                self._held += piece
+        raise AssertionError(f"no {event} within {limit_s:g} s")

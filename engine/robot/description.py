@@ -51,11 +51,30 @@ class Wheels(Section):
     counts: float = Field(gt=0, description="Of an encoder, for one turn of the wheel.")
 
 
+class Battery(Section):
+    """The battery, by what it gives under load."""
+
+    full: float = Field(default=12.6, gt=0, le=60, description="V.")
+    low: float = Field(default=10.2, gt=0, le=60, description="V at which it wants to be charged.")
+    empty: float = Field(default=9.3, gt=0, le=60, description="V below which it does not drive.")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if not self.empty < self.low < self.full:
+            raise ValueError("empty is less than low, and low less than full")
+        return self
+
+    def charge(self, volts: float) -> float:
+        """About how much is left, 0 to 1."""
+        return max(0.0, min(1.0, (volts - self.empty) / (self.full - self.empty)))
+
+
 class Board(Section):
     """The motor board."""
 
     kind: Literal["rosmaster"]
     car_type: int = Field(ge=1, le=5, description="What the board calls this robot: X3 1, X3 Plus 2, X1 4, R2 5.")
+    battery: Battery = Battery()
     stops_by_itself: bool | None = Field(
         default=None, description="Whether it stops when the line falls silent, as `sayso doctor --wheels-up` found."
     )

@@ -12,7 +12,7 @@ import time
 
 from engine.child import Child
 from engine.robot.host.guard_main import GUARD_ALIVE, HOST_ALIVE, SIZE
-from engine.robot.host.memory import unnamed_file
+from engine.unnamed import unnamed_file
 
 SILENCE_S = 0.2
 """From this long without a sign of life, the guard counts as lost."""

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import mmap
 import os
-import tempfile
 import threading
 from typing import Any, Final
 
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 from engine.errors import RobotError
 from engine.robot.geometry import Pose, compose, inverse
 from engine.robot.lidar import RAYS
+from engine.unnamed import unnamed_file
 
 MAX_QPOS = 512
 """Most position coordinates a scene may have."""
@@ -178,21 +178,6 @@ class Memory:
         the epoch; the rest is as new. Nobody beats for a robot that is not there yet."""
         for word in (HEARTBEAT, WAITERS, QUIT, READY, ALIVE):
             self.ints[word] = 0  # zero seconds, too
-
-
-def unnamed_file(purpose: str, size: int) -> int:
-    """The descriptor of a file of zeros that is in no folder, to be shared with a child. The caller closes it."""
-    if hasattr(os, "memfd_create"):
-        fd = os.memfd_create(purpose, os.MFD_CLOEXEC)
-    else:
-        with tempfile.TemporaryFile() as file:
-            fd = os.dup(file.fileno())
-    try:
-        os.ftruncate(fd, size)
-    except BaseException:
-        os.close(fd)
-        raise
-    return fd
 
 
 _MAILBOXES = (STATE, SCAN, DRIVE, ARM, GRIPPER, LIGHT, BUZZER, CORRECTION)

@@ -38,6 +38,8 @@ REPEAT_S: Final = 0.05
 """Between two motion frames of the same speed."""
 SILENCE_S: Final = 0.25
 """From this long without a report, the board counts as silent; it sends one every 10 ms."""
+EMPTY_S: Final = 0.15
+"""For so long the battery must give too little to count as empty: a start takes some volts for a moment."""
 STALL_S: Final = 0.15
 """From this long without a byte that could be written, the line counts as stalled."""
 ARM_S: Final = 0.02
@@ -97,6 +99,8 @@ class RosmasterBody:
         self._twist, self._twist_at = ZERO, -math.inf
         self._odometry = Odometry(description, start if last is None else added_up(last))
         self.volts = 0.0
+        self._battery = description.board.battery
+        self._sagged: float | None = None  # since when
         self.trouble = "the board has not been opened"
         if last is not None:
             self._joints, self._opening = tuple(last["joints"].tolist()), float(last["gripper"])
@@ -235,6 +239,8 @@ class RosmasterBody:
             self._complain(f"{self._path} takes no bytes")
         elif now - self._heard > SILENCE_S:
             self._complain(f"the board on {self._path} is silent")
+        elif self._sagged is not None and now - self._sagged > EMPTY_S:
+            self._complain(f"the battery is empty ({self.volts:.1f} V)")
         elif self.trouble and (self._guard is None or self._guard.watches):
             self.trouble = ""
 
@@ -256,6 +262,10 @@ class RosmasterBody:
                 self._odometry.speed(twist, now - self._twist_at)
                 self._twist, self._twist_at = twist, now
                 self.volts = volts
+                if volts >= self._battery.empty or volts == 0:
+                    self._sagged = None
+                elif self._sagged is None:
+                    self._sagged = now
             case Attitude(_, _, yaw):
                 self._odometry.attitude(yaw, now)
             case Encoders(counts):

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.robot.host.memory import Record, unnamed_file
+from engine.robot.host.memory import Record
+from engine.unnamed import unnamed_file
 
 _TAKEN = np.dtype([("t", "f8"), ("pose", "f8", 3), ("correction", "f8", 3), ("joints", "f8", 5), ("alive", "f8")])
 
