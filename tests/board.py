@@ -222,8 +222,12 @@ class Turning:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        below = self.engine.children(recursive=True)
         self._process.kill()
         self._process.wait()
+        for child in below:
+            if child.is_running() and child.status() == psutil.STATUS_STOPPED:
+                child.kill()
         for pipe in (self._process.stdin, self._process.stdout):
             assert pipe is not None
             pipe.close()

@@ -23,7 +23,7 @@ TURN = Twist(wz=0.6)
 
 
 def tell(**what: Any) -> None:
-    print(json.dumps({**what, "at": time.monotonic()}), flush=True)
+    print(json.dumps({"at": time.monotonic(), **what}), flush=True)
 
 
 async def main(port: str, model: str) -> None:
@@ -40,8 +40,9 @@ async def main(port: str, model: str) -> None:
             while not orders.empty():
                 order = orders.get_nowait()
                 epoch, going = epoch + 1, order == "go"
+                at = time.monotonic()
                 robot.stop(epoch)
-                tell(event=order, epoch=epoch)
+                tell(event=order, epoch=epoch, at=at)
             if going:
                 robot.drive(TURN, epoch)
             state = await robot.tick()

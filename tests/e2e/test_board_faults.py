@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final, Literal
 
+import psutil
 import pytest
 
 from engine.serial_port import PortError, opened
@@ -140,3 +141,13 @@ def test_on_a_full_disk_it_drives_and_stands_all_the_same(
         stays(board)
         if process != "engine":
             turn(board, turning)
+
+
+def test_a_host_that_hangs_while_its_engine_dies_is_ended_by_its_guard(board: Emulator) -> None:
+    with Turning(board.path) as turning:
+        turn(board, turning)
+        engine, host, guard = turning.engine, turning.host, turning.guard
+        host.suspend()
+        engine.kill()
+        assert psutil.wait_procs((host, guard), timeout=30)[1] == []
+        stays(board)

@@ -22,8 +22,12 @@ TICK_S = 0.01
 """Between two looks at the host."""
 SILENCE_S = 0.1
 """From this long without a sign of life, the host counts as hanging."""
+REPEAT_TICKS = 2
+"""Every how many ticks it tells the body to rest while the host hangs."""
 LAST_WORDS = 5
-"""How often it tells the body to rest before it leaves, and every how many ``TICK_S`` while the host hangs: two."""
+"""How often it does before it leaves."""
+HUNG_S = 5.0
+"""A host that has hung for so long is ended: its engine, which would have replaced it by now, must be gone as well."""
 
 HOST_ALIVE, GUARD_ALIVE = 0, 1
 """Words of the memory that both share: when each was last there, seconds of ``time.monotonic()``."""
@@ -43,12 +47,14 @@ def main(argv: list[str]) -> int:
     raise_priority()
     words = memoryview(mmap.mmap(args.memory, SIZE)).cast("d")
     with socket.socket(fileno=args.link) as link:
-        tick = 0
+        tick, host = 0, os.getppid()
         while not (select.select([link], [], [], TICK_S)[0] and not _heard(link)):
             words[GUARD_ALIVE] = now = time.monotonic()
             tick += 1
-            if now - words[HOST_ALIVE] > SILENCE_S and tick % 2 == 0:
+            if now - words[HOST_ALIVE] > SILENCE_S and tick % REPEAT_TICKS == 0:
                 _rest(args.port, args.rest)
+            if now - words[HOST_ALIVE] > HUNG_S and os.getppid() == host:
+                os.kill(host, signal.SIGKILL)
     for _ in range(LAST_WORDS):
         _rest(args.port, args.rest)
         time.sleep(TICK_S)

@@ -48,7 +48,7 @@ ARM_QUERY_S: Final = 0.1
 """Between two questions where the servos are."""
 ASK_S: Final = 0.4
 """Between two tries to have the board report."""
-LOOK_S: Final = 0.5
+LOOK_S: Final = 0.1
 """Between two tries to open the port."""
 OPEN_LIMIT_S: Final = 4.0
 """In which a board must report after its port was opened: some reset for 1.5 s."""
