@@ -218,6 +218,16 @@ def test_a_zero_goes_before_what_still_waits() -> None:
     assert bench.speeds() == [ZERO]
 
 
+def test_a_board_that_resets_does_not_change_where_it_is() -> None:
+    bench = Bench()
+    body = bench.body()
+    body.drive(FORWARD)
+    run(body, 2.0)
+    bench.board.begin("reset")
+    run(body, 1.5)
+    assert body.odometry().distance_to(bench.simulated.true_pose) < 0.05
+
+
 def test_it_is_told_again_and_again() -> None:
     bench = Bench()
     body = bench.body()
@@ -295,10 +305,11 @@ def test_a_cable_that_is_pulled_is_trouble_until_it_is_back() -> None:
     run(body, 1.5)
     assert body.trouble == ""
     assert set(bench.speeds()) == {ZERO}, "the first that the board hears is to stand"
-    before = body.odometry()
     body.drive(FORWARD)
     run(body, 1.0)
-    assert body.odometry().x == pytest.approx(before.x + 0.2, abs=0.05)
+    body.drive(ZERO)
+    run(body, 0.5)
+    assert body.odometry().distance_to(bench.simulated.true_pose) < 0.02, "it drove on meanwhile, and knows how far"
 
 
 def test_a_board_that_never_answers_is_no_robot() -> None:

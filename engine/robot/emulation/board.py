@@ -72,8 +72,6 @@ class EmulatedBoard:
         self._car_type = description.board.car_type
         self._faults: set[Fault] = set()
         self._volts = FULL_V
-        self._counts = [0.0, 0.0, 0.0, 0.0]
-        self._yaw = body.true_pose.yaw
         self._steps = 0
         self._zeros = self._orders = 0
         self._zero_at = 0.0
@@ -83,6 +81,8 @@ class EmulatedBoard:
     def _switch_on(self, boot_s: float) -> None:
         self._framer: Framer[Order] = Framer(ToBoard())
         self._told = ZERO
+        self._counts = [0.0, 0.0, 0.0, 0.0]
+        self._yaw = self._body.true_pose.yaw
         self._reports = False
         self._torque = True
         self._boots_until = self._body.t + boot_s

@@ -218,7 +218,6 @@ class RosmasterBody:
         self._framer = Framer(FromBoard())
         self._left, self._told, self._placed = b"", ZERO, None
         self._heard, self._asked, self._written, self._told_at = -math.inf, -math.inf, now, -math.inf
-        self._odometry.begin_again()
         self.trouble = f"the board on {self._path} has not answered yet"
 
     def _lose(self, why: str, now: float) -> None:
@@ -247,7 +246,7 @@ class RosmasterBody:
     def _complain(self, why: str) -> None:
         if not self.trouble:
             self.trouble = why
-            self._twist = ZERO
+            self._told, self._twist = ZERO, ZERO
 
     # What it tells
 

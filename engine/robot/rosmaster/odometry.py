@@ -16,8 +16,8 @@ from engine.robot.geometry import UNMOVED, Pose, Twist, compose, wrap
 ATTITUDE_S: Final = 0.3
 """From this long without one, the wheels alone say how far it has turned."""
 _WRAP: Final = 1 << 32  # counts are 32 bits wide
-_JUMP_M: Final = 0.5
-"""More than any wheel rolls between two reports: the board has begun to count anew."""
+_NEAR_M: Final = 0.05
+"""Counts that stand for less begin: where they stood for more before, the board has begun to count anew."""
 
 
 class Odometry:
@@ -27,7 +27,9 @@ class Odometry:
         assert description.wheels is not None, "a board has wheels"
         self._wheels: Wheels = description.wheels
         self._drive = description.drive
+        self._fastest = 1.5 * (description.speeds.forward + description.speeds.sideways)
         self._counts: Sequence[int] | None = None
+        self._counts_t = -math.inf
         self._yaw: float | None = None
         self._yaw_t = -math.inf
         self._turned = 0.0  # by attitude, and not yet part of the pose
@@ -35,18 +37,23 @@ class Odometry:
 
     def attitude(self, yaw: float, t: float) -> None:
         """The board's direction at ``t``, rad and s."""
-        if self._yaw is not None and t - self._yaw_t < ATTITUDE_S:
+        if self._yaw is not None:
             self._turned += wrap(yaw - self._yaw)
         self._yaw, self._yaw_t = yaw, t
 
     def encoders(self, counts: Sequence[int], t: float) -> None:
-        """The board's counts at ``t``: front left, rear left, front right, rear right."""
-        before, self._counts = self._counts, counts
+        """The board's counts at ``t``: front left, rear left, front right, rear right. Those that come after the line
+        was gone for a while tell how far it went meanwhile, unless the board has begun anew."""
+        before, elapsed = self._counts, t - self._counts_t
+        self._counts, self._counts_t = counts, t
         if before is None:
+            self._turned = 0.0
             return
         per_count = 2 * math.pi * self._wheels.radius / self._wheels.counts
         rolled = [per_count * _difference(new, old) for new, old in zip(counts, before, strict=True)]
-        if max(map(abs, rolled)) > _JUMP_M:
+        anew = _furthest(counts, per_count) < _NEAR_M < _furthest(before, per_count) and _furthest(rolled, 1) > _NEAR_M
+        if anew or _furthest(rolled, 1) > self._fastest * elapsed + _NEAR_M:
+            self._turned = 0.0
             return
         front_left, rear_left, front_right, rear_right = rolled
         forward = sum(rolled) / 4
@@ -62,10 +69,6 @@ class Odometry:
         """What a board that sends no counts says that it has done for ``dt`` s."""
         if self._counts is None and 0 < dt < ATTITUDE_S:
             self._add(twist.vx * dt, twist.vy * dt, twist.wz * dt)
-
-    def begin_again(self) -> None:
-        """The board was away: what comes next is compared with nothing."""
-        self._counts, self._yaw, self._turned = None, None, 0.0
 
     def _add(self, forward: float, left: float, turn: float) -> None:
         """On an arc, whose chord points half of the turn further."""
@@ -86,6 +89,10 @@ def counts_of(description: Description, twist: Twist, dt: float) -> tuple[float,
         (twist.vx + aside + turn) * per_metre,
         (twist.vx - aside + turn) * per_metre,
     )
+
+
+def _furthest(values: Sequence[float], scale: float) -> float:
+    return max(abs(scale * value) for value in values)
 
 
 def _difference(new: int, old: int) -> int:
