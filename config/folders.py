@@ -48,6 +48,11 @@ class Paths:
         return self.state / "mic.sock"
 
     @property
+    def estop(self) -> Path:
+        """There while the emergency stop is pressed."""
+        return self.state / "estop"
+
+    @property
     def requests(self) -> Path:
         """What was typed in earlier sessions."""
         return self.state / "requests"

@@ -64,6 +64,31 @@ class EndTask(Command, frozen=True):
     id: str | None = None
 
 
+class EStop(Command, frozen=True):
+    """The emergency stop: stop everything, and let nothing move the robot until it is released."""
+
+    do: ClassVar[str] = "estop"
+    id: str | None = None
+
+
+class Release(Command, frozen=True):
+    """Release the emergency stop. Nothing that was stopped goes on."""
+
+    do: ClassVar[str] = "release"
+    id: str | None = None
+
+
+class Drive(Command, frozen=True):
+    """Drive by hand: m/s forward and to the left, rad/s counter-clockwise. It holds for a fifth of a second, so it is
+    repeated while the robot is to drive. The first one ends whatever the robot does."""
+
+    do: ClassVar[str] = "drive"
+    vx: Annotated[float, msgspec.Meta(ge=-10, le=10)] = 0.0
+    vy: Annotated[float, msgspec.Meta(ge=-10, le=10)] = 0.0
+    wz: Annotated[float, msgspec.Meta(ge=-10, le=10)] = 0.0
+    id: str | None = None
+
+
 class Audio(Command, frozen=True):
     """Sound for the recogniser, as if from the microphone: 16 kHz mono signed 16-bit little-endian."""
 
@@ -118,7 +143,9 @@ class Halted(Command, frozen=True):
     lost: bool = False
 
 
-COMMANDS: dict[str, type[Command]] = {cls.do: cls for cls in (Say, Wake, Interrupt, EndTask, Audio, Snapshot, Quit)}
+COMMANDS: dict[str, type[Command]] = {
+    cls.do: cls for cls in (Say, Wake, Interrupt, EndTask, EStop, Release, Drive, Audio, Snapshot, Quit)
+}
 
 
 class BadCommand(UsageError):

@@ -23,7 +23,7 @@ from engine import __version__, events
 from engine.bus import Bus, Subscriber
 from engine.chimes import Chimes
 from engine.clock import Clock, SystemClock
-from engine.commands import Command, Heard, Wake
+from engine.commands import Command, EStop, Heard, Release, Wake
 from engine.epoch import Epoch
 from engine.errors import RobotError, SaysoError, StorageError
 from engine.event_log import EventLog
@@ -37,6 +37,7 @@ from engine.offer import Offer, offered
 from engine.parts.camera import CameraPart
 from engine.parts.demo import Demo
 from engine.parts.ears import Ears
+from engine.parts.estop import EmergencyStop
 from engine.parts.fetching import Fetching, Pull
 from engine.parts.keeper import Keeper
 from engine.parts.loading import (
@@ -107,6 +108,9 @@ class Engine:
         self._satellite = make_satellite(settings, sound)
         self._player = make_player(settings.voice, sound, self._satellite)
         self._epoch = Epoch(self._stop)
+        self._estop = EmergencyStop(
+            paths().estop, self._robot.press, lambda pressed: self.send(EStop() if pressed else Release())
+        )
         self._parts: dict[PartName, Part[Any]] = {}
         self._memory = WorldMemory()
         self._session: Session | None = None
@@ -244,6 +248,7 @@ class Engine:
             place_names={symbol: place.name for symbol, place in self._settings.places.items()},
             recall=lambda up: Recall(up, self._memory),
             ask=self.send,
+            press=self._estop.press,
             wording=build_wording(self._settings),
             rounds=self._settings.planner.rounds,
             steps=self._settings.planner.steps,
@@ -309,6 +314,7 @@ class Engine:
         background = [
             self._keep(self._beat()),
             self._keep(self._keep_robot(robot, places), "robot"),
+            self._keep(self._estop.keep()),
             self._keep(
                 self._keep_planner(planner, lambda: build_planner(self._settings, registry, models=models)), "planner"
             ),

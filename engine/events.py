@@ -34,7 +34,7 @@ State = Literal[
     "FEEDBACK",
     "WAITING",
 ]
-Scope = Literal["stop", "interrupt", "wake", "end_task", "replaced", "halted", "shutdown"]
+Scope = Literal["stop", "estop", "interrupt", "wake", "end_task", "replaced", "by_hand", "halted", "shutdown"]
 """Kinds of interruption; ``engine.states`` says what each one does. ``halted``: the robot stopped by itself."""
 WakeSource = Literal["key", "serial", "word", "speech", "command", "demo", "file"]
 """``speech``: somebody goes on whose turn was ended in the middle of a sentence."""
@@ -413,6 +413,8 @@ class RobotStateView(Body, frozen=True):
     gripper: float  # 0 closed … 1 open
     moving: bool
     blocked: str | None  # what holds the robot back, if anything
+    estop: bool = False  # the emergency stop is pressed: nothing moves until it is released
+    volts: float | None = None  # of the battery, where something measures it
 
 
 @kind("motion.paused")

@@ -61,9 +61,11 @@ class Effect:
 
 EFFECTS: Final[Mapping[Scope, Effect]] = {
     "stop": Effect("Stopped."),  # and the robot says so
+    "estop": Effect("The emergency stop was pressed."),  # and nothing moves until it is released
     "interrupt": Effect("Interrupted."),  # and nothing else happens
     "wake": Effect("Woken.", arm_home_from=EXPRESSING),  # and listening starts at once
     "replaced": Effect("A newer command replaced this one."),  # which is planned at once
+    "by_hand": Effect("Somebody drives by hand."),
     "end_task": Effect("The task was ended."),  # the new cycle begins with the arm at home and without a history
     "halted": Effect("The robot stopped by itself."),  # as an interrupt, but the turn counts as failed
     "shutdown": Effect("The session ends."),

@@ -15,19 +15,23 @@ from engine.planner.request import Language, OnRecord
 _BECAUSE: Final[dict[Language, dict[Scope, str]]] = {
     "en": {
         "stop": "Because you said stop.",
+        "estop": "Because you pressed the emergency stop.",
         "interrupt": "Because you interrupted me.",
         "wake": "Because you called me.",
         "end_task": "Because you ended the task.",
         "replaced": "Because you gave me another command.",
+        "by_hand": "Because you drove me by hand.",
         "halted": "Because I had to stop by myself.",
         "shutdown": "Because the session ended.",
     },
     "zh": {
         "stop": "因为您说了停。",
+        "estop": "因为您按下了急停。",
         "interrupt": "因为您打断了我。",
         "wake": "因为您叫了我。",
         "end_task": "因为您结束了任务。",
         "replaced": "因为您给了我别的命令。",
+        "by_hand": "因为您手动驾驶了我。",
         "halted": "因为我自己不得不停下。",
         "shutdown": "因为会话结束了。",
     },

@@ -29,6 +29,8 @@ Capability = Literal["base", "arm", "camera", "voice"]
 
 PAUSE_LIMIT_S: Final = 1.5
 """A pause that nobody has ended after this makes the robot halt, s."""
+EMERGENCY_STOP: Final = "the emergency stop is pressed"
+"""Why it has halted then."""
 UNDECIDED: Final = "somebody may have said stop, and nobody could tell"
 """Why it has halted then."""
 
@@ -52,6 +54,8 @@ class RobotState:
     grip: float = 0.0  # what the gripper is told, as ``gripper``: less than that while it presses on something
     paused: bool = False  # it stands until it is resumed
     paused_s: float = 0.0  # s of ``t`` in which it was paused
+    estop: bool = False  # the emergency stop is pressed
+    volts: float | None = None  # of the battery, where something measures it
 
     @property
     def work_t(self) -> float:
@@ -129,6 +133,11 @@ class Robot(Protocol):
 
         The base goes to zero velocity, the arm holds where it is, the gripper keeps its grip.
         """
+        ...
+
+    def press(self, pressed: bool) -> None:
+        """Press the emergency stop, or release it. While it is pressed nothing moves, in no epoch, and it stays so over
+        a loss of the robot; after it was released, a new epoch is needed. Thread-safe, never blocks."""
         ...
 
     def pause(self, epoch: int) -> int:

@@ -18,6 +18,7 @@ from engine.robot.robot import Robot, RobotState
 HEARTBEAT_S = 0.05  # three beats before the robot brakes, five before it halts; twice as many cost 0.5 % of a core
 PUBLISH_S = 0.1
 SETTLE_S = 0.5  # longer than any robot of ours needs to come to rest
+_SAGGED_V = 0.15  # less is noise
 _MOVED = 0.001  # m or rad; less is not worth an event
 
 
@@ -80,11 +81,15 @@ def view(state: RobotState) -> RobotStateView:
         gripper=round(state.gripper, 3),
         moving=state.moving,
         blocked=state.halted or state.blocked,
+        estop=state.estop,
+        volts=None if state.volts is None else round(state.volts, 1),
     )
 
 
 def _differs(a: RobotState, b: RobotState) -> bool:
-    if (a.moving, a.blocked, a.halted, a.light) != (b.moving, b.blocked, b.halted, b.light):
+    if (a.moving, a.blocked, a.halted, a.light, a.estop) != (b.moving, b.blocked, b.halted, b.light, b.estop):
+        return True
+    if a.volts != b.volts and abs((a.volts or 0.0) - (b.volts or 0.0)) > _SAGGED_V:
         return True
     pairs = [(a.pose.x, b.pose.x), (a.pose.y, b.pose.y), (a.pose.yaw, b.pose.yaw), (a.gripper, b.gripper)]
     return any(math.fabs(x - y) > _MOVED for x, y in [*pairs, *zip(a.joints, b.joints, strict=True)])

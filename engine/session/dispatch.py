@@ -51,6 +51,9 @@ if TYPE_CHECKING:
 PROGRESS_PERIOD_S = 0.25
 """Shortest time between two progress events of one action, s of robot time; a new path is always sent."""
 
+_MOVING: Final = frozenset({"base", "arm"})
+"""What a skill occupies that moves the robot."""
+
 SIGHT_PERIOD_S = 1.0
 """Time between two events about a sight that shows the same things, s of robot time."""
 
@@ -202,6 +205,10 @@ class Dispatcher:
             world=self._eyes.world,
             ask_about=self._asking(run),
         )
+        if self._is_pressed() and self._registry[action.name].occupies & _MOVING:
+            result = fail("robot_halted", "The emergency stop is pressed: release it first.")
+            self._write(run, action, key, result, began)
+            return result
         remains: Remains[Result] = Remains(lambda found: self._drop(run, action, found))
         try:
             result = await bounded(self._registry[action.name].run(context, **action.args), remains)
@@ -317,6 +324,11 @@ class Dispatcher:
                 raise
 
         return asking
+
+    def _is_pressed(self) -> bool:
+        with contextlib.suppress(RobotError):  # its loss is the outcome of the action
+            return self._robot.state().estop
+        return False
 
     def _report_robot(self, emit: Emit) -> None:
         """Where the action left the robot; the periodic reports may come too late for that."""

@@ -156,10 +156,12 @@ def _happened(entry: Entry) -> Happened | None:
 
 _BY: dict[Scope, str] = {
     "stop": "the user said stop",
+    "estop": "the user pressed the emergency stop",
     "interrupt": "the user interrupted",
     "wake": "the user called the robot",
     "end_task": "the user ended the task",
     "replaced": "the user gave another command",
+    "by_hand": "the user drove by hand",
     "halted": "the robot stopped by itself",
     "shutdown": "the session ended",
 }

@@ -15,15 +15,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final, Generic, Literal, TypeVar
 
-from engine.commands import Added, Command, EndTask, Halted, Heard, Interrupt, Quit, Say, Wake
+from engine.commands import Added, Command, Drive, EndTask, EStop, Halted, Heard, Interrupt, Quit, Say, Wake
 from engine.epoch import Epoch
 from engine.events import Scope, State
-from engine.planner.phrases.stopping import is_end_task, is_stop
-from engine.states import EXPRESSING
+from engine.planner.phrases.stopping import is_emergency, is_end_task, is_stop
+from engine.states import EXPRESSING, REST
 
 T = TypeVar("T")
 
-LASTING: Final[frozenset[Scope]] = frozenset({"end_task", "halted", "shutdown"})
+LASTING: Final[frozenset[Scope]] = frozenset({"estop", "end_task", "halted", "shutdown"})
 """Interruptions that do more than end a turn: they take place even when a newer one has come in the meantime."""
 
 
@@ -48,6 +48,8 @@ class Request:
 
 def _scope_of_words(text: str) -> Scope | None:
     """What a request in these words interrupts."""
+    if is_emergency(text):
+        return "estop"
     return "stop" if is_stop(text) else "end_task" if is_end_task(text) else None
 
 
@@ -55,7 +57,7 @@ class Inbox(Generic[T]):
     """Requests from any thread, and news of type ``T`` from the loop itself, in one order. Made in the loop.
 
     ``busy`` is what a new command does while one runs; ``state`` tells where the session is; ``mark_wake`` is told of a
-    wake at once, so that nothing said after it is lost.
+    wake at once, so that nothing said after it is lost; ``press`` presses the emergency stop.
     """
 
     def __init__(
@@ -64,11 +66,14 @@ class Inbox(Generic[T]):
         busy: Literal["interrupt", "queue", "reject"],
         state: Callable[[], State],
         mark_wake: Callable[[Wake], None],
+        press: Callable[[], None],
     ) -> None:
         self._epoch = epoch
         self._busy = busy
         self._state = state
         self._mark_wake = mark_wake
+        self._press = press
+        self._hand = 0  # the epoch in which somebody drives by hand
         self._loop = asyncio.get_running_loop()
         self._queue: asyncio.Queue[Request | T] = asyncio.Queue()
         self._order = threading.Lock()
@@ -78,9 +83,13 @@ class Inbox(Generic[T]):
         """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot."""
         with self._order:
             scope = self._scope_of(command)
+            if scope == "estop":
+                self._press()
             epoch = self._epoch.current if scope is None else self._epoch.advance()
             if scope not in (None, "halted"):
                 self._newest = epoch
+            if isinstance(command, Drive):
+                self._hand = epoch
         if isinstance(command, Wake):
             self._mark_wake(command)
         with contextlib.suppress(RuntimeError):  # the loop has ended: there is nothing left to ask, and it stands
@@ -92,6 +101,10 @@ class Inbox(Generic[T]):
                 return None if drain else "shutdown"
             case EndTask():
                 return "end_task"
+            case EStop():
+                return "estop"
+            case Drive():
+                return None if self._epoch.is_current(self._hand) and self._state() in REST else "by_hand"
             case Interrupt():
                 return "interrupt"
             case Wake():
@@ -101,7 +114,7 @@ class Inbox(Generic[T]):
             case Added(adds=adds, epoch=epoch):
                 return None if adds or epoch < self._newest else "replaced"
             case Heard(text):
-                return "stop" if self._state() in EXPRESSING and is_stop(text) else None
+                return _scope_of_words(text) if self._state() in EXPRESSING and is_stop(text) else None
             case Say(text):
                 return _scope_of_words(text) or ("replaced" if self._busy == "interrupt" else None)
         return None

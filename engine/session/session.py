@@ -27,11 +27,14 @@ from engine.commands import (
     Added,
     Audio,
     Command,
+    Drive,
     EndTask,
+    EStop,
     Halted,
     Heard,
     Interrupt,
     Quit,
+    Release,
     Say,
     Snapshot,
     Wake,
@@ -41,9 +44,12 @@ from engine.errors import ExitCode, RobotError, SaysoError
 from engine.events import Scope, State, TurnResult
 from engine.planner.text.language import language_of
 from engine.robot.arm import ARM_INITIAL
+from engine.robot.geometry import Twist
+from engine.robot.robot import EMERGENCY_STOP
+from engine.session.by_hand import ByHand
 from engine.session.history import Interrupted, TaskCycle
 from engine.session.inbox import Inbox, Request
-from engine.session.turn import Needs, Overtaken, Turn
+from engine.session.turn import PRESSED, Needs, Overtaken, Turn
 from engine.skills.outcome import ErrorCode
 from engine.states import EFFECTS, EXPRESSING, NEXT
 
@@ -80,7 +86,10 @@ class Session:
         self._needs = needs
         self._hear_audio = hear_audio
         self._loop = asyncio.get_running_loop()
-        self._inbox: Inbox[TurnOver] = Inbox(epoch, settings.busy, lambda: self._state, mark_wake)
+        self._by_hand = ByHand(needs.robot)
+        self._inbox: Inbox[TurnOver] = Inbox(
+            epoch, settings.busy, lambda: self._state, mark_wake, lambda: needs.press(True)
+        )
         self._state: State = "IDLE"
         self._cycle = TaskCycle(1)
         self._turn: Turn | None = None
@@ -114,6 +123,7 @@ class Session:
             raise group.exceptions[0] from None  # the scope of a cycle wraps what went wrong in it
         finally:
             self._epoch.advance()
+            await self._by_hand.close()
 
     async def _run_cycle(self, cycle: TaskCycle) -> None:
         """Take what happens until the cycle ends. Leaving the scope ends the turn that still runs in it."""
@@ -188,13 +198,22 @@ class Session:
                 self._ack(request, "" if taken else "Sound comes from elsewhere; try --source none.", ok=taken)
             case Interrupt():
                 self._ack(request)
+            case EStop():
+                self._ack(request, PRESSED)
+            case Release():
+                self._needs.press(False)
+                self._ack(request, "The emergency stop is released.")
+            case Drive(vx, vy, wz) as drive:
+                refused = self._by_hand.drive(Twist(vx, vy, wz), request.epoch)
+                if refused or request.scope is not None or drive.id is not None:
+                    self._ack(request, refused, ok=not refused)
             case Wake():
                 again = self._again
                 self._start(request, lambda turn: turn.listen(restarted=again)).broke_off = self._broke_off
-            case Say(text) if request.scope == "stop":
-                self._start(request, Turn.stopped).take(text, "text")
-            case Heard(text) if request.scope == "stop":
-                self._start(request, Turn.stopped).take(text, "overheard")
+            case Say(text) if request.scope in ("stop", "estop"):
+                self._start(request, _told_stop(request.scope)).take(text, "text")
+            case Heard(text) if request.scope in ("stop", "estop"):
+                self._start(request, _told_stop(request.scope)).take(text, "overheard")
             case Say() | EndTask() if request.scope == "end_task":
                 self._ack(request)
                 said = request.command.text if isinstance(request.command, Say) else self._cycle.last_said
@@ -215,6 +234,8 @@ class Session:
     async def _halt(self, request: Request, halted: Halted) -> None:
         """The robot has stopped by itself. What moves or speaks is over; what only listens or thinks goes on, in the
         epoch in which the robot can move again."""
+        if halted.reason == EMERGENCY_STOP and self._turn is None:
+            return  # whoever pressed it knows
         message = halted.reason if halted.lost else f"I stopped by myself: {halted.reason}."
         code: ErrorCode = "robot_lost" if halted.lost else "robot_halted"
         turn = self._turn
@@ -287,7 +308,7 @@ class Session:
     ) -> None:
         """Record an interruption and end the running turn; returns when its last outcome is on record."""
         turn, state = self._turn, self._state
-        if turn is not None or scope == "interrupt":
+        if turn is not None or scope in ("interrupt", "estop"):
             raised = events.InterruptRaised(scope, request.command.do, state)
             self._bus.publish(raised, turn=turn.id if turn else None, epoch=request.epoch)
         self._drop_waiting()
@@ -390,6 +411,10 @@ class Session:
             "robot": state,
             "waiting": list(_texts(self._waiting)),
         }
+
+
+def _told_stop(scope: Scope) -> Callable[[Turn], Awaitable[TurnResult]]:
+    return (lambda turn: turn.stopped(PRESSED)) if scope == "estop" else Turn.stopped
 
 
 def _texts(requests: Iterable[Request]) -> tuple[str, ...]:

@@ -29,6 +29,7 @@ from engine.llm.chat import ChatError
 from engine.parts.part import Loading
 from engine.plan import Plan
 from engine.planner.intent import with_intent
+from engine.planner.phrases.stopping import is_emergency
 from engine.planner.request import Happened, Language, NoPlan, PlanRequest, Plans
 from engine.planner.text.language import language_of
 from engine.robot.robot import Robot
@@ -76,6 +77,8 @@ class Needs:
     wording: Wording = field(default_factory=Wording)
     ask: Callable[[Added], None] = lambda command: None
     """Tells the session what was added to a request."""
+    press: Callable[[bool], None] = lambda pressed: None
+    """Presses the emergency stop, or releases it; from any thread."""
     voice_for_typed: Voice | None = None
     """Answers what was typed; None: the same one does."""
     place_names: Mapping[str, str] = field(default_factory=dict)
@@ -84,6 +87,9 @@ class Needs:
     """Plans that one request may lead to."""
     steps: int = 60
     """Actions that one request may lead to."""
+
+
+PRESSED: Final = "The emergency stop is pressed: nothing moves until it is released."
 
 
 class Overtaken(Exception):
@@ -144,6 +150,10 @@ class Turn:
         if isinstance(transcript, events.TranscriptRejected):
             return TurnResult(ExitCode.FAILED, "unheard", self.worded(f"Not understood: {transcript.detail}"))
         self._take_in(transcript)
+        if is_emergency(self.asked):  # it stands since the wake
+            self._needs.press(True)
+            self._enter("PLANNING", "the emergency stop")
+            return await self.stopped(PRESSED)
         return await self.do()
 
     def hear(self, heard: events.TranscriptFinal) -> None:
@@ -193,9 +203,9 @@ class Turn:
         text = f"After {self._needs.rounds} plans I gave up: {result.message}".rstrip()
         return await self._answer(text, ExitCode.FAILED, "failed")
 
-    async def stopped(self) -> TurnResult:
+    async def stopped(self, told: str = "Stopped.") -> TurnResult:
         """Somebody said stop, and it stands: only say so."""
-        return await self._answer("Stopped.", ExitCode.DONE, "done")
+        return await self._answer(told, ExitCode.DONE, "done")
 
     def move_on(self, number: int) -> None:
         """Belong to another epoch from now on. Only for a turn that has not moved or said anything yet."""

@@ -336,6 +336,7 @@ async def begin(
         voice=voice,
         recall=lambda up: Recall(up, WorldMemory()),
         ask=lambda command: session.request(command),
+        press=robot.press,
         wording=build_wording(settings),
         rounds=settings.planner.rounds,
         steps=settings.planner.steps,

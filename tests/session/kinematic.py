@@ -41,6 +41,7 @@ class KinematicRobot:
         self.refused = 0
         """Commands of an epoch that was over."""
         self.lost = False
+        self.estop = False
         self._loop = asyncio.get_running_loop()
         self._epoch = 1
         self._pose = Pose(0.0, 0.0, 0.0)
@@ -58,6 +59,10 @@ class KinematicRobot:
 
     async def close(self) -> None:
         self._twist = ZERO
+
+    def press(self, pressed: bool) -> None:
+        self._advance()
+        self.estop, self._twist = pressed, ZERO
 
     def stop(self, epoch: int) -> None:
         self._advance()
@@ -96,7 +101,7 @@ class KinematicRobot:
         return RobotState(
             t=self._at, epoch=self._epoch, pose=self._pose, twist=self._twist, command=self._twist,
             joints=self._joints, joint_targets=self._joints, gripper=1.0, light=(0, 0, 0), blocked=None, halted=None,
-            paused=self.paused,
+            paused=self.paused, estop=self.estop,
         )  # fmt: skip
 
     def scan(self) -> Scan:
@@ -112,12 +117,12 @@ class KinematicRobot:
         if epoch != self._epoch:
             self.refused += 1
             return
-        if self.paused:
+        if self.paused or self.estop:
             return
         self._twist, self._dies = twist, self._at + LIFETIME_S
 
     def move_arm(self, joints: Sequence[float], epoch: int, *, speed: float = 1.0) -> None:
-        if epoch == self._epoch:
+        if epoch == self._epoch and not self.estop:
             self._joints = tuple(joints)  # type: ignore[assignment]
             self.arm.append((self._loop.time(), epoch, self._joints, speed))
 

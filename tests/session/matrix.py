@@ -11,13 +11,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
-from engine.commands import Command, EndTask, Halted, Heard, Interrupt, Quit, Say, Wake
+from engine.commands import Command, Drive, EndTask, EStop, Halted, Heard, Interrupt, Quit, Say, Wake
 from engine.events import Scope, State
 
 WHAT_HAPPENS: Final[dict[tuple[State, ...], dict[str, str]]] = {
     ("IDLE", "WAITING"): {
         "wake": "listens",
         "interrupt": "nothing to stop",
+        "estop": "nothing to stop",
+        "by-hand": "drives",
         "end-task": "arm home, new task",
         "end-task-phrase": "arm home, new task",
         "end-task-chinese": "arm home, new task",
@@ -33,6 +35,8 @@ WHAT_HAPPENS: Final[dict[tuple[State, ...], dict[str, str]]] = {
     ("LISTENING",): {
         "wake": "restarts the recording",
         "interrupt": "stops",
+        "estop": "stops",
+        "by-hand": "stops, drives",
         "end-task": "stops, arm home, new task",
         "end-task-phrase": "stops, arm home, new task",
         "end-task-chinese": "stops, arm home, new task",
@@ -48,6 +52,8 @@ WHAT_HAPPENS: Final[dict[tuple[State, ...], dict[str, str]]] = {
     ("TRANSCRIBING", "DECIDING", "PLANNING"): {
         "wake": "stops, listens",
         "interrupt": "stops",
+        "estop": "stops",
+        "by-hand": "stops, drives",
         "end-task": "stops, arm home, new task",
         "end-task-phrase": "stops, arm home, new task",
         "end-task-chinese": "stops, arm home, new task",
@@ -63,6 +69,8 @@ WHAT_HAPPENS: Final[dict[tuple[State, ...], dict[str, str]]] = {
     ("CLARIFYING", "SPEAKING", "ACTING", "FEEDBACK"): {
         "wake": "stops, arm home, listens",
         "interrupt": "stops",
+        "estop": "stops",
+        "by-hand": "stops, drives",
         "end-task": "stops, arm home, new task",
         "end-task-phrase": "stops, arm home, new task",
         "end-task-chinese": "stops, arm home, new task",
@@ -97,6 +105,8 @@ class Interruption:
 INTERRUPTIONS: Final[dict[str, Interruption]] = {
     "wake": Interruption("wake (`space`)", Wake(id="it"), "wake"),
     "interrupt": Interruption("interrupt (`esc`)", Interrupt(id="it"), "interrupt"),
+    "estop": Interruption("emergency stop (`ctrl+x`)", EStop(id="it"), "estop"),
+    "by-hand": Interruption("driving by hand", Drive(vx=0.2, id="it"), "by_hand"),
     "end-task": Interruption("end of the task (`e`)", EndTask(id="it"), "end_task"),
     "end-task-phrase": Interruption("“end the current task”", Say("End the current task.", id="it"), "end_task"),
     "end-task-chinese": Interruption("“结束当前任务”", Say("结束当前任务", id="it"), "end_task"),
@@ -130,6 +140,8 @@ class Consequence:
     """The history is forgotten, and the task cycle has the next number."""
     does: tuple[str, ...] = ()
     """Actions that start from then on and end well, by name."""
+    by_hand: bool = False
+    """It moves as a person has it move."""
     says: tuple[str, ...] = ()
     """Sentences that are said from then on, to their end."""
     error: str = ""
@@ -152,6 +164,7 @@ CONSEQUENCES: Final[dict[str, Consequence]] = {
     "says so": Consequence(("SPEAKING", "WAITING"), says=("Stopped.",)),
     "does it": Consequence(_TURNS, does=("move_left",), says=_TURNED),
     "ends": Consequence(ends_session=True),
+    "drives": Consequence(by_hand=True),
     # what runs goes on
     "not overheard": Consequence(),
     "goes on": Consequence(),
@@ -163,6 +176,7 @@ CONSEQUENCES: Final[dict[str, Consequence]] = {
     "stops, listens": replace(_RESTS, path=("WAITING", "LISTENING"), recordings=("new",)),
     "stops, arm home, listens": replace(_RESTS, path=("WAITING", "LISTENING"), recordings=("new",), arm_home=True),
     "stops, arm home, new task": replace(_RESTS, path=("WAITING", "IDLE"), arm_home=True, new_cycle=True),
+    "stops, drives": replace(_RESTS, by_hand=True),
     "stops, says so": replace(_RESTS, path=("WAITING", "SPEAKING", "WAITING"), says=("Stopped.",)),
     "stops, does it": replace(_RESTS, path=("WAITING", *_TURNS), does=("move_left",), says=_TURNED),
     "stops, says why": replace(_RESTS, turn="failed", error=_HALTED),

@@ -188,7 +188,8 @@ def nothing_of_the_past_moves(trial: Trial) -> None:
     state = robot.state()  # first: it writes down what has moved until now
     moved = {epoch for when, epoch, _ in robot.moved if when > trial.moment}
     assert not trial.expected.raised or all(epoch > trial.epoch for epoch in moved)
-    assert bool(moved) == bool(trial.expected.does or (trial.left_alone and trial.scene.running))
+    moves = trial.expected.does or trial.expected.by_hand or (trial.left_alone and trial.scene.running)
+    assert bool(moved) == bool(moves)
     arm = [(joints, speed) for _, _, joints, speed in robot.arm[trial.arm :]]
     assert arm == ([(ARM_INITIAL, ARM_RETURN_SPEED)] if trial.expected.arm_home else [])
     assert state.joints == (ARM_INITIAL if trial.expected.arm_home else ARM_UP)

@@ -74,6 +74,9 @@ class HandRobot:
         self._epoch = epoch
         self.world.stop()
 
+    def press(self, pressed: bool) -> None:
+        raise NotImplementedError("no skill presses the emergency stop")
+
     def pause(self, epoch: int) -> int:
         raise NotImplementedError("no skill pauses a robot")
 

@@ -52,7 +52,9 @@ def test_each_command_is_read_from_its_line(line: str | bytes, command: Command)
 
 
 def test_the_commands_are_those_that_were_promised() -> None:
-    assert set(COMMANDS) == {"say", "wake", "interrupt", "end_task", "audio", "snapshot", "quit"}
+    assert set(COMMANDS) == {
+        "say", "wake", "interrupt", "end_task", "estop", "release", "drive", "audio", "snapshot", "quit",
+    }  # fmt: skip
 
 
 @settings(deadline=None)

@@ -28,7 +28,7 @@ def make_state_folder() -> None:
     from config.folders import paths
     from config.private import NotPrivate, private_folder
 
-    ours = {"logs", "launch", "mic.sock", "mic.lock", "requests", "panes.json", "toured", "saved"}
+    ours = {"logs", "launch", "mic.sock", "mic.lock", "requests", "panes.json", "toured", "saved", "estop"}
     try:
         private_folder(paths().state, ours)
     except NotPrivate as error:

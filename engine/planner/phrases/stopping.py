@@ -31,6 +31,11 @@ def is_stop(text: str, *, ended: bool = True) -> bool:
     return len(text) <= MAX_TEXT and _words().stops(text, ended=ended)
 
 
+def is_emergency(text: str) -> bool:
+    """Whether ``text`` asks for the emergency stop, in any language."""
+    return len(text) <= MAX_TEXT and _words().is_emergency(text)
+
+
 def is_end_task(text: str) -> bool:
     """Whether ``text`` as a whole ends the conversation ("that's all", "end the current task"), in any language."""
     return len(text) <= MAX_TEXT and _words().ends_task(text)
@@ -63,6 +68,7 @@ class _StopWords:
         self._alone = re.compile(rf"(?:{alone}|{around})(?: (?:{alone}|{around}))*+")
         self._any = re.compile(alone)
         self._leading = re.compile(rf"(?:{around} )*+{anywhere} {any_of(stop('joints'))}")
+        self._emergency = re.compile(any_of(section("emergency")))
         self._end_task = re.compile(any_of(section("end_task")))
 
     def stops(self, text: str, *, ended: bool) -> bool:
@@ -70,6 +76,9 @@ class _StopWords:
 
     def only_stops(self, text: str) -> bool:
         return any(self._nothing_but_stop(parts) for parts in self._readings(text))
+
+    def is_emergency(self, text: str) -> bool:
+        return any(self._emergency.fullmatch(part) for parts in self._readings(text) for part in parts)
 
     def ends_task(self, text: str) -> bool:
         return any(self._end_task.fullmatch(" ".join(parts)) for parts in self._readings(text))

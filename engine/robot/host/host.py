@@ -6,8 +6,8 @@ time passes only while somebody waits for it (a simulation can do that).
 
 It stands by itself when the engine falls silent. An engine that was merely busy finds it ready to go on; one that was
 away for longer must not go on where it was: the robot has *halted*, and nothing moves it but a new epoch. A *pause*
-that nobody ends makes it halt as well, and so does trouble of the body. When the socket closes, its parent is gone or
-it is told to end, it brings the robot to rest first and leaves a last state that says so.
+that nobody ends makes it halt as well, and so do the emergency stop and trouble of the body. When the socket closes,
+its parent is gone or it is told to end, it brings the robot to rest first and leaves a last state that says so.
 
 Memory that holds a state already is that of a robot that was lost: it goes on from there. Which body is driven, none of
 this knows.
@@ -27,7 +27,7 @@ from engine.robot.host import memory as m
 from engine.robot.host.body import STEP_S
 from engine.robot.host.controller import Controller
 from engine.robot.host.memory import Mailbox, Memory
-from engine.robot.robot import PAUSE_LIMIT_S, UNDECIDED
+from engine.robot.robot import EMERGENCY_STOP, PAUSE_LIMIT_S, UNDECIDED
 
 TICK_STEPS = 10
 """Steps per tick (20 ms)."""
@@ -71,8 +71,8 @@ class Host:
             self._epoch, self._paused_at = epoch, None
             memory.ints[m.STOPPED_EPOCH] = epoch
             self.publish()
-        if (trouble := self._controller.body.trouble) and (not self._halted or self._is_commanded()):
-            self._halt(trouble)
+        if (why := self._hindrance()) and (not self._halted or self._is_commanded()):
+            self._halt(why)
         self._watch(now, memory.times[m.HEARTBEAT])
         self._heed_pause(now, memory.ints[m.PAUSE])
         if not (self._halted or self._braked or self._paused_at is not None):
@@ -109,7 +109,7 @@ class Host:
         """Stand while the engine is silent; after long, halt until it beats again *and* a new epoch has begun."""
         silence = now - heartbeat if heartbeat > 0 else 0.0
         if self._halted:
-            if silence <= self._allowed and self._epoch != self._halted_in and not self._controller.body.trouble:
+            if silence <= self._allowed and self._epoch != self._halted_in and not self._hindrance():
                 self._halted = ""
                 self._controller.stop()  # the arm holds where it is by now, not where it was then
                 self.publish()
@@ -194,6 +194,10 @@ class Host:
         if (box := self._memory.correction).count != self._seen[box]:
             self._seen[box] = box.count
             self._controller.correct(Pose(*box.get()["pose"].tolist()))
+
+    def _hindrance(self) -> str:
+        """Why nothing may move now; empty where it may."""
+        return EMERGENCY_STOP if self._memory.ints[m.ESTOP] else self._controller.body.trouble
 
     def _is_commanded(self) -> bool:
         """Whether somebody wants it to move in an epoch that has not heard yet why it does not."""

@@ -97,8 +97,9 @@ class HostedRobot:
         self._camera: Eye | None = None
         self._looking = 0  # who waits for a picture
         self._pauses = itertools.count(1)
+        self._pressed = False  # the emergency stop
         self._alive = self._alive_since = self._beaten = 0.0
-        self._read: tuple[tuple[int, int], RobotState] | None = None  # the newest state that was asked for
+        self._read: tuple[tuple[int, int, int], RobotState] | None = None  # the newest state that was asked for
 
     @property
     def name(self) -> str:
@@ -146,6 +147,7 @@ class HostedRobot:
         await self._bury()
         if self._memory is None:
             self._memory = Memory.create()
+            self._memory.ints[m.ESTOP] = self._pressed
         else:
             self._memory.begin_again()
         try:
@@ -205,6 +207,11 @@ class HostedRobot:
         if memory is not None:
             memory.times[m.STOP_TIME] = time.monotonic()
             memory.ints[m.STOP_EPOCH] = epoch
+
+    def press(self, pressed: bool) -> None:
+        self._pressed = pressed
+        if (memory := self._memory) is not None:
+            memory.ints[m.ESTOP] = pressed
 
     def pause(self, epoch: int) -> int:
         token = m.pause_token(epoch, next(self._pauses))
@@ -276,11 +283,11 @@ class HostedRobot:
 
     def state(self) -> RobotState:
         memory = self._running()
-        newest = (memory.state.count, memory.correction.count)
+        newest = (memory.state.count, memory.correction.count, memory.ints[m.ESTOP])
         if (read := self._read) is not None and read[0] == newest:
             return read[1]  # in one tick many ask
         record = memory.state.get()
-        state = _state(record, believed(record, memory.correction.scratch))
+        state = _state(record, believed(record, memory.correction.scratch), estop=self._pressed)
         self._read = (newest, state)
         return state
 
@@ -411,7 +418,7 @@ def _ignore(news: CameraNews) -> None:
     """Nobody wants to know."""
 
 
-def _state(record: Record, pose: Pose) -> RobotState:
+def _state(record: Record, pose: Pose, *, estop: bool) -> RobotState:
     halted = record["halted"].item().decode() or None
     return RobotState(
         t=float(record["t"]),
@@ -429,4 +436,6 @@ def _state(record: Record, pose: Pose) -> RobotState:
         halted_in=int(record["halted_in"]) if halted else None,
         paused=bool(record["paused"]),
         paused_s=float(record["paused_s"]),
+        estop=estop,
+        volts=float(record["volts"]) or None,
     )

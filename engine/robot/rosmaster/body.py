@@ -246,7 +246,7 @@ class RosmasterBody:
     def _complain(self, why: str) -> None:
         if not self.trouble:
             self.trouble = why
-            self._told, self._twist = ZERO, ZERO
+            self._told, self._twist, self._told_at = ZERO, ZERO, -math.inf  # and the next step says so
 
     # What it tells
 

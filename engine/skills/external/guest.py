@@ -159,6 +159,9 @@ class GuestRobot:
         """Epochs are the engine's; here it only stands still."""
         self.drive(ZERO, epoch)
 
+    def press(self, pressed: bool) -> None:
+        """The emergency stop is people's."""
+
     def pause(self, epoch: int) -> int:
         """Pauses are the engine's: no tick comes meanwhile."""
         del epoch

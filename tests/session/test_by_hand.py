@@ -1,0 +1,140 @@
+"""The emergency stop that only a release ends, and driving by hand."""
+
+from __future__ import annotations
+
+import pytest
+
+from engine import events
+from engine.commands import Drive, EStop, Heard, Interrupt, Release, Say
+from engine.errors import ExitCode
+from engine.session.turn import PRESSED
+from tests.session.conversation import Conversation, converse
+
+
+async def driving(talk: Conversation) -> None:
+    talk.send(Say("go forward 10 metres then turn left"))
+    await talk.until(events.ActionStarted)
+    await talk.pass_time(2.0)
+    assert not talk.robot.state().twist.is_zero
+
+
+# The emergency stop
+
+
+@pytest.mark.parametrize("press", [EStop(), Say("emergency stop!"), Say("急停"), Heard("Emergency stop!")])
+def test_the_emergency_stop_stops_at_once_and_stays(press: EStop | Say | Heard) -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(press)
+        assert talk.robot.state().twist.is_zero
+        assert talk.robot.state().estop
+        assert (await talk.result()).exit_code == ExitCode.INTERRUPTED
+        await talk.pass_time(1.0)
+        before = talk.robot.state().pose
+        talk.send(Say("go forward 1 metre"))
+        await talk.until(events.ActionFinished, lambda body: body.outcome == "failed")
+        assert talk.robot.state().pose == before
+
+    converse(test)
+
+
+def test_what_would_move_is_refused_with_the_reason_and_what_would_not_is_done() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(EStop(id="it"))
+        assert (await talk.until(events.Ack, lambda body: body.id == "it")).message == PRESSED
+        talk.send(Say("raise your arm"))
+        assert (await talk.result()).message == "The emergency stop is pressed: release it first."
+        talk.send(Say("what can you do"))
+        assert (await talk.result(2)).outcome == "done"
+
+    converse(test)
+
+
+def test_a_release_lets_it_move_again_and_nothing_of_before_goes_on() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(EStop())
+        await talk.result()
+        talk.send(Release())
+        await talk.pass_time(5.0)
+        assert not talk.robot.state().estop
+        before = talk.robot.state().pose
+        await talk.pass_time(5.0)
+        assert talk.robot.state().pose == before
+        talk.send(Say("go forward 1 metre"))
+        assert (await talk.result(2)).outcome == "done"
+        assert talk.robot.state().pose.distance_to(before) == pytest.approx(1.0, abs=0.05)
+
+    converse(test)
+
+
+def test_no_stop_or_interrupt_releases_it() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(EStop())
+        for command in (Interrupt(), Say("stop"), Say("never mind")):
+            talk.send(command)
+            await talk.pass_time(2.0)
+        assert talk.robot.state().estop
+
+    converse(test)
+
+
+def test_said_after_a_wake_it_is_pressed_as_well() -> None:
+    async def test(talk: Conversation) -> None:
+        await talk.wake_and_say("emergency stop")
+        result = await talk.result()
+        assert result.message == PRESSED
+        assert talk.robot.state().estop
+
+    converse(test)
+
+
+# By hand
+
+
+def test_by_hand_it_drives_while_commands_come_and_no_longer() -> None:
+    async def test(talk: Conversation) -> None:
+        for _ in range(20):
+            talk.send(Drive(vx=0.2))
+            await talk.pass_time(0.05)
+        assert talk.robot.state().pose.x == pytest.approx(0.2, abs=0.03)
+        await talk.pass_time(0.3)
+        assert talk.robot.state().twist.is_zero
+        assert [body.do for body in talk.bodies(events.Ack)] == ["drive"], "one for the beginning"
+
+    converse(test)
+
+
+def test_a_person_goes_before_a_plan_and_the_plan_is_told() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(Drive(wz=0.5))
+        result = await talk.result()
+        assert (result.outcome, result.message) == ("interrupted", "Somebody drives by hand.")
+        (raised,) = talk.bodies(events.InterruptRaised)
+        assert raised.scope == "by_hand"
+        assert talk.robot.state().twist.wz == 0.5
+        assert talk.robot.state().twist.vx == 0
+
+    converse(test)
+
+
+def test_a_request_goes_before_a_hand_that_is_gone() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Drive(vx=0.2))
+        await talk.pass_time(1.0)
+        talk.send(Say("turn left 90 degrees"))
+        assert (await talk.result()).outcome == "done"
+
+    converse(test)
+
+
+def test_by_hand_nothing_moves_either_while_the_emergency_stop_is_pressed() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(EStop())
+        talk.send(Drive(vx=0.2, id="it"))
+        ack = await talk.until(events.Ack, lambda body: body.id == "it")
+        assert (ack.ok, ack.message) == (False, "The emergency stop is pressed: release it first.")
+        assert talk.robot.state().twist.is_zero
+
+    converse(test)
