@@ -228,7 +228,8 @@ class Engine:
         hearing: Part[Hearing] = self._part("recogniser")
         microphone: Part[str] = self._part("microphone")
         self._viewfinder = Viewfinder(robot, asyncio.get_running_loop(), prompt=prompt)
-        self._camera = CameraPart(self._part("camera"), self._emit)
+        has_camera = "camera" in self._robot.capabilities
+        self._camera = CameraPart(self._part("camera") if has_camera else Part("camera", lambda s: None), self._emit)
 
         holds, eyes = Holds(), Eyes(self._robot, self._memory)
         vision = make_vision(self._settings)

@@ -26,7 +26,7 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from config.errors import ConfigError
-from engine.commands import EndTask, Interrupt, Quit, Say, Wake
+from engine.commands import Drive, EndTask, EStop, Interrupt, Quit, Release, Say, Wake
 from engine.errors import ExitCode, SaysoError
 from tui.keys.bindings import BINDINGS
 from tui.keys.keys import ALL_KEYS
@@ -61,6 +61,7 @@ from tui.shown.view import View
 from tui.stage import Stage
 from tui.terminal.driver import listening_driver
 from tui.widgets.ask import Ask
+from tui.widgets.by_hand import ByHand
 from tui.widgets.floor_view import FloorView
 from tui.widgets.timeline import Timeline
 from tui.words import strings
@@ -257,6 +258,8 @@ class SaysoApp(Stage):
         """In the thread that reads the keyboard, before the key is queued: stopping waits for nothing."""
         if key in self.dressing.stop_keys:
             self.send(Interrupt())
+        if key in self.dressing.estop_keys:
+            self.send(EStop())
 
     def action_interrupt(self) -> None:
         if self.is_headless:  # there is no keyboard to read, and no thread that has already done it
@@ -268,6 +271,23 @@ class SaysoApp(Stage):
             self.redraw_later()
         self.main.set_focus(None)
         self._follow()
+
+    def action_estop(self) -> None:
+        if self.is_headless:  # as above
+            self.send(EStop())
+        self._asked_early = []
+        self.redraw()
+
+    def action_release(self) -> None:
+        self.send(Release())
+        self.redraw()
+
+    def action_by_hand(self) -> None:
+        self.come_back()
+        self.main.drive_by_hand()
+
+    def on_by_hand_driven(self, message: ByHand.Driven) -> None:
+        self.send(Drive(message.vx, message.vy, message.wz))
 
     def action_wake(self) -> None:
         self._follow()
@@ -325,7 +345,9 @@ class SaysoApp(Stage):
         from tui.screens.help import HelpScreen  # pages are read when somebody wants them
 
         if self.screen is self.main:
-            self.push_screen(HelpScreen(self.shown_keys))
+            page = HelpScreen(self.shown_keys)
+            page.show(self.shown)
+            self.push_screen(page)
         else:
             self.come_back()
 

@@ -223,8 +223,8 @@ def build_parser() -> argparse.ArgumentParser:
     png = scene.add_argument("--png", metavar="FILE", type=Path, help="write the picture to FILE")
     png.complete = COMPLETE_FILE  # type: ignore[attr-defined]
 
-    robot = command("robot", "tui.commands.robot:run", "list, show, check and emulate robots")
-    robot.add_argument("action", choices=["list", "show", "check", "emulate"])
+    robot = command("robot", "tui.commands.robot:run", "robots: list, check, drive and stop them")
+    robot.add_argument("action", choices=["list", "show", "check", "drive", "estop", "release", "emulate"])
     robot.add_argument("name", nargs="?", metavar="MODEL", help="default: the robot of the settings")
     robot.add_argument("--port", metavar="PATH", type=Path, help="to emulate: where the board is (default: ./board)")
 

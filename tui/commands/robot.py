@@ -12,7 +12,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from engine.errors import DeviceError, ExitCode, UsageError
+from engine.errors import DeviceError, ExitCode, StorageError, UsageError
 from tui.commands.settings import load_settings
 from tui.output import data, json_line, say
 
@@ -34,6 +34,12 @@ def run(arguments: Namespace) -> int:
             return robot_show(load_settings(arguments), arguments.name, json=arguments.json)
         case "check":
             return robot_check(load_settings(arguments), json=arguments.json)
+        case "drive":
+            from tui.commands.drive import run as drive
+
+            return drive(load_settings(arguments))
+        case "estop" | "release":
+            return robot_estop(pressed=arguments.action == "estop")
         case _:
             return robot_emulate(load_settings(arguments), arguments.name, arguments.port, json=arguments.json)
 
@@ -108,6 +114,24 @@ def robot_check(settings: Settings, *, json: bool = False) -> int:
         say(f"sayso: the board takes itself for car type {board.car_type}; robot.model says {robot.board.car_type}.")
     if not board.reports:
         raise DeviceError(f"{port} is open, but no Rosmaster board reports there.", hint="Is the robot switched on?")
+    return int(ExitCode.DONE)
+
+
+def robot_estop(*, pressed: bool) -> int:
+    """Press the emergency stop of every sayso of this user, also of those that are started later, or release it."""
+    from config import paths
+    from engine.parts.estop import write
+    from tui.commands.settings import make_state_folder
+
+    make_state_folder()
+    try:
+        write(paths().estop, pressed)
+    except OSError as error:
+        raise StorageError(f"{paths().estop} cannot be changed: {error.strerror}.") from error
+    if pressed:
+        say("sayso: the emergency stop is pressed. Nothing moves until `sayso robot release`.")
+    else:
+        say("sayso: the emergency stop is released. Nothing goes on by itself.")
     return int(ExitCode.DONE)
 
 

@@ -42,6 +42,9 @@ KEYS: Final = (
     Key("wake", "space"),
     Key("end_task", "e"),
     Key("type", "slash", everywhere=True),
+    Key("estop", "ctrl+x", everywhere=True),
+    Key("release", "R"),
+    Key("by_hand", "g"),
     Key("help", "question_mark"),
     Key("leave", "q"),
     Key("leave_now", "ctrl+c", everywhere=True),
@@ -104,6 +107,19 @@ TURN_KEYS: Final = (
 """Those of the page of one turn, where they go before the console's own. Their actions are the page's."""
 
 
+HAND_KEYS: Final = (
+    Key("hand_ahead", "up,w", does="hand(1, 0, 0)"),
+    Key("hand_back", "down,s", does="hand(-1, 0, 0)"),
+    Key("hand_left", "left,a", does="hand(0, 0, 1)"),
+    Key("hand_right", "right,d", does="hand(0, 0, -1)"),
+    Key("hand_aside_left", "comma", does="hand(0, 1, 0)"),
+    Key("hand_aside_right", "full_stop", does="hand(0, -1, 0)"),
+    Key("hand_faster", "plus,equals_sign", does="hand_speed(1)"),
+    Key("hand_slower", "minus", does="hand_speed(-1)"),
+)
+"""Those of driving by hand, while it goes on; they go before the console's own. Their actions are that line's."""
+
+
 SETTING_KEYS: Final = (
     Key("setting_up", "up", does="step(-1)"),
     Key("setting_down", "down", does="step(1)"),
@@ -114,7 +130,7 @@ SETTING_KEYS: Final = (
 )
 """Those of the page of the settings, where they go before the console's own. Their actions are the page's."""
 
-ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *TURN_KEYS, *SETTING_KEYS)
+ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *TURN_KEYS, *HAND_KEYS, *SETTING_KEYS)
 
 
 def all_shown(keys: Mapping[str, str]) -> dict[str, str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+from engine.commands import EStop
 from tui.shown.facts import printable
 from tui.words import strings
 
@@ -83,12 +84,17 @@ class Choosing:
         stage = self._stage
         if action == "interrupt":
             stage.interrupt()
+        if action == "estop" and not stage.is_headless:  # where its own key has not been pressed, which does it
+            stage.send(EStop())
         if where == "console":
             await stage.run_action(action)
             return
         if where == "map":
             stage.main.point(stay=True)
             await stage.run_action(action, stage.main.floor)
+            return
+        if where == "hand":
+            await stage.run_action(action, stage.main.drive_by_hand())
             return
         if where == "settings":
             await stage.run_action("settings")

@@ -24,6 +24,7 @@ from tui.shown.model import ConsoleModel
 from tui.shown.view import Hint, View
 from tui.shown.watchdog import INTERVAL_S, Watchdog, engine_is_back, engine_is_silent, robot_is_back
 from tui.terminal.pacing import Inbox, Pacer
+from tui.words import strings
 
 if TYPE_CHECKING:
     from engine.handle import EngineHandle, PartState, PartStatus
@@ -202,9 +203,12 @@ class Drawing:
         )
         if handle is None:
             return view
+        robot = handle.robot_state()
+        if robot is not None and robot.estop:
+            view = replace(view, notice=strings.ESTOP_HOLDS.format(**stage.shown_keys))
         return replace(
             view,
-            robot=handle.robot_state(),
+            robot=robot,
             places=handle.places(),
             world=handle.world(),
             scan=None if bare else handle.scan(),

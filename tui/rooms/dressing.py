@@ -56,8 +56,8 @@ class Dressing:
         """Where the sizes of the panes are kept."""
         self._stage = stage
         self._rooms = rooms
-        self.stop_keys = _stopping(keys)
-        """Those that stop the robot."""
+        self.stop_keys, self.estop_keys = _stopping(keys)
+        """Those that stop the robot, and those that press the emergency stop."""
         self._keys = keys
         self._animation = stage.animation_level  # by the environment, where nothing is to be still
         self.theme = stage.theme
@@ -217,7 +217,8 @@ class Dressing:
 
         stage, found = self._stage, keymap(chosen)
         stage.set_keymap(dict(found.keys))
-        self._keys, self.stop_keys = dict(found.keys), _stopping(found.keys)
+        self._keys = dict(found.keys)
+        self.stop_keys, self.estop_keys = _stopping(found.keys)
         stage.shown_keys |= all_shown(found.keys)
         stage.main.show_keys()
         for mistake in found.mistakes:
@@ -232,8 +233,8 @@ class Dressing:
         self._stage.post_message(Warned(text))
 
 
-def _stopping(keys: Mapping[str, str]) -> frozenset[str]:
-    return frozenset(keys["interrupt"].split(","))
+def _stopping(keys: Mapping[str, str]) -> tuple[frozenset[str], frozenset[str]]:
+    return frozenset(keys["interrupt"].split(",")), frozenset(keys["estop"].split(","))
 
 
 def camera_of(settings: Settings) -> CameraChoice:

@@ -25,6 +25,7 @@ from tui.shown.readiness import loading, named, waited_for
 from tui.terminal.spans import WholeCompositor
 from tui.terminal.terminal import SHORT_ROWS, TALL_ROWS, layout_for, too_small
 from tui.widgets.ask import Ask, AskLine
+from tui.widgets.by_hand import ByHand
 from tui.widgets.camera import CameraView
 from tui.widgets.conversation import Conversation
 from tui.widgets.figures import Figures
@@ -76,6 +77,7 @@ class ConsoleScreen(Screen[None]):
         self._timeline = Timeline(strings.BROWSE.format(**keys), classes="pane")
         self._mic = MicStrip()
         self._ask = AskLine(keys)
+        self._by_hand = ByHand(keys)
         self._left, self._right = Vertical(id="left"), Vertical(id="right")
         self._map = Vertical(classes="pane", id="map")
         camera = Vertical(classes="pane", id="camera")
@@ -119,6 +121,7 @@ class ConsoleScreen(Screen[None]):
             yield self._log_view
             yield self._timeline
         yield self._mic
+        yield self._by_hand
         yield self._ask
         yield Static(id="too-small", markup=False)
         self.show_keys()
@@ -279,6 +282,15 @@ class ConsoleScreen(Screen[None]):
     def type(self) -> None:
         """Put the focus where one types."""
         self._ask.begin()
+
+    def drive_by_hand(self) -> ByHand:
+        """Have the line that says how to in the place of the one to type in, until it loses the keyboard."""
+        self._ask.display = False
+        self._by_hand.begin()
+        return self._by_hand
+
+    def on_by_hand_ended(self) -> None:
+        self._ask.display = True
 
     def show_keys(self) -> None:
         """Other keys are in use."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from rich.cells import cell_len
 from textual.app import ComposeResult
@@ -12,9 +12,13 @@ from textual.content import Content
 from textual.screen import Screen
 from textual.widgets import Static
 
-from tui.keys.keys import KEYS, MAP_KEYS, SETTING_KEYS, TURN_KEYS, Key
+from tui.keys.keys import HAND_KEYS, KEYS, MAP_KEYS, SETTING_KEYS, TURN_KEYS, Key
+from tui.widgets.status import StatusLine, is_pressed
 from tui.words import strings
 from tui.words.widths import right
+
+if TYPE_CHECKING:
+    from tui.shown.view import View
 
 _GAP: Final = 2
 """Columns between a key and what it does."""
@@ -32,9 +36,24 @@ class HelpScreen(Screen[None]):
         """``keys`` are the keys in use by action id, as they are shown to people."""
         super().__init__()
         self._keys = keys
+        self._status = StatusLine()
+        self._view: View | None = None
         self._width = min(_WIDEST, max(map(cell_len, keys.values())))  # of the column of keys
 
+    def show(self, view: View) -> None:
+        """Bring the status line up to date, which is there while the emergency stop is pressed."""
+        self._view = view
+        if self._status.is_attached:
+            self._status.display = is_pressed(view)
+            self._status.update_from(view)
+
+    def on_mount(self) -> None:
+        self._status.display = False
+        if self._view is not None:
+            self.show(self._view)
+
     def compose(self) -> ComposeResult:
+        yield self._status
         with VerticalScroll(id="page", can_focus=False) as page:
             page.styles.grid_columns = f"{self._width + _GAP} 1fr"
             page.border_title = f"{strings.NAME} · {strings.HELP_TITLE}"
@@ -49,6 +68,7 @@ class HelpScreen(Screen[None]):
             for title, keys in (
                 (strings.HELP_MAP, MAP_KEYS),
                 (strings.HELP_TURN, TURN_KEYS),
+                (strings.HELP_HAND, HAND_KEYS),
                 (strings.HELP_SETTINGS, SETTING_KEYS),
             ):
                 yield Static("", classes="key", markup=False)

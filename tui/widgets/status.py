@@ -33,6 +33,7 @@ _SIGNS: Final = {
 }
 _STARTING: Final = ("◌", "$foreground on $panel")
 _BROKEN: Final = ("✗", "bold $text on $error")
+_ESTOP: Final = ("■", "bold $text on $error")
 _CHIP: Final = 16
 _IMPORTANCE: Final = ("wake", "type", "end_task", "leave", "help")
 """Of the keys by action: those that come last here go first where there is no room for all."""
@@ -64,9 +65,15 @@ class StatusLine(Horizontal):
         keys = _keys(_fitting(others, room - cell_len(notice)))
         _put(self._chip_part, _chip(view))
         _put(self._stop_part, stop)
-        told = Content.styled(notice.rstrip(), "bold $text-warning") if notice else None
-        _put(self._task_part, told or _task(view, columns >= WIDE_COLUMNS, room - keys.cell_length))
+        style = "bold $text-error" if is_pressed(view) else "bold $text-warning"
+        shown = Content.styled(notice.rstrip(), style) if notice else None
+        _put(self._task_part, shown or _task(view, columns >= WIDE_COLUMNS, room - keys.cell_length))
         _put(self._keys_part, keys)
+
+
+def is_pressed(view: View) -> bool:
+    """Whether the emergency stop is."""
+    return view.robot is not None and view.robot.estop
 
 
 def _put(static: Static, content: Content) -> None:
@@ -79,7 +86,9 @@ def _put(static: Static, content: Content) -> None:
 
 def _chip(view: View) -> Content:
     model = view.model
-    if model.problem is not None and model.problem.fatal:
+    if is_pressed(view):
+        (sign, style), word = _ESTOP, strings.ESTOP
+    elif model.problem is not None and model.problem.fatal:
         (sign, style), word = _BROKEN, strings.BROKEN
     elif model.ended is not None:
         (sign, style), word = _SIGNS["WAITING"], strings.ENDED

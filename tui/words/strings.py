@@ -27,6 +27,12 @@ STATE_WORDS: Final[dict[State, str]] = {
 }
 STARTING: Final = "STARTING"
 BROKEN: Final = "FAILED"
+ESTOP: Final = "E-STOP"
+ESTOP_HOLDS: Final = "nothing moves; {release} releases"
+BY_HAND: Final = (
+    " by hand {speed:g} m/s  {hand_ahead} {hand_back} {hand_left} {hand_right}  {hand_aside_left} {hand_aside_right} "
+    "aside  {hand_faster} {hand_slower} speed  {interrupt} ends"
+)
 ENDED: Final = "ENDED"
 TASK: Final = "task"
 
@@ -46,6 +52,9 @@ ABOUT_KEYS: Final = {
     "wake": "Listen now. A robot that speaks or acts stops first.",
     "end_task": "Stop, reset arm and history, and begin a new task.",
     "type": "Type a request. Up and down recall earlier ones.",
+    "estop": "The emergency stop: nothing moves until it is released.",
+    "release": "Release the emergency stop.",
+    "by_hand": "Drive by hand, and end the plan; any other key of the console ends that.",
     "help": "Show this page, or leave any page without stopping.",
     "leave": "Quit; asks once more while a task is running.",
     "leave_now": "Quit at once; the robot stops.",
@@ -99,6 +108,14 @@ ABOUT_KEYS: Final = {
     "unfold": "Unfold prompts, what models wrote, and JSON, or fold them.",
     "lines_up": "Scroll up.",
     "lines_down": "Scroll down.",
+    "hand_ahead": "Drive ahead while it is held down.",
+    "hand_back": "Drive back.",
+    "hand_left": "Turn left.",
+    "hand_right": "Turn right.",
+    "hand_aside_left": "Drive to the left, where the wheels can.",
+    "hand_aside_right": "Drive to the right, where the wheels can.",
+    "hand_faster": "Drive faster.",
+    "hand_slower": "Drive slower.",
     "setting_up": "The setting above.",
     "setting_down": "The setting below.",
     "setting_before": "Look at the value before.",
@@ -423,6 +440,7 @@ HELP_SIGNS: Final = "Signs"
 HELP_LEAVE: Final = "{newer} {older} more · {help} back · {interrupt} stops all"
 HELP_MAP: Final = "While the map has the keyboard"
 HELP_TURN: Final = "On the page of a turn"
+HELP_HAND: Final = "Driving by hand"
 HELP_SETTINGS: Final = "On the page of the settings"
 SIGN_WORDS: Final = (
     ("○", "queued"),
@@ -488,6 +506,7 @@ KIND_SKILL: Final = "skill"
 KIND_RECENT: Final = "earlier"
 KIND_MAP: Final = "map"
 KIND_TURN: Final = "turn"
+KIND_HAND: Final = "by hand"
 KIND_SETTINGS: Final = "settings"
 SETTING_ENTRY: Final = "Setting: {}"
 KIND_FILE: Final = "file"

@@ -24,6 +24,12 @@ STATE_WORDS: Final[dict[State, str]] = {
 }
 STARTING: Final = "启动中"
 BROKEN: Final = "故障"
+ESTOP: Final = "急停"
+ESTOP_HOLDS: Final = "什么都不会动；{release}解除"
+BY_HAND: Final = (
+    " 手动 {speed:g}米/秒  {hand_ahead} {hand_back} {hand_left} {hand_right}  {hand_aside_left} {hand_aside_right} "
+    "平移  {hand_faster} {hand_slower} 速度  {interrupt} 结束"
+)
 ENDED: Final = "已结束"
 TASK: Final = "任务"
 
@@ -42,6 +48,9 @@ ABOUT_KEYS: Final = {
     "wake": "开始聆听。正在说话或行动的机器人会先停下。",
     "end_task": "停下，收回手臂，清空对话，开始新任务。",
     "type": "输入请求。上下方向键可找回以前的请求。",
+    "estop": "急停：解除之前什么都不会动。",
+    "release": "解除急停。",
+    "by_hand": "手动驾驶，并结束计划；按控制台的其他键即结束。",
     "help": "显示本页；不停止机器人而离开任何页面。",
     "leave": "退出；任务进行中时会再问一次。",
     "leave_now": "立即退出；机器人会停下。",
@@ -95,6 +104,14 @@ ABOUT_KEYS: Final = {
     "unfold": "展开或折叠提示词、模型写的内容和 JSON。",
     "lines_up": "向上滚动。",
     "lines_down": "向下滚动。",
+    "hand_ahead": "按住时前进。",
+    "hand_back": "后退。",
+    "hand_left": "左转。",
+    "hand_right": "右转。",
+    "hand_aside_left": "向左平移（轮子允许时）。",
+    "hand_aside_right": "向右平移（轮子允许时）。",
+    "hand_faster": "加速。",
+    "hand_slower": "减速。",
     "setting_up": "上一项设置。",
     "setting_down": "下一项设置。",
     "setting_before": "看看前一个值。",
@@ -409,6 +426,7 @@ HELP_SIGNS: Final = "符号"
 HELP_LEAVE: Final = "{newer} {older} 翻页 · {help} 返回 · {interrupt} 停止一切"
 HELP_MAP: Final = "地图有键盘焦点时"
 HELP_TURN: Final = "在一轮的详情页"
+HELP_HAND: Final = "手动驾驶"
 HELP_SETTINGS: Final = "在设置页"
 SIGN_WORDS: Final = (
     ("○", "排队"),
@@ -464,6 +482,7 @@ KIND_SKILL: Final = "技能"
 KIND_RECENT: Final = "以前"
 KIND_MAP: Final = "地图"
 KIND_TURN: Final = "轮"
+KIND_HAND: Final = "手动"
 KIND_SETTINGS: Final = "设置"
 SETTING_ENTRY: Final = "设置：{}"
 KIND_FILE: Final = "文件"

@@ -1,0 +1,69 @@
+"""Driving by hand: a line that says how, in the place of the line to type in, and has the keyboard while it is there.
+
+A terminal tells only that a key was pressed, and tells it again and again while it is held down. Each time the robot is
+told to drive for a fifth of a second; a key that was let go sends no more, and the robot stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from textual import events
+from textual.message import Message
+from textual.widgets import Static
+
+from tui.keys.bindings import HAND_BINDINGS
+from tui.words import strings
+
+SPEEDS: Final = (0.1, 0.2, 0.3, 0.5, 0.7)
+"""m/s; the safety envelope and the robot's own limits may allow less."""
+TURN: Final = 2.5
+"""rad/s of turning for each m/s of the speed that is chosen."""
+
+
+class ByHand(Static):
+    """The line. It is shown while it has the focus."""
+
+    BINDINGS = HAND_BINDINGS
+    can_focus = True
+
+    class Driven(Message):
+        """Drive so for a moment: m/s forward and to the left, rad/s counter-clockwise."""
+
+        def __init__(self, vx: float, vy: float, wz: float) -> None:
+            super().__init__()
+            self.vx, self.vy, self.wz = vx, vy, wz
+
+    class Ended(Message):
+        """It is driven by hand no more."""
+
+    def __init__(self, keys: Mapping[str, str], **more: Any) -> None:
+        """``keys`` are the keys in use by action id, as they are shown to people."""
+        super().__init__(id="by-hand", markup=False, **more)
+        self._keys = keys
+        self._step = 1
+        self.display = False
+
+    def begin(self) -> None:
+        """Take the keyboard."""
+        self.display = True
+        self._tell()
+        self.screen.set_focus(self)
+
+    def on_blur(self, event: events.Blur) -> None:
+        self.display = False
+        self.post_message(self.Ended())
+
+    def action_hand(self, vx: int, vy: int, wz: int) -> None:
+        """Drive with the chosen speed in this direction."""
+        speed = SPEEDS[self._step]
+        self.post_message(self.Driven(vx * speed, vy * speed, wz * speed * TURN))
+
+    def action_hand_speed(self, steps: int) -> None:
+        """Choose another speed."""
+        self._step = max(0, min(len(SPEEDS) - 1, self._step + steps))
+        self._tell()
+
+    def _tell(self) -> None:
+        self.update(strings.BY_HAND.format(speed=SPEEDS[self._step], **self._keys))
