@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 
 import pytest
 from textual import events
 from textual.drivers.headless_driver import HeadlessDriver
 
 from engine import events as ev
-from engine.commands import EndTask, Interrupt, Quit, Say, Wake
+from engine.commands import Drive, EndTask, EStop, Interrupt, Quit, Release, Say, Wake
 from engine.errors import DeviceError, ExitCode, RobotError
 from engine.handle import EngineHandle
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
-from tests.tui.scripted import ScriptedEngine
+from tests.tui.scripted import ScriptedEngine, robot_at
 from tui.screens.console import ConsoleScreen
 from tui.screens.help import HelpScreen
 from tui.terminal.driver import listening_driver
@@ -335,3 +336,42 @@ async def test_keys_typed_ahead_of_the_line_go_into_it_and_are_no_commands() -> 
         await desk.pilot.pause()
         assert desk.app.screen.query_one(Ask).value == "e q"
         assert desk.engine.sent == []
+
+
+async def test_the_emergency_stop_has_a_key_that_works_while_typing_and_another_one_releases_it() -> None:
+    async with console() as desk:
+        await desk.press("slash", "ctrl+x")
+        assert desk.engine.sent == [EStop()]
+        await desk.press("escape", "R")
+        assert desk.engine.sent == [EStop(), Interrupt(), Release()]
+
+
+@pytest.mark.parametrize("page", ["", "question_mark", "o", "d"])
+async def test_a_pressed_emergency_stop_is_shown_on_every_page(page: str) -> None:
+    async with console() as desk:
+        desk.engine.robot = replace(robot_at(0.0, 0.0, 0.0), estop=True)
+        await desk.press(*([page] if page else []))
+        desk.app.redraw()
+        await desk.until(lambda: "E-STOP" in desk.text)
+        assert "nothing moves; R releases" in desk.text
+
+
+async def test_by_hand_arrows_drive_until_another_key_is_pressed() -> None:
+    async with console() as desk:
+        await desk.press("g", "up", "left", "plus", "down", "comma")
+        assert desk.engine.sent == [
+            Drive(0.2, 0.0, 0.0), Drive(0.0, 0.0, 0.5), Drive(-0.3, 0.0, 0.0), Drive(0.0, 0.3, 0.0),
+        ]  # fmt: skip
+        assert "by hand 0.3 m/s" in desk.text
+        await desk.press("escape")
+        assert "by hand" not in desk.text
+        await desk.press("up")
+        assert desk.engine.sent[4:] == [Interrupt()]
+
+
+async def test_whoever_types_drives_no_more() -> None:
+    async with console() as desk:
+        await desk.press("g", "up", "slash", "w", "a")
+        assert desk.engine.sent == [Drive(0.2, 0.0, 0.0)]
+        assert "by hand" not in desk.text
+        assert "wa" in desk.text

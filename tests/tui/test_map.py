@@ -236,8 +236,8 @@ async def test_the_wheel_looks_closer_at_what_is_under_the_pointer() -> None:
 
 
 async def test_the_map_keys_can_be_others() -> None:
-    async with console(keymap={"map": "g", "map_nearer": "z"}) as desk:
-        await desk.press("g", "z")
+    async with console(keymap={"map": "v", "map_nearer": "z"}) as desk:
+        await desk.press("v", "z")
         assert view(desk).viewport.zoom == ZOOMS[1]
 
 

@@ -64,7 +64,6 @@ async def _drive(settings: Settings) -> int:
     from config import paths
     from engine.parts.estop import EmergencyStop
     from engine.robot.bodies import make_robot
-    from engine.robot.watch import company
 
     robot = make_robot(settings.robot.model_copy(update={"speed": "real"}))
     estop = EmergencyStop(paths().estop, robot.press, lambda pressed: hand.press(pressed))
@@ -73,7 +72,7 @@ async def _drive(settings: Settings) -> int:
     loop = asyncio.get_running_loop()
     loop.add_reader(0, hand.read)
     tasks = [
-        asyncio.create_task(company(robot, lambda body: None)),
+        asyncio.create_task(_beat(robot)),
         asyncio.create_task(estop.keep()),
         asyncio.create_task(hand.show()),
         asyncio.create_task(hand.ended.wait()),
@@ -91,6 +90,14 @@ async def _drive(settings: Settings) -> int:
         await robot.close()
         say("")
     return int(ExitCode.DONE)
+
+
+async def _beat(robot: Robot) -> None:
+    from engine.robot.watch import HEARTBEAT_S
+
+    while True:
+        robot.heartbeat()
+        await asyncio.sleep(HEARTBEAT_S)
 
 
 class _Hand:
