@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import get_args
 
@@ -71,10 +71,12 @@ TROUBLE: dict[str, Moment] = {
     "robot lost": ON_ITS_WAY,
     "engine hangs": ON_ITS_WAY,
     "microphone lost": READY,
+    "estop": OVER,
 }
 """What is no state of the session."""
 SCREENS: dict[str, Moment] = {
     "help": Moment(ON_ITS_WAY.told, ON_ITS_WAY.met, ("question_mark",)),
+    "by hand": Moment(OVER.told, OVER.met, ("g", "plus")),
     "turn": Moment(OVER.told, OVER.met, ("enter",)),
     "palette": Moment(ON_ITS_WAY.told, ON_ITS_WAY.met, ("ctrl+p",)),
     "form": Moment(ON_ITS_WAY.told, ON_ITS_WAY.met, ("ctrl+p", *"carry", "enter", *"red", "tab", "tab", *"kit")),
@@ -97,10 +99,17 @@ def microphone_lost(engine: Replay) -> None:
     engine.publish(ev.ErrorRaised("device_lost", *words))
 
 
+def estop(engine: Replay) -> None:
+    assert engine.robot is not None, "the recording has moved it"
+    engine.robot = replace(engine.robot, estop=True)
+    engine.publish(ev.InterruptRaised("estop", "estop", "WAITING"))
+
+
 HAPPENS: dict[str, Callable[[Replay], None]] = {
     "robot lost": robot_lost,
     "engine hangs": engine_hangs,
     "microphone lost": microphone_lost,
+    "estop": estop,
 }
 """What happens then that no recording tells."""
 FINDINGS = (
@@ -160,7 +169,8 @@ async def _at(name: str, folder: Path) -> AsyncIterator[Desk]:
             await OPENED[name](desk, folder)
         if name in HAPPENS:
             HAPPENS[name](replay)
-            await desk.until(lambda: desk.shown_problem and desk.app.shown.parts == replay.parts)
+            told = (lambda: desk.shown_problem) if name != "estop" else (lambda: "E-STOP" in desk.text)
+            await desk.until(lambda: told() and desk.app.shown.parts == replay.parts)
         yield desk
 
 

@@ -30,8 +30,8 @@ BROKEN: Final = "FAILED"
 ESTOP: Final = "E-STOP"
 ESTOP_HOLDS: Final = "nothing moves; {release} releases"
 BY_HAND: Final = (
-    " by hand {speed:g} m/s  {hand_ahead} {hand_back} {hand_left} {hand_right}  {hand_aside_left} {hand_aside_right} "
-    "aside  {hand_faster} {hand_slower} speed  {interrupt} ends"
+    " by hand {speed:g} m/s  {interrupt} ends  {hand_ahead} {hand_back} {hand_left} {hand_right}  "
+    "{hand_faster} {hand_slower} speed  {hand_aside_left} {hand_aside_right} aside"
 )
 ENDED: Final = "ENDED"
 TASK: Final = "task"

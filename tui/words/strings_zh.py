@@ -27,8 +27,8 @@ BROKEN: Final = "故障"
 ESTOP: Final = "急停"
 ESTOP_HOLDS: Final = "什么都不会动；{release}解除"
 BY_HAND: Final = (
-    " 手动 {speed:g}米/秒  {hand_ahead} {hand_back} {hand_left} {hand_right}  {hand_aside_left} {hand_aside_right} "
-    "平移  {hand_faster} {hand_slower} 速度  {interrupt} 结束"
+    " 手动 {speed:g}米/秒  {interrupt} 结束  {hand_ahead} {hand_back} {hand_left} {hand_right}  "
+    "{hand_faster} {hand_slower} 速度  {hand_aside_left} {hand_aside_right} 平移"
 )
 ENDED: Final = "已结束"
 TASK: Final = "任务"
