@@ -33,6 +33,11 @@ class Paths:
         return self.state / "launch"
 
     @property
+    def robots(self) -> Path:
+        """Descriptions of robots that this user wrote, or that were calibrated."""
+        return self.config / "robots"
+
+    @property
     def words(self) -> Path:
         """Heads of wake words that the user trained."""
         return self.config / "wake"

@@ -196,6 +196,11 @@ def build_parser() -> argparse.ArgumentParser:
         "--mic", action="store_true", help="record three seconds instead; say whether it is too loud or too quiet"
     )
 
+    doctor.add_argument(
+        "--wheels-up", action="store_true", help="find out whether the motor board stops by itself: it turns the wheels"
+    )
+    doctor.add_argument("--yes", action="store_true", help="with --wheels-up: the robot is lifted, do not ask")
+
     models = command("models", "tui.commands.models:run", "list, download and verify models")
     models.add_argument("action", choices=["list", "pull", "verify", "path"])
     models.add_argument("names", nargs="*", metavar="MODEL", help="default: the models that sayso needs")
@@ -226,6 +231,7 @@ def build_parser() -> argparse.ArgumentParser:
     robot = command("robot", "tui.commands.robot:run", "robots: list, check, drive and stop them")
     robot.add_argument("action", choices=["list", "show", "check", "drive", "estop", "release", "emulate"])
     robot.add_argument("name", nargs="?", metavar="MODEL", help="default: the robot of the settings")
+    robot.add_argument("--stops-after", metavar="S", type=_seconds, help="to emulate: it stands by itself after S s")
     robot.add_argument("--port", metavar="PATH", type=Path, help="to emulate: where the board is (default: ./board)")
 
     config = command("config", "tui.commands.config:run", "show and check the configuration")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 import math
+from collections.abc import Mapping
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
@@ -16,7 +17,10 @@ from typing import Literal, Self
 import yaml
 from pydantic import Field, ValidationError, model_validator
 
+from config import paths
+from config.editing import NotEditable, Value, with_value
 from config.schema import Section
+from config.writing import write_whole
 from engine.errors import UsageError
 from engine.robot.arm import ARM_JOINTS, ArmModel
 from engine.robot.geometry import Point
@@ -191,18 +195,45 @@ class Description(Section):
 
 
 def known() -> tuple[str, ...]:
-    """Names of the descriptions that come with sayso."""
-    return tuple(sorted(path.stem for path in _folder().glob("*.yaml")))
+    """Names of the descriptions: those that come with sayso, and this user's own."""
+    return tuple(sorted({path.stem for folder in (_folder(), paths().robots) for path in folder.glob("*.yaml")}))
 
 
 def described(name: str) -> Description:
-    """The description of this name, or in this file. Raises :class:`UsageError`."""
-    path = Path(name).expanduser() if name.endswith((".yaml", ".yml")) or "/" in name else _folder() / f"{name}.yaml"
+    """The description of this name, or in this file; this user's own goes before one that comes with sayso. Raises
+    :class:`UsageError`."""
+    path = file_of(name)
     if not path.is_file():
         near = difflib.get_close_matches(name, known(), 1, 0.5)
         hint = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known())}; or give a file."
         raise UsageError(f"There is no robot called {name!r}.", hint=hint)
     return _read(path.resolve(), path.stat().st_mtime_ns)
+
+
+def file_of(name: str) -> Path:
+    """The file that a name means, which need not be there."""
+    if name.endswith((".yaml", ".yml")) or "/" in name:
+        return Path(name).expanduser()
+    own = paths().robots / f"{name}.yaml"
+    return own if own.is_file() else _folder() / f"{name}.yaml"
+
+
+def note(name: str, found: Mapping[str, Value]) -> Path:
+    """Write what was found out about a robot into its description, by dotted keys; the rest of the file stays as it is.
+    One that comes with sayso becomes this user's own first. Gives the file. Raises :class:`UsageError`."""
+    described(name)
+    source = file_of(name)
+    target = paths().robots / source.name if source.parent == _folder() else source
+    try:
+        text = source.read_text("utf-8")
+        for key, value in found.items():
+            text = with_value(text, tuple(key.split(".")), value)
+        write_whole(target, text.encode(), mode=0o644)
+    except NotEditable as error:
+        raise UsageError(f"{target} cannot be changed: {error}.") from error
+    except OSError as error:
+        raise UsageError(f"{target} cannot be written: {error.strerror}.") from error
+    return target
 
 
 @lru_cache(maxsize=16)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import dataclasses
 import shutil
+import sys
 from argparse import Namespace
 from typing import Final
 
@@ -14,7 +15,7 @@ from engine.audio.microphone import Microphone
 from engine.audio.satellite_microphone import SatelliteMicrophone
 from engine.audio.source import Frame
 from engine.audio.vad import make_vad
-from engine.errors import ExitCode
+from engine.errors import ExitCode, UsageError
 from engine.parts.loading import make_microphone
 from tui.commands.level_plot import level_plot
 from tui.commands.recording import recorded
@@ -32,6 +33,8 @@ def run(arguments: Namespace) -> int:
     settings = load_settings(arguments)
     if arguments.mic:
         return _microphone(settings, json=arguments.json)
+    if arguments.wheels_up:
+        return _wheels_up(settings, sure=arguments.yes)
     findings: list[Finding] = []
     for finding in examine(settings):
         findings.append(finding)
@@ -43,6 +46,37 @@ def run(arguments: Namespace) -> int:
                 data(f"  {'':<18} → {finding.fix}")
     needed = [finding for finding in findings if finding.state == "missing" and finding.needed]
     return int(ExitCode.MISSING if needed else ExitCode.DONE)
+
+
+def _wheels_up(settings: Settings, *, sure: bool) -> int:
+    """Whether the motor board stops by itself when the line falls silent, written into the robot's description."""
+    from engine.robot.bodies import description_of
+    from engine.robot.description import note
+    from engine.robot.rosmaster.inspection import fall_silent
+
+    robot = settings.robot
+    if robot.port is None or robot.kind != "rosmaster":
+        raise UsageError("There is no motor board: robot.kind is sim.", hint="--set robot.kind=rosmaster, robot.port=…")
+    board = description_of(robot).board
+    assert board is not None, "this kind has one"
+    say("The wheels will turn for a second, and perhaps go on for two. Lift the robot so that none touches anything.")
+    if not sure:
+        say("Type yes when it is lifted:")
+        if sys.stdin.readline().strip().casefold() not in ("yes", "是"):
+            say("sayso: nothing was moved.")
+            return int(ExitCode.FAILED)
+    found = fall_silent(robot.port, board.car_type)
+    if not found.moved:
+        say("sayso: the board reported no motion, so nothing was learned. Is the motor switch on?")
+        return int(ExitCode.FAILED)
+    stops = found.stopped_after is not None
+    file = note(robot.made_as, {"board.stops_by_itself": stops})
+    if found.stopped_after is not None:
+        data(f"✓ it stops by itself {found.stopped_after:.1f} s after the line has fallen silent")
+    else:
+        data("! it does not stop by itself: a cable that is pulled out leaves it driving at its last speed")
+    say(f"sayso: written into {file}")
+    return int(ExitCode.DONE)
 
 
 def _microphone(settings: Settings, *, json: bool) -> int:

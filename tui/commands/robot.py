@@ -41,7 +41,9 @@ def run(arguments: Namespace) -> int:
         case "estop" | "release":
             return robot_estop(pressed=arguments.action == "estop")
         case _:
-            return robot_emulate(load_settings(arguments), arguments.name, arguments.port, json=arguments.json)
+            settings = load_settings(arguments)
+            stops = arguments.stops_after
+            return robot_emulate(settings, arguments.name, arguments.port, stops_after=stops, json=arguments.json)
 
 
 def robot_list(*, json: bool = False) -> int:
@@ -135,7 +137,9 @@ def robot_estop(*, pressed: bool) -> int:
     return int(ExitCode.DONE)
 
 
-def robot_emulate(settings: Settings, name: str | None, port: Path | None, *, json: bool = False) -> int:
+def robot_emulate(
+    settings: Settings, name: str | None, port: Path | None, *, stops_after: float | None = None, json: bool = False
+) -> int:
     """A board on a pseudo-terminal with the simulated robot behind it, until Ctrl-C. What goes wrong comes on stdin."""
     from engine.robot.description import described
     from engine.robot.emulation.board import EmulatedBoard
@@ -149,7 +153,7 @@ def robot_emulate(settings: Settings, name: str | None, port: Path | None, *, js
     if description.board is None:
         raise UsageError(f"{model!r} has no board to emulate.", hint="`sayso robot list` shows which have.")
     scene = load_scene(scene_path(settings.robot.scene))
-    board = EmulatedBoard(SimulatedBody(scene, settings.robot, pictures=False), description)
+    board = EmulatedBoard(SimulatedBody(scene, settings.robot, pictures=False), description, stops_after=stops_after)
     line = Line((port or Path("board")).absolute())
     say(f"sayso: an emulated {description.name} in {scene.name}; drive it from another terminal:")
     say(f"  sayso --set robot.kind=rosmaster --set robot.model={model} --set robot.port={line.path}")

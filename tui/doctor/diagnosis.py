@@ -26,6 +26,8 @@ from engine.llm.local import LocalChat
 from engine.parts.loading import gguf_of, make_isolated_recogniser
 from tui.terminal.terminal import MIN_COLUMNS, MIN_ROWS
 
+BOARD_S: Final = 1.0
+"""How long a motor board is listened to, s."""
 WAKE_MODULE_S: Final = 1.0
 """How long a wake module is listened to, s."""
 _GL_PROBE = """
@@ -271,6 +273,39 @@ def _serial(settings: Settings) -> Finding:
     return Finding("serial ports", "ok" if ports else "limited", ", ".join(ports) or "none: no wake module attached")
 
 
+def _robot(settings: Settings) -> Finding:
+    """The board is asked what it is; nothing moves."""
+    from engine.robot.bodies import description_of
+    from engine.robot.rosmaster.inspection import inspect
+
+    robot = settings.robot
+    if robot.kind == "sim":
+        return Finding("robot", "ok", "simulated (robot.kind)")
+    try:
+        description = description_of(robot)
+        assert robot.port is not None, "the configuration sees to that"
+        found = inspect(robot.port, BOARD_S)
+    except SaysoError as error:
+        return Finding("robot", "missing", error.message, error.hint, needed=True)
+    if not found.reports:
+        detail = f"{robot.port} is open, but no Rosmaster board reports there"
+        return Finding("robot", "missing", detail, "Is the robot switched on?", needed=True)
+    board = description.board
+    assert board is not None, "this kind has one"
+    detail = f"{description.name} on {robot.port}, version {found.version or '?'}, {found.volts:.1f} V"
+    if found.car_type not in (None, board.car_type):
+        fix = f"robot.model is {robot.made_as}; is it the right one?"
+        return Finding("robot", "limited", f"the board takes itself for car type {found.car_type}", fix)
+    if found.volts and found.volts < board.battery.low:
+        return Finding("robot", "limited", f"the battery is low: {found.volts:.1f} V", "Charge it.")
+    if board.stops_by_itself is None:
+        fix = "sayso doctor --wheels-up, with the wheels off the floor"
+        return Finding(
+            "robot", "limited", "nobody knows whether the board stops by itself when the line falls silent", fix
+        )
+    return Finding("robot", "ok", detail)
+
+
 def _wake_module(settings: Settings) -> Finding:
     """The module is listened to for a moment; only one that shakes hands is recognised without a word."""
     from engine.wake.reader import Listening, Lost, News, Remark, WakeReader
@@ -357,6 +392,7 @@ CHECKS: Final[tuple[Check, ...]] = (
     Check("simulation", _physics, "robot"),
     Check("scheduling", _scheduling),
     Check("graphics", _graphics, "camera"),
+    Check("robot", _robot, "robot", device=True),
     Check("serial ports", _serial),
     Check("wake module", _wake_module, "wake"),
     Check("wake words", _wake_words, "wake words"),

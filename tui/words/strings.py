@@ -554,6 +554,7 @@ CHECKS: Final = {
     "simulation": "simulation",
     "scheduling": "scheduling",
     "graphics": "graphics",
+    "robot": "robot",
     "serial ports": "serial ports",
     "wake module": "wake module",
     "wake words": "wake words",

@@ -529,6 +529,7 @@ CHECKS: Final = {
     "simulation": "仿真",
     "scheduling": "调度",
     "graphics": "图形",
+    "robot": "机器人",
     "serial ports": "串口",
     "wake module": "唤醒模块",
     "wake words": "唤醒词",

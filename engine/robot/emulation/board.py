@@ -63,11 +63,16 @@ class BoardState:
 class EmulatedBoard:
     """One board, in the robot that ``description`` tells of, whose body is ``body``."""
 
-    def __init__(self, body: SimulatedBody, description: Description, *, seed: int = 0) -> None:
+    def __init__(
+        self, body: SimulatedBody, description: Description, *, stops_after: float | None = None, seed: int = 0
+    ) -> None:
+        """``stops_after``: it stands by itself when no motion frame has come for so long, s; None: it never does."""
         assert description.board is not None, "checked by whoever emulates"
         self._body = body
         self._description = description
         self._random = random.Random(seed)
+        self._stops_after = math.inf if stops_after is None else stops_after
+        self._told_at = 0.0
         self._servos = Servos(description.arm) if description.arm is not None else None
         self._car_type = description.board.car_type
         self._faults: set[Fault] = set()
@@ -137,6 +142,9 @@ class EmulatedBoard:
         """Let ``STEP_S`` pass."""
         self._body.step()
         self._steps += 1
+        if self._body.t - self._told_at > self._stops_after and not self._told.is_zero:
+            self._told = ZERO
+            self._body.drive(ZERO)
         turned = counts_of(self._description, self._body.twist, STEP_S)
         self._counts = [count + more for count, more in zip(self._counts, turned, strict=True)]
         self._volts -= DRAIN_V_S * STEP_S * (1 if self._told.is_zero else 10)
@@ -191,7 +199,7 @@ class EmulatedBoard:
             self._zeros += 1
             if not self._told.is_zero:
                 self._zero_at = time.monotonic()
-        self._told = twist
+        self._told, self._told_at = twist, self._body.t
         self._body.drive(twist)
 
     def _turn(self, pulses: tuple[int, ...]) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from dataclasses import dataclass
 
 from engine.errors import DeviceError
 from engine.framing import Framer
+from engine.robot.geometry import ZERO, Twist
 from engine.robot.rosmaster import frames
 from engine.robot.rosmaster.frames import ArmAt, CarType, FromBoard, Report, Speed, Version
 from engine.robot.rosmaster.line import SerialLine
@@ -61,6 +63,53 @@ def inspect(port: str, seconds: float) -> Inspected:
     finally:
         line.close()
     return Inspected(version, car_type, volts, servos, reports)
+
+
+@dataclass(frozen=True, slots=True)
+class Silence:
+    """What a board did when the line fell silent while it drove."""
+
+    moved: bool
+    """Whether it reported motion before; else nothing was learned."""
+    stopped_after: float | None
+    """s from the last frame to rest; None: it went on driving, until it was told to stand."""
+
+
+def fall_silent(port: str, car_type: int, speed: float = 0.15, drive_s: float = 1.0, wait_s: float = 2.0) -> Silence:
+    """Drive, say nothing any more, and watch: only with the wheels off the floor. It is told to stand in the end,
+    whatever happens. Raises ``DeviceError``."""
+    line, framer = SerialLine(port), Framer[Report](FromBoard())
+    moved, speed_now, heard = False, 0.0, False
+
+    def listen(seconds: float) -> None:
+        nonlocal speed_now, heard
+        until = time.monotonic() + seconds
+        while time.monotonic() < until:
+            for report in framer.push(line.read()):
+                if isinstance(report, Speed):
+                    speed_now, heard = abs(report.twist.vx), True
+            time.sleep(0.005)
+
+    try:
+        _ask(line)
+        for _ in range(round(drive_s / 0.05)):
+            line.write(frames.motion(car_type, Twist(speed)))
+            listen(0.05)
+            moved = moved or speed_now > speed / 3
+        began = time.monotonic()
+        while heard and moved and time.monotonic() - began < wait_s:
+            listen(0.05)
+            if speed_now < speed / 10:
+                return Silence(True, time.monotonic() - began)
+        return Silence(moved, None)
+    except OSError as error:
+        raise DeviceError(f"{port} was unplugged: {error.strerror}.") from error
+    finally:
+        with contextlib.suppress(OSError):
+            for _ in range(5):
+                line.write(frames.motion(car_type, ZERO))
+                time.sleep(0.02)
+        line.close()
 
 
 def _ask(line: SerialLine) -> None:
