@@ -1,7 +1,10 @@
 """Whether memory grows over a day of use: the console, fed with what hours bring, and a session under virtual time.
 
-``python -m tests.bench.memory [--json] [--hours 8] [--only console|session]`` prints memory at the end of each hour
-that was simulated, and its growth per hour after the first: of what Python has allocated, and of the process, of
+``--only whole`` (and no ``--only``) starts all of sayso in a terminal instead, with the recogniser tiny.en and no large
+model, asks for something, and prints what its processes hold then: PSS, which counts shared pages once.
+
+``python -m tests.bench.memory [--json] [--hours 8] [--only console|session|whole]`` prints memory at the end of each
+hour that was simulated, and its growth per hour after the first: of what Python has allocated, and of the process, of
 which the system may keep more than is used. Each minute has a turn: somebody listens for 8 s with 10 levels a second,
 the robot drives for 20 s with 5 states a second, tells how far it is, logs, takes pictures and answers. With
 ``--blame`` the lines of code that hold most of what came after the first hour are printed too; what that takes counts
@@ -14,9 +17,11 @@ import argparse
 import asyncio
 import gc
 import sys
+import tempfile
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 import psutil
@@ -25,6 +30,8 @@ from engine import events as ev
 from engine.commands import Say, Wake
 from engine.perception.sighting import Sight
 from tests.bench.report import Figure, figures, print_report, report
+from tests.board import Emulator
+from tests.e2e.terminal import console as terminal
 from tests.session.conversation import Conversation, converse
 from tests.tui.scripted import ScriptedEngine, flat, robot_at, sight_of
 from tui.app import SaysoApp
@@ -184,18 +191,53 @@ def session(hours: int, measure: Callable[[], None]) -> int:
     return converse(day)
 
 
+def wholes() -> dict[str, Figure]:
+    """MB of every process of a running sayso, by what it is, and of all: with a motor board, and in the simulation with
+    each kind of camera."""
+    found = {
+        f"{name}: {part}": figure
+        for name, options in (("simulated", ()), ("simulated, rays", ("--set", "robot.camera.backend=rays")))
+        for part, figure in whole(*options).items()
+    }
+    with tempfile.TemporaryDirectory() as folder, Emulator(Path(folder)) as board:
+        options = ("--set", "robot.kind=rosmaster", "--set", f"robot.port={board.path}")
+        return found | {f"motor board: {part}": figure for part, figure in whole(*options).items()}
+
+
+def whole(*options: str) -> dict[str, Figure]:
+    """The same with these options."""
+    options = ("--set", "asr.model=tiny.en", *options)
+    with tempfile.TemporaryDirectory() as folder, terminal(*options, state=Path(folder)) as running:
+        running.until(lambda: "✓ robot" in running.text and "◌" not in running.text)
+        running.type("/")
+        running.type("turn left 90 degrees\r")
+        running.until(lambda: "Turned" in running.text)
+        processes = [psutil.Process(running.pid), *psutil.Process(running.pid).children(recursive=True)]
+        held = {_named(process): process.memory_full_info().pss / 1e6 for process in processes}
+    return {name: figures([size], "MB") for name, size in (*held.items(), ("all", sum(held.values())))}
+
+
+def _named(process: psutil.Process) -> str:
+    """The module that it runs, in short."""
+    line = process.cmdline()
+    module = line[line.index("-m") + 1] if "-m" in line else "engine and console"
+    return module.removeprefix("engine.")
+
+
 def main(argv: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="sayso bench memory", description=__doc__)
     parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")
     parser.add_argument("--hours", type=int, default=8, help="to simulate; the first one warms up")
-    parser.add_argument("--only", choices=("console", "session"))
+    parser.add_argument("--only", choices=("console", "session", "whole"))
     parser.add_argument("--blame", action="store_true", help="tell which lines of code hold more and more")
     args = parser.parse_args(argv)
     tracemalloc.start()
     found: dict[str, Figure] = {}
     ratios: dict[str, float] = {}
     count = 0
-    for name in (args.only,) if args.only else ("session", "console"):
+    if args.only in (None, "whole"):
+        found |= wholes()
+    for name in () if args.only == "whole" else (args.only,) if args.only else ("session", "console"):
         growth = Growth(name)
 
         def measure(growth: Growth = growth) -> None:
