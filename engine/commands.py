@@ -89,6 +89,17 @@ class Drive(Command, frozen=True):
     id: str | None = None
 
 
+class Here(Command, frozen=True):
+    """Where the robot is, on the map, as a person sees it: m, and rad counter-clockwise from east; without ``yaw`` it
+    looks where it believes to look. Nothing moves. Not while it does something."""
+
+    do: ClassVar[str] = "here"
+    x: float
+    y: float
+    yaw: float | None = None
+    id: str | None = None
+
+
 class Audio(Command, frozen=True):
     """Sound for the recogniser, as if from the microphone: 16 kHz mono signed 16-bit little-endian."""
 
@@ -144,7 +155,7 @@ class Halted(Command, frozen=True):
 
 
 COMMANDS: dict[str, type[Command]] = {
-    cls.do: cls for cls in (Say, Wake, Interrupt, EndTask, EStop, Release, Drive, Audio, Snapshot, Quit)
+    cls.do: cls for cls in (Say, Wake, Interrupt, EndTask, EStop, Release, Drive, Here, Audio, Snapshot, Quit)
 }
 
 

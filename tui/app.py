@@ -26,7 +26,7 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from config.errors import ConfigError
-from engine.commands import Drive, EndTask, EStop, Interrupt, Quit, Release, Say, Wake
+from engine.commands import Drive, EndTask, EStop, Here, Interrupt, Quit, Release, Say, Wake
 from engine.errors import ExitCode, SaysoError
 from tui.keys.bindings import BINDINGS
 from tui.keys.keys import ALL_KEYS
@@ -302,6 +302,9 @@ class SaysoApp(Stage):
 
     def on_floor_view_chosen(self, message: FloorView.Chosen) -> None:
         self._say(message.request)
+
+    def on_floor_view_put(self, message: FloorView.Put) -> None:
+        self.send(Here(message.x, message.y, message.yaw))
 
     def _say(self, text: str, *then: str) -> None:
         """Ask for this, and for what is to be done after it."""

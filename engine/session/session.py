@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 from collections import deque
 from collections.abc import Awaitable, Callable, Iterable
 from dataclasses import asdict, dataclass
@@ -32,6 +33,7 @@ from engine.commands import (
     EStop,
     Halted,
     Heard,
+    Here,
     Interrupt,
     Quit,
     Release,
@@ -44,7 +46,7 @@ from engine.errors import ExitCode, RobotError, SaysoError
 from engine.events import Scope, State, TurnResult
 from engine.planner.text.language import language_of
 from engine.robot.arm import ARM_INITIAL
-from engine.robot.geometry import Twist
+from engine.robot.geometry import Pose, Twist, wrap
 from engine.robot.robot import EMERGENCY_STOP
 from engine.session.by_hand import ByHand
 from engine.session.history import Interrupted, TaskCycle
@@ -207,6 +209,9 @@ class Session:
                 refused = self._by_hand.drive(Twist(vx, vy, wz), request.epoch)
                 if refused or request.scope is not None or drive.id is not None:
                     self._ack(request, refused, ok=not refused)
+            case Here() as here:
+                refused = self._put(here)
+                self._ack(request, refused or "The robot believes you.", ok=not refused)
             case Wake():
                 again = self._again
                 self._start(request, lambda turn: turn.listen(restarted=again)).broke_off = self._broke_off
@@ -370,6 +375,22 @@ class Session:
         if (robot := self._needs.robot.value) is not None:
             with contextlib.suppress(RobotError):  # its loss is reported by whoever watches the robot
                 robot.move_arm(ARM_INITIAL, self._epoch.current, speed=ARM_RETURN_SPEED)
+
+    def _put(self, here: Here) -> str:
+        """Have the robot believe where it is; why not, in words."""
+        robot = self._needs.robot.value
+        if robot is None:
+            return "The robot is not there yet."
+        if self._turn is not None:
+            return "Not while it does something: stop it first."
+        if not (all(map(math.isfinite, (here.x, here.y, here.yaw or 0.0))) and robot.floor_map.holds(here.x, here.y)):
+            return "That is not on the map."
+        try:
+            believed = robot.state().pose
+            robot.relocate(believed, Pose(here.x, here.y, wrap(believed.yaw if here.yaw is None else here.yaw)))
+        except RobotError as error:
+            return error.message
+        return ""
 
     # What others see
 

@@ -41,6 +41,7 @@ class KinematicRobot:
         self.refused = 0
         """Commands of an epoch that was over."""
         self.lost = False
+        self.relocated: list[tuple[Pose, Pose]] = []
         self.estop = False
         self._loop = asyncio.get_running_loop()
         self._epoch = 1
@@ -110,7 +111,8 @@ class KinematicRobot:
     async def look(self) -> Picture:
         raise CameraError("This robot has no camera.")
 
-    def relocate(self, believed: Pose, true: Pose) -> None: ...
+    def relocate(self, believed: Pose, true: Pose) -> None:
+        self.relocated.append((believed, true))
 
     def drive(self, twist: Twist, epoch: int) -> None:
         self._advance()

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from engine import events
-from engine.commands import Drive, EStop, Heard, Interrupt, Release, Say
+from engine.commands import Drive, EStop, Heard, Here, Interrupt, Release, Say
 from engine.errors import ExitCode
+from engine.robot.geometry import Pose
 from engine.session.turn import PRESSED
 from tests.session.conversation import Conversation, converse
 
@@ -136,5 +137,38 @@ def test_by_hand_nothing_moves_either_while_the_emergency_stop_is_pressed() -> N
         ack = await talk.until(events.Ack, lambda body: body.id == "it")
         assert (ack.ok, ack.message) == (False, "The emergency stop is pressed: release it first.")
         assert talk.robot.state().twist.is_zero
+
+    converse(test)
+
+
+# Where it is
+
+
+def test_a_person_tells_the_robot_where_it_is() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Here(1.0, 2.0, 0.5, id="it"))
+        assert (await talk.until(events.Ack, lambda body: body.id == "it")).ok
+        assert talk.robot.relocated == [(Pose(0.0, 0.0, 0.0), Pose(1.0, 2.0, 0.5))]
+
+    converse(test)
+
+
+@pytest.mark.parametrize(("x", "y"), [(100.0, 0.0), (1e308, 0.0)])
+def test_nobody_puts_it_where_the_map_ends(x: float, y: float) -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Here(x, y, id="it"))
+        ack = await talk.until(events.Ack, lambda body: body.id == "it")
+        assert (ack.ok, ack.message) == (False, "That is not on the map.")
+        assert talk.robot.relocated == []
+
+    converse(test)
+
+
+def test_nobody_puts_it_elsewhere_while_it_drives() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(Here(1.0, 2.0, id="it"))
+        assert not (await talk.until(events.Ack, lambda body: body.id == "it")).ok
+        assert not talk.robot.state().twist.is_zero
 
     converse(test)

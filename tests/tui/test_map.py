@@ -10,7 +10,7 @@ import pytest
 from textual.events import Key, MouseScrollUp
 
 from engine import events as ev
-from engine.commands import Interrupt, Say
+from engine.commands import Here, Interrupt, Say
 from engine.perception.memory import Thing, World
 from engine.robot.arm import ARM_DOWN, ARM_UP
 from tests.tui import scripted
@@ -20,7 +20,7 @@ from tui.plan.chart import Moving, faded, hits, overlay, posture
 from tui.plan.floor import draw, fit
 from tui.plan.targets import Target, ago, pointed_at, targets
 from tui.plan.viewport import ZOOMS, Viewport
-from tui.widgets.floor_view import FloorView
+from tui.widgets.floor_view import TURN, FloorView
 
 FLAT = flat()
 RED = Thing(1, "box", "red", None, (2.9, -1.5, 0.02), 0.01, (0.04, 0.04), 0.0, None, seen_at=60.0)
@@ -406,3 +406,17 @@ async def test_an_arm_that_is_not_folded_is_told_in_words_too() -> None:
         desk.engine.robot = replace(HERE, joints=ARM_DOWN)
         desk.engine.publish(moved(-0.7, 0.2))
         await desk.until(lambda: "arm out" in desk.text)
+
+
+async def test_the_robot_is_told_on_the_map_where_it_is() -> None:
+    async with console(ScriptedEngine(robot=HERE, floor=flat())) as desk:
+        await desk.press("m", "right", "p")
+        (here,) = desk.engine.sent
+        assert isinstance(here, Here)
+        assert here.x > HERE.pose.x
+        assert (here.y, here.yaw) == (pytest.approx(HERE.pose.y, abs=0.3), pytest.approx(HERE.pose.yaw))
+        await desk.press("comma")
+        turned = desk.engine.sent[-1]
+        assert isinstance(turned, Here)
+        assert (turned.x, turned.y) == (HERE.pose.x, HERE.pose.y)
+        assert turned.yaw == pytest.approx(HERE.pose.yaw + TURN)

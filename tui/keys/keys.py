@@ -95,6 +95,9 @@ MAP_KEYS: Final = (
     Key("map_next", "tab", does="map_next(1)"),
     Key("map_previous", "shift+tab", does="map_next(-1)"),
     Key("map_go", "enter"),
+    Key("map_here", "p", does="map_here(0)"),
+    Key("map_turn_left", "comma", does="map_here(1)"),
+    Key("map_turn_right", "full_stop", does="map_here(-1)"),
 )
 """Those of the map, while it has the focus; they go before the console's own. Their actions are the map's."""
 

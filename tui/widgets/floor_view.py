@@ -42,6 +42,8 @@ _FADES: Final = (1.0, 0.8, 0.6, 0.45)
 """How much of its colour a thing has left, by the steps that it has faded."""
 _GRASP: Final = 1.5
 """Cells around the cursor within which a target is meant."""
+TURN: Final = math.radians(15)
+"""By which a person corrects where the robot believes to look, rad."""
 
 
 class FloorView(Widget, can_focus=True):
@@ -68,6 +70,13 @@ class FloorView(Widget, can_focus=True):
         "floor--caption",
         "floor--question",
     }
+
+    class Put(Message):
+        """The robot is here: m and rad on the map."""
+
+        def __init__(self, x: float, y: float, yaw: float) -> None:
+            super().__init__()
+            self.x, self.y, self.yaw = x, y, yaw
 
     class Chosen(Message):
         """Somebody wants the robot to go there, and has said so twice."""
@@ -304,6 +313,15 @@ class FloorView(Widget, can_focus=True):
             self.post_message(self.Chosen(self._answering.request))
         elif (target := self.pointed) is not None and target.name:
             self._point(self._cursor, asked=target)
+
+    def action_map_here(self, turns: int) -> None:
+        """Tell the robot that it is where the cursor is, or (``turns``) that it looks so many steps further to the
+        left."""
+        robot = self._moving.robot
+        if robot is None or self._cursor is None:
+            return
+        x, y = (robot.pose.x, robot.pose.y) if turns else self._cursor
+        self.post_message(self.Put(x, y, robot.pose.yaw + turns * TURN))
 
     def action_map_zoom(self, steps: int) -> None:
         """Look closer, or from farther away: at the cursor, or at the robot where that is followed."""
