@@ -294,6 +294,9 @@ class Robot(Section):
         description="The house: name of a scene in assets/scenes, or the path of a scene file. On a real robot it is "
         "the map alone."
     )
+    map: str | None = Field(
+        description="On a real robot: the YAML file of a map that Nav2 saved, in place of the scene."
+    )
     speed: Literal["real", "max"] = Field(
         description="Simulated time: real, or as fast as the machine can. A real robot has the real one."
     )
@@ -308,6 +311,8 @@ class Robot(Section):
     def _board_has_a_port(self) -> Robot:
         if self.kind == "rosmaster" and not self.port:
             raise ValueError("a rosmaster needs robot.port; `sayso robot check` lists the ports there are")
+        if self.kind == "sim" and self.map is not None:
+            raise ValueError("robot.map is for real robots; a simulated one lives in robot.scene")
         return self
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 
@@ -54,7 +55,26 @@ class Home:
 
 def home(settings: RobotSettings) -> Home:
     """The house of the configured robot. Raises ``SceneError``."""
-    return _home(settings.scene)
+    if settings.map is None:
+        return _home(settings.scene)
+    path = Path(settings.map).expanduser().absolute()
+    try:
+        changed = path.stat().st_mtime_ns
+    except OSError:
+        changed = 0  # whoever reads it says so
+    return _mapped(path, changed)
+
+
+@lru_cache(maxsize=2)
+def _mapped(path: Path, changed: int) -> Home:
+    """A house of which there is nothing but a map: the robot is put down where the map was begun."""
+    from engine.robot.saved_map import read_map
+
+    floor = read_map(path)
+    rows, columns = floor.occupied.shape
+    x, y = floor.origin
+    fence = (x, y, x + columns * floor.resolution, y + rows * floor.resolution)
+    return Home(path.stem, floor, Pose(0.0, 0.0, 0.0), {}, (), {}, (fence,))
 
 
 @lru_cache(maxsize=8)
