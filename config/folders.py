@@ -38,6 +38,11 @@ class Paths:
         return self.config / "robots"
 
     @property
+    def places(self) -> Path:
+        """Places that the robot was told to remember, by house."""
+        return self.config / "places"
+
+    @property
     def words(self) -> Path:
         """Heads of wake words that the user trained."""
         return self.config / "wake"

@@ -34,6 +34,7 @@ from engine.hearing.readings import Afterthought
 from engine.llm.chat import Message
 from engine.llm.local import LocalChat
 from engine.offer import Offer, offered
+from engine.parts import remembered
 from engine.parts.camera import CameraPart
 from engine.parts.demo import Demo
 from engine.parts.ears import Ears
@@ -49,6 +50,7 @@ from engine.parts.loading import (
     make_satellite,
     make_vision,
     model_store,
+    places_file,
 )
 from engine.parts.model import Instructions, ModelPart
 from engine.parts.part import Part
@@ -222,6 +224,7 @@ class Engine:
         log = self._open_log()
         self._emit(events.SessionStarted(__version__, self._mode, self._robot.name, os.getpid()))
         places = Places(self._settings.places)
+        place_names = {symbol: place.name for symbol, place in self._settings.places.items()}
         self._registry = registry = build_registry(self._settings, places)
         robot: Part[Robot] = self._part("robot")
         planner: Part[Planner] = self._part("planner")
@@ -246,7 +249,7 @@ class Engine:
             hearing=hearing,
             voice=voice,
             voice_for_typed=voice if self._settings.voice.when == "always" else SilentVoice(),
-            place_names={symbol: place.name for symbol, place in self._settings.places.items()},
+            place_names=place_names,
             recall=lambda up: Recall(up, self._memory),
             ask=self.send,
             press=self._estop.press,
@@ -312,13 +315,22 @@ class Engine:
             assert models.local is not None
             return (await planner.get()).beginnings(models.local)
 
+        def build() -> Planner:
+            return build_planner(self._settings, registry, models=models)
+
+        def added(symbol: str, place: Place) -> None:
+            """Another place is known from now on: whoever plans has to know it, too."""
+            place_names[symbol] = place.name
+            self._settings = self._settings.model_copy(update={"places": {**self._settings.places, symbol: place}})
+            self._keep_place(place)
+            background.append(self._keep(self._rebuild(planner, build)))
+
+        places.on_added = added
         background = [
             self._keep(self._beat()),
             self._keep(self._keep_robot(robot, places), "robot"),
             self._keep(self._estop.keep()),
-            self._keep(
-                self._keep_planner(planner, lambda: build_planner(self._settings, registry, models=models)), "planner"
-            ),
+            self._keep(self._keep_planner(planner, build), "planner"),
             self._keep(ears.keep(), "microphone", "recogniser"),
             self._keep(self._keep_voice(voice), "voice"),
         ]
@@ -390,6 +402,21 @@ class Engine:
             store = model_store(self._settings)
             fetching = Fetching(store, name) if name in store.manifest.models else None
         await ModelPart(self._part("model"), chat, instructions, fetching).keep()
+
+    def _keep_place(self, place: Place) -> None:
+        """Keep a place that was remembered for later sessions."""
+        file = places_file(self._settings)
+        try:
+            remembered.write(file, {**remembered.read(file), place.name: place})
+        except StorageError as error:
+            self._tell(error)
+
+    async def _rebuild(self, part: Part[Planner], build: Callable[[], Planner]) -> None:
+        """Have another planner, which knows what has changed."""
+        try:
+            part.succeed(await asyncio.to_thread(build))
+        except SaysoError as error:
+            self._tell(error)
 
     async def _keep_planner(self, part: Part[Planner], build: Callable[[], Planner]) -> None:
         """Build it, and have it ready for the first command where somebody waits for that."""

@@ -28,6 +28,7 @@ from engine.llm.chain import Chain
 from engine.llm.chat import Chat
 from engine.llm.local import LocalChat
 from engine.models import ModelStore
+from engine.parts import remembered
 from engine.planner.stages.models import Models
 from engine.planner.worlds.house import build_vocabulary
 from engine.robot.home import home
@@ -52,9 +53,17 @@ class Sound:
 
 def at_home(settings: Settings) -> Settings:
     """The settings with the places of the robot's house: those of the map where it names some, else those of the
-    configuration. Raises ``SceneError``."""
-    places = home(settings.robot).places
-    return settings.model_copy(update={"places": dict(places)}) if places else settings
+    configuration, unless the map is from elsewhere; and those that were remembered there. Raises ``SceneError`` or
+    ``StorageError``."""
+    house = home(settings.robot)
+    places = house.places or ({} if settings.robot.map is not None else settings.places)
+    kept = remembered.read(places_file(settings))
+    return settings.model_copy(update={"places": remembered.joined(places, kept)})
+
+
+def places_file(settings: Settings) -> Path:
+    """Where the places that are remembered in the robot's house are kept."""
+    return remembered.file_for(paths().places, home(settings.robot).name)
 
 
 def make_vision(settings: Settings) -> Onlooker | None:

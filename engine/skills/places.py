@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import re
-from collections.abc import Mapping
+import string
+from collections.abc import Callable, Container, Mapping
 
-from config.schema import Place
+from config.schema import Place, Position, Quaternion
 from engine.errors import PlanError
 from engine.han import SIMPLER
 from engine.robot.geometry import Pose
@@ -13,6 +16,22 @@ from engine.skills.synonyms import synonyms
 
 ZERO_SYMBOL = "zero"
 _SEPARATOR = re.compile(r"(\s*[,，、]\s*(?:and\s+)?|\s+and\s+|\s*和\s*)", re.IGNORECASE)
+
+
+def free_symbol(taken: Container[str]) -> str:
+    """The next letter that no place has for its symbol, or the next number with a P before it."""
+    letters = (letter for letter in string.ascii_uppercase if letter not in taken)
+    return next(letters, "") or next(f"P{n}" for n in itertools.count(1) if f"P{n}" not in taken)
+
+
+def place_at(name: str, pose: Pose) -> Place:
+    """A place of this name."""
+    half = pose.yaw / 2
+    return Place(
+        name=name,
+        position=Position(x=round(pose.x, 3), y=round(pose.y, 3)),
+        orientation=Quaternion(z=round(math.sin(half), 4), w=round(math.cos(half), 4)),
+    )
 
 
 class UnknownPlace(PlanError):
@@ -27,6 +46,7 @@ class Places:
     def __init__(self, places: Mapping[str, Place]) -> None:
         self._places = dict(places)
         self._zero: Pose | None = None
+        self.on_added: Callable[[str, Place], object] = lambda symbol, place: None
         self._words = {
             word.casefold().translate(SIMPLER): symbol
             for symbol, place in places.items()
@@ -34,6 +54,18 @@ class Places:
         }  # fmt: skip
         self._others = synonyms(self._words)
         """Words that mean a place where nothing else is called so."""
+
+    def add(self, name: str, place: Place) -> str:
+        """Have a place of this name, or move the one that has it; gives its symbol. ``on_added`` is told."""
+        symbol = self._words.get(self._key(name)) or free_symbol(self._places)
+        old = self._places.get(symbol)
+        if old is not None:
+            place = old.model_copy(update={"position": place.position, "orientation": place.orientation})
+        self._places[symbol] = place
+        self._words |= {word.casefold().translate(SIMPLER): symbol for word in (symbol, place.name, *place.aliases)}
+        self._others = synonyms(self._words)
+        self.on_added(symbol, place)
+        return symbol
 
     def remember(self, pose: Pose) -> None:
         """Make ``pose`` the place ``zero``."""

@@ -111,3 +111,19 @@ def test_driving_by_hand_needs_a_keyboard(tmp_path: Path) -> None:
     done = sayso("robot", "drive", state=tmp_path)
     assert done.returncode == ExitCode.USAGE
     assert b"needs a keyboard" in done.stderr
+
+
+def test_a_place_that_was_named_is_known_at_once_and_in_later_sessions(tmp_path: Path) -> None:
+    said = b"go forward 1 metre\nremember this place as the snack bar\ngo to the kitchen\ngo to the snack bar\n"
+    done = sayso("ask", "-", state=tmp_path, stdin=said)
+    assert b"I will remember this as the snack bar." in done.stdout
+    assert b"I am at the snack bar." in done.stdout
+    assert b"navigation" in sayso("plan", "go to the snack bar", state=tmp_path).stdout
+    moved = sayso("ask", "-", state=tmp_path, stdin="把这里叫做厨房\nremember this spot as the study\n".encode())
+    assert moved.returncode == ExitCode.DONE, moved.stderr
+    kept = yaml.safe_load((tmp_path / "config" / "places" / "flat.yaml").read_text("utf-8"))
+    assert {"snack bar", "study"} < kept.keys()
+    (tmp_path / "config" / "places" / "flat.yaml").write_text("snack bar: [")
+    broken = sayso("plan", "go to the snack bar", state=tmp_path)
+    assert broken.returncode == ExitCode.MISSING
+    assert b"Mend the file, or delete it." in broken.stderr

@@ -24,7 +24,7 @@ from engine.skills.library.manipulation import (
     servo1_move,
 )
 from engine.skills.library.motion import move_forward, move_left, move_right, move_sideways, set_cmdvel, stop, wait
-from engine.skills.library.navigation import get_current_pose, navigation, report_pose
+from engine.skills.library.navigation import get_current_pose, navigation, remember_place, report_pose
 from engine.skills.library.searching import locate, navigate_to_object, scan_room, seewhat
 from engine.skills.library.signals import beep, light
 from engine.skills.library.sorting import apriltag_remove_higher, apriltag_sort, color_remove_higher
@@ -39,6 +39,7 @@ LIBRARY: tuple[Skill, ...] = (
     stop,
     navigation,
     get_current_pose,
+    remember_place,
     report_pose,
     arm_up,
     arm_down,

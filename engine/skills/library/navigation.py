@@ -8,9 +8,12 @@ from typing import Annotated
 from engine.robot.geometry import Pose
 from engine.skills.context import SkillContext
 from engine.skills.outcome import Result, fail, ok
+from engine.skills.places import ZERO_SYMBOL, place_at
 from engine.skills.registry import Word, skill
 from engine.skills.travel import go_to
 
+LONGEST_NAME = 40
+"""Of a place, characters."""
 PlaceName = Annotated[str, Word("place")]
 
 
@@ -29,6 +32,19 @@ async def get_current_pose(context: SkillContext) -> Result:
     pose = context.pose
     context.places.remember(pose)
     return ok(f"I will remember this place. {_words(pose)}", x=pose.x, y=pose.y, yaw=pose.yaw)
+
+
+@skill()
+async def remember_place(context: SkillContext, name: Annotated[str, Word("sentence")]) -> Result:
+    """Remember where the robot stands as a place of this name."""
+    called = " ".join(name.split()).strip(".,!?。，！？ ")
+    if not 1 < len(called) <= LONGEST_NAME or not called.isprintable() or called.casefold() == ZERO_SYMBOL:
+        return fail("unknown_place", f"“{called}” is no name for a place.")
+    pose = context.pose
+    symbol = context.places.add(called, place_at(called, pose))
+    return ok(
+        f"I will remember this as {context.places.name(symbol)}. {_words(pose)}", x=pose.x, y=pose.y, yaw=pose.yaw
+    )
 
 
 @skill()
