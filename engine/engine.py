@@ -40,6 +40,7 @@ from engine.parts.demo import Demo
 from engine.parts.ears import Ears
 from engine.parts.estop import EmergencyStop
 from engine.parts.fetching import Fetching, Pull
+from engine.parts.health import Health
 from engine.parts.keeper import Keeper
 from engine.parts.loading import (
     Sound,
@@ -330,6 +331,7 @@ class Engine:
             self._keep(self._beat()),
             self._keep(self._keep_robot(robot, places), "robot"),
             self._keep(self._estop.keep()),
+            self._keep(Health(robot, paths().state, self._emit).keep()),
             self._keep(self._keep_planner(planner, build), "planner"),
             self._keep(ears.keep(), "microphone", "recogniser"),
             self._keep(self._keep_voice(voice), "voice"),

@@ -42,6 +42,7 @@ _SAID: Final[dict[Language, dict[str, str]]] = {
         "nothing_held": "I hold nothing.",
         "not_stopped": "I don't know: nothing on record stopped me.",
         "battery": "I don't know how full my battery is: this robot does not tell me.",
+        "charge": "My battery is about {percent:.0f} % full.",
         "nothing_done": "I have done nothing in this task yet.",
         "nothing_left": "There is nothing that I could go on with.",
         "cut": "I was stopped in the middle of {action}, and I don't know how much of it is left. What shall I do?",
@@ -50,6 +51,7 @@ _SAID: Final[dict[Language, dict[str, str]]] = {
         "holding": "我拿着{thing}。",
         "nothing_held": "我手里没有东西。",
         "not_stopped": "我不知道：记录里没有什么让我停下。",
+        "charge": "我的电池大约还有百分之{percent:.0f}的电。",
         "battery": "我不知道还有多少电：这个机器人没有告诉我。",
         "nothing_done": "这个任务里我还什么都没做。",
         "nothing_left": "没有什么可以继续的。",
@@ -71,7 +73,9 @@ def of(kind: str, record: OnRecord, holding: str, language: Language) -> str:
         case "stopped":
             return record.failure or said["not_stopped"]
         case "battery":
-            return said["battery"]
+            if record.charge is None:
+                return said["battery"]
+            return said["charge"].format(percent=round(100 * record.charge, -1))
         case "done":
             return " ".join(record.done) or said["nothing_done"]
     return ""

@@ -100,6 +100,8 @@ class OnRecord:
     """What was cut, or never started; in the order of the plan."""
     cut: bool = False
     """Whether the first one that is left had begun."""
+    charge: float | None = None
+    """About how much the battery holds, 0…1; None: nobody measures it."""
 
 
 NOTHING_ON_RECORD: Final = OnRecord()

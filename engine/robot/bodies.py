@@ -45,6 +45,7 @@ def make_robot(settings: RobotSettings, on_camera: TellOfCamera | None = None) -
         floor_map=home(settings).floor_map,
         arm=description.arm_model,
         eye=None,
+        battery=description.board.battery if description.board is not None else None,
     )
     return HostedRobot(settings.model_copy(update={"speed": "real"}), build, on_camera)
 

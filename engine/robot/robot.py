@@ -36,6 +36,15 @@ UNDECIDED: Final = "somebody may have said stop, and nobody could tell"
 
 
 @dataclass(frozen=True, slots=True)
+class BatteryState:
+    """What a battery gives."""
+
+    volts: float
+    charge: float  # about how much is left, 0…1
+    low: bool  # it wants to be charged
+
+
+@dataclass(frozen=True, slots=True)
 class RobotState:
     """One snapshot of the robot."""
 
@@ -55,7 +64,7 @@ class RobotState:
     paused: bool = False  # it stands until it is resumed
     paused_s: float = 0.0  # s of ``t`` in which it was paused
     estop: bool = False  # the emergency stop is pressed
-    volts: float | None = None  # of the battery, where something measures it
+    battery: BatteryState | None = None  # where something measures it
 
     @property
     def work_t(self) -> float:

@@ -82,14 +82,18 @@ def view(state: RobotState) -> RobotStateView:
         moving=state.moving,
         blocked=state.halted or state.blocked,
         estop=state.estop,
-        volts=None if state.volts is None else round(state.volts, 1),
+        volts=None if state.battery is None else state.battery.volts,
     )
+
+
+def _volts(state: RobotState) -> float:
+    return state.battery.volts if state.battery is not None else 0.0
 
 
 def _differs(a: RobotState, b: RobotState) -> bool:
     if (a.moving, a.blocked, a.halted, a.light, a.estop) != (b.moving, b.blocked, b.halted, b.light, b.estop):
         return True
-    if a.volts != b.volts and abs((a.volts or 0.0) - (b.volts or 0.0)) > _SAGGED_V:
+    if abs(_volts(a) - _volts(b)) > _SAGGED_V:
         return True
     pairs = [(a.pose.x, b.pose.x), (a.pose.y, b.pose.y), (a.pose.yaw, b.pose.yaw), (a.gripper, b.gripper)]
     return any(math.fabs(x - y) > _MOVED for x, y in [*pairs, *zip(a.joints, b.joints, strict=True)])

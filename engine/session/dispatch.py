@@ -43,7 +43,7 @@ from engine.session.holds import Holds
 from engine.skills.context import AskAbout, Progress, Say, See, SkillContext
 from engine.skills.outcome import ErrorCode, Result, fail
 from engine.skills.places import Places
-from engine.skills.registry import SkillRegistry
+from engine.skills.registry import Skill, SkillRegistry
 
 if TYPE_CHECKING:
     from engine.perception.asking import Onlooker
@@ -205,10 +205,9 @@ class Dispatcher:
             world=self._eyes.world,
             ask_about=self._asking(run),
         )
-        if self._is_pressed() and self._registry[action.name].occupies & _MOVING:
-            result = fail("robot_halted", "The emergency stop is pressed: release it first.")
-            self._write(run, action, key, result, began)
-            return result
+        if (refused := self._refused(self._registry[action.name])) is not None:
+            self._write(run, action, key, refused, began)
+            return refused
         remains: Remains[Result] = Remains(lambda found: self._drop(run, action, found))
         try:
             result = await bounded(self._registry[action.name].run(context, **action.args), remains)
@@ -325,10 +324,17 @@ class Dispatcher:
 
         return asking
 
-    def _is_pressed(self) -> bool:
-        with contextlib.suppress(RobotError):  # its loss is the outcome of the action
-            return self._robot.state().estop
-        return False
+    def _refused(self, skill: Skill) -> Result | None:
+        """Why the robot does not begin this as it stands; None where it does."""
+        try:
+            state = self._robot.state()
+        except RobotError:
+            return None  # its loss is the outcome of the action
+        if state.estop and skill.occupies & _MOVING:
+            return fail("robot_halted", "The emergency stop is pressed: release it first.")
+        if skill.endless and state.battery is not None and state.battery.low:
+            return fail("battery_low", f"My battery is low ({state.battery.volts:g} V): charge me first.")
+        return None
 
     def _report_robot(self, emit: Emit) -> None:
         """Where the action left the robot; the periodic reports may come too late for that."""

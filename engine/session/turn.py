@@ -8,6 +8,7 @@ turn whose epoch is over does nothing more: the interruption that ended the epoc
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -21,7 +22,7 @@ from engine.bus import Bus, Emit
 from engine.cancellation import Remains, bounded
 from engine.commands import Added
 from engine.epoch import Epoch
-from engine.errors import ExitCode, SaysoError
+from engine.errors import ExitCode, RobotError, SaysoError
 from engine.events import Outcome, State, TurnResult
 from engine.hearing.afterwards import More
 from engine.hearing.hearing import NothingHeard
@@ -90,6 +91,14 @@ class Needs:
 
 
 PRESSED: Final = "The emergency stop is pressed: nothing moves until it is released."
+
+
+def _charge(robot: Robot) -> float | None:
+    """About how much the battery holds, 0…1, where that is measured."""
+    with contextlib.suppress(RobotError):  # its loss is told by whoever acts
+        battery = robot.state().battery
+        return battery.charge if battery is not None else None
+    return None
 
 
 class Overtaken(Exception):
@@ -259,6 +268,7 @@ class Turn:
         )
         if (robot := self._needs.robot.value) is not None:
             recall = self._needs.recall(robot)
+            request = replace(request, on_record=replace(request.on_record, charge=_charge(robot)))
             if text:
                 self._asked_at = recall.now()
             picture = await recall.picture() if not text and self._looked() else None

@@ -26,6 +26,7 @@ ErrorCode = Literal[
     "no_progress",  # commanded to move, but it does not
     "robot_lost",  # the robot does not answer; what it did is uncertain
     "robot_halted",  # the robot stopped itself: watchdog, envelope
+    "battery_low",  # too low for something that goes on and on
     "cancelled",  # cut by an interruption
     "time_limit",
     "not_supported",

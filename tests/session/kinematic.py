@@ -17,7 +17,7 @@ from engine.robot.arm import ARM_INITIAL, ArmModel, Joints
 from engine.robot.camera import Picture
 from engine.robot.floor_map import FloorMap
 from engine.robot.geometry import ZERO, Pose, Twist
-from engine.robot.robot import PAUSE_LIMIT_S, UNDECIDED, Capability, Footprint, RobotState, Scan
+from engine.robot.robot import PAUSE_LIMIT_S, UNDECIDED, BatteryState, Capability, Footprint, RobotState, Scan
 from engine.robot.sim.dimensions import ARM
 
 TICK_S = 0.02
@@ -43,6 +43,7 @@ class KinematicRobot:
         self.lost = False
         self.relocated: list[tuple[Pose, Pose]] = []
         self.estop = False
+        self.battery: BatteryState | None = None
         self._loop = asyncio.get_running_loop()
         self._epoch = 1
         self._pose = Pose(0.0, 0.0, 0.0)
@@ -102,7 +103,7 @@ class KinematicRobot:
         return RobotState(
             t=self._at, epoch=self._epoch, pose=self._pose, twist=self._twist, command=self._twist,
             joints=self._joints, joint_targets=self._joints, gripper=1.0, light=(0, 0, 0), blocked=None, halted=None,
-            paused=self.paused, estop=self.estop,
+            paused=self.paused, estop=self.estop, battery=self.battery,
         )  # fmt: skip
 
     def scan(self) -> Scan:

@@ -166,7 +166,7 @@ class _Hand:
 def _line(state: RobotState, speed: float) -> str:
     pose, twist = state.pose, state.twist
     why = "E-STOP: r releases" if state.estop else state.halted or state.blocked or ""
-    volts = f"  {state.volts:.1f} V" if state.volts else ""
+    volts = f"  {state.battery.volts:.1f} V" if state.battery else ""
     return (
         f"{speed:g} m/s  x {pose.x:.2f} y {pose.y:.2f}  {twist.vx:5.2f} {twist.vy:5.2f} m/s {twist.wz:5.2f} rad/s"
         f"{volts}  {why}"

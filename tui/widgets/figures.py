@@ -87,11 +87,16 @@ def figure_lines(robot: RobotState, wide: bool, held: Thing | None = None) -> li
         state = (
             (f"▸ {strings.MOVING}", "$text-success") if robot.moving else (f"○ {strings.AT_REST}", "$foreground 60%")
         )
+    charge: tuple[Piece, ...] = ()
+    if (battery := robot.battery) is not None:
+        name = f"▲ {strings.BATTERY_LOW}" if battery.low else strings.BATTERY
+        style = "bold $text-warning" if battery.low else "$foreground"
+        charge = ((f"{name} ", style if battery.low else "$foreground 60%"), (f"{battery.volts:.1f} V  ", style))
     gripper = _figure(strings.GRIPPER, grip) if held is None else ((f"◆ {told(held.name)}", "$text-accent"),)
     if wide:
-        return [(*x, *y, *heading, *gripper), (*speed, *turning, *arm, state)]
+        return [(*x, *y, *heading, *gripper), (*charge, *speed, *turning, *arm, state)]
     doing = (state, ("  ", ""), *arm) if arm else (state,)
-    return [(*x, *y), (*heading, *speed), doing if held is None else (*doing, ("  ", ""), *gripper)]
+    return [(*x, *y), (*heading, *(charge or speed)), doing if held is None else (*doing, ("  ", ""), *gripper)]
 
 
 def link_words(link: LinkFigures, columns: int) -> str:

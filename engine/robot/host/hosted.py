@@ -27,13 +27,14 @@ from engine.errors import CameraError, RobotError
 from engine.robot.arm import ArmModel
 from engine.robot.camera import Picture
 from engine.robot.camera_news import CameraNews, TellOfCamera
+from engine.robot.description import Battery
 from engine.robot.floor_map import FloorMap
 from engine.robot.geometry import Pose, Twist, compose, inverse
 from engine.robot.host import memory as m
 from engine.robot.host.memory import Memory, Record, believed
 from engine.robot.host.process import HostProcess
 from engine.robot.lidar import LIDAR_ANGLES, RAYS
-from engine.robot.robot import Capability, Footprint, RobotState, Scan
+from engine.robot.robot import BatteryState, Capability, Footprint, RobotState, Scan
 
 ANSWER_LIMIT = 2.5
 """s of silence after which a robot process that has not ended counts as lost."""
@@ -69,6 +70,8 @@ class Build:
     arm: ArmModel
     eye: Callable[[Memory, TellOfCamera], Eye] | None
     """Opens the camera; None where there is none."""
+    battery: Battery | None = None
+    """Where one is measured."""
     environment: Mapping[str, str] = field(default_factory=dict)
     """Of the host's process."""
 
@@ -287,7 +290,7 @@ class HostedRobot:
         if (read := self._read) is not None and read[0] == newest:
             return read[1]  # in one tick many ask
         record = memory.state.get()
-        state = _state(record, believed(record, memory.correction.scratch), estop=self._pressed)
+        state = _state(record, believed(record, memory.correction.scratch), self._pressed, self._build.battery)
         self._read = (newest, state)
         return state
 
@@ -418,7 +421,13 @@ def _ignore(news: CameraNews) -> None:
     """Nobody wants to know."""
 
 
-def _state(record: Record, pose: Pose, *, estop: bool) -> RobotState:
+def _battery(volts: float, battery: Battery | None) -> BatteryState | None:
+    if battery is None or not volts:
+        return None
+    return BatteryState(round(volts, 1), battery.charge(volts), volts < battery.low)
+
+
+def _state(record: Record, pose: Pose, estop: bool, battery: Battery | None) -> RobotState:
     halted = record["halted"].item().decode() or None
     return RobotState(
         t=float(record["t"]),
@@ -437,5 +446,5 @@ def _state(record: Record, pose: Pose, *, estop: bool) -> RobotState:
         paused=bool(record["paused"]),
         paused_s=float(record["paused_s"]),
         estop=estop,
-        volts=float(record["volts"]) or None,
+        battery=_battery(float(record["volts"]), battery),
     )

@@ -1,4 +1,4 @@
-"""The emergency stop that only a release ends, and driving by hand."""
+"""What operators of real robots expect: an emergency stop that only a release ends, driving by hand, a low battery."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from engine import events
 from engine.commands import Drive, EStop, Heard, Here, Interrupt, Release, Say
 from engine.errors import ExitCode
 from engine.robot.geometry import Pose
+from engine.robot.robot import BatteryState
 from engine.session.turn import PRESSED
 from tests.session.conversation import Conversation, converse
 
@@ -170,5 +171,21 @@ def test_nobody_puts_it_elsewhere_while_it_drives() -> None:
         talk.send(Here(1.0, 2.0, id="it"))
         assert not (await talk.until(events.Ack, lambda body: body.id == "it")).ok
         assert not talk.robot.state().twist.is_zero
+
+    converse(test)
+
+
+# The battery
+
+
+def test_on_a_low_battery_nothing_is_begun_that_goes_on_and_on() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.robot.battery = BatteryState(10.0, 0.2, low=True)
+        talk.send(Say("patrol"))
+        assert (await talk.result()).message == "My battery is low (10 V): charge me first."
+        talk.send(Say("go forward 1 metre"))
+        assert (await talk.result(2)).outcome == "done"
+        talk.send(Say("how full is your battery?"))
+        assert (await talk.result(3)).message == "My battery is about 20 % full."
 
     converse(test)
