@@ -31,6 +31,7 @@ exit codes: 0 done · 1 the robot could not do it · 2 usage or configuration ·
 """
 OTHERS = "train with this recording of speech or noise without the phrase as well (a WAV file)"
 VOICES = "train with the voices in this folder as well: piper's (.onnx), Kokoro's styles (.bin, .npz)"
+ROBOT_NAME = "a model (default: the robot of the settings); to calibrate: wheels or servos"
 URI = "where to listen: tcp://HOST:PORT (default: tcp://127.0.0.1:10300, for programs on this machine only)"
 WEB = "serve the console to a browser on this machine, one tab at a time"
 WEB_HOST = "the address to listen at (default: 127.0.0.1); beyond this machine nothing is encrypted, the token neither"
@@ -229,8 +230,8 @@ def build_parser() -> argparse.ArgumentParser:
     png.complete = COMPLETE_FILE  # type: ignore[attr-defined]
 
     robot = command("robot", "tui.commands.robot:run", "robots: list, check, drive and stop them")
-    robot.add_argument("action", choices=["list", "show", "check", "drive", "estop", "release", "emulate"])
-    robot.add_argument("name", nargs="?", metavar="MODEL", help="default: the robot of the settings")
+    robot.add_argument("action", choices=["list", "show", "check", "calibrate", "drive", "estop", "release", "emulate"])
+    robot.add_argument("name", nargs="?", metavar="NAME", help=ROBOT_NAME)
     robot.add_argument("--stops-after", metavar="S", type=_seconds, help="to emulate: it stands by itself after S s")
     robot.add_argument("--port", metavar="PATH", type=Path, help="to emulate: where the board is (default: ./board)")
 

@@ -151,6 +151,7 @@ class Description(Section):
     board: Board | None = None
     arm: ArmOf | None = None
     camera: CameraOf | None = None
+    calibrated: dict[str, str] = Field(default_factory=dict, description="What was measured, when, and how well.")
     lidar: bool = Field(default=False, description="Without one nothing is seen in the way: it drives slowly then.")
 
     @model_validator(mode="after")

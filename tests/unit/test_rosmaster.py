@@ -334,6 +334,20 @@ def test_it_goes_on_from_where_it_was() -> None:
     assert body.t >= 7.0
 
 
+def test_a_robot_that_steers_like_a_car_does_not_turn_where_it_stands() -> None:
+    bench = Bench()
+    bench.description = described("r2")
+    body = bench.body()
+    bench.orders()
+    body.drive(Twist(wz=1.0))
+    body.step()
+    assert set(bench.speeds()) <= {ZERO}
+    body.drive(Twist(0.2, 0.0, 3.0))
+    (told,) = bench.speeds()
+    assert told.vx == 0.2
+    assert told.wz == pytest.approx(0.2 * math.tan(math.radians(30)) / 0.23, abs=0.001)
+
+
 # A million bytes
 
 

@@ -34,6 +34,10 @@ def run(arguments: Namespace) -> int:
             return robot_show(load_settings(arguments), arguments.name, json=arguments.json)
         case "check":
             return robot_check(load_settings(arguments), json=arguments.json)
+        case "calibrate":
+            from tui.commands.calibrate import run as calibrate
+
+            return calibrate(load_settings(arguments), arguments.name)
         case "drive":
             from tui.commands.drive import run as drive
 
@@ -71,6 +75,8 @@ def robot_show(settings: Settings, name: str | None, *, json: bool = False) -> i
     data(f"{robot.name}\n  {robot.source}")
     data(f"  drive    {robot.drive}, {speeds.forward:g} m/s ahead, {speeds.sideways:g} sideways, {speeds.turn:g} rad/s")
     data(f"  hull     {100 * hull.length:.0f} × {100 * hull.width:.0f} cm")
+    for what, found in robot.calibrated.items():
+        data(f"           {what}: {found}")
     if robot.board is not None:
         stops = {None: "not known (sayso doctor --wheels-up finds out)", True: "yes", False: "no"}
         data(f"  board    {robot.board.kind}, car type {robot.board.car_type}")

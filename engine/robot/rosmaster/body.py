@@ -48,6 +48,8 @@ ARM_QUERY_S: Final = 0.1
 """Between two questions where the servos are."""
 ASK_S: Final = 0.4
 """Between two tries to have the board report."""
+STEERING: Final = math.radians(30)
+"""To which front wheels can be steered."""
 LOOK_S: Final = 0.1
 """Between two tries to open the port."""
 OPEN_LIMIT_S: Final = 4.0
@@ -335,5 +337,8 @@ class RosmasterBody:
         most = self._description.speeds
         vy = twist.vy if most.sideways else 0.0
         over = max(abs(twist.vx) / most.forward, abs(vy) / most.sideways if most.sideways else 0.0, 1.0)
-        wz = max(-most.turn, min(most.turn, twist.wz))
-        return Twist(twist.vx / over, vy / over, wz)
+        turn = most.turn
+        if self._description.drive == "ackermann":  # as far as the front wheels can be steered
+            assert self._description.wheels is not None, "a board has wheels"
+            turn = min(turn, abs(twist.vx / over) * math.tan(STEERING) / self._description.wheels.base)
+        return Twist(twist.vx / over, vy / over, max(-turn, min(turn, twist.wz)))
