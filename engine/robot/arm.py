@@ -58,6 +58,18 @@ class ArmModel:
     ranges: tuple[tuple[float, float], ...]  # rad, in the order of ``ARM_JOINTS``
     eye: Point
 
+    @property
+    def rest(self) -> Joints:
+        """The folded pose, as far as this arm can take it."""
+        return self.possible(ARM_INITIAL)
+
+    def possible(self, joints: Joints) -> Joints:
+        """The pose nearest to ``joints`` that is within the ranges."""
+        yaw, shoulder, elbow, wrist, roll = (
+            max(low, min(high, joint)) for joint, (low, high) in zip(joints, self.ranges, strict=True)
+        )
+        return yaw, shoulder, elbow, wrist, roll
+
     def grip(self, joints: Joints) -> Grip:
         """Forward kinematics."""
         yaw, shoulder, elbow, wrist, roll = joints

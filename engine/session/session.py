@@ -45,7 +45,6 @@ from engine.epoch import Epoch
 from engine.errors import ExitCode, RobotError, SaysoError
 from engine.events import Scope, State, TurnResult
 from engine.planner.text.language import language_of
-from engine.robot.arm import ARM_INITIAL
 from engine.robot.geometry import Pose, Twist, wrap
 from engine.robot.robot import EMERGENCY_STOP
 from engine.session.by_hand import ByHand
@@ -374,7 +373,7 @@ class Session:
         """Send the arm slowly to its initial pose; whatever interrupts next holds it where it is."""
         if (robot := self._needs.robot.value) is not None:
             with contextlib.suppress(RobotError):  # its loss is reported by whoever watches the robot
-                robot.move_arm(ARM_INITIAL, self._epoch.current, speed=ARM_RETURN_SPEED)
+                robot.move_arm(robot.arm.rest, self._epoch.current, speed=ARM_RETURN_SPEED)
 
     def _put(self, here: Here) -> str:
         """Have the robot believe where it is; why not, in words."""

@@ -93,7 +93,9 @@ async def fold(context: SkillContext) -> bool:
 
 
 async def move_to(context: SkillContext, joints: Joints, *, speed: float = 1.5) -> bool:
-    """Move the arm to ``joints`` and wait until it is there; False when it does not get there in time."""
+    """Move the arm to ``joints``, or as near as its ranges allow, and wait until it is there; False when it does not
+    get there in time."""
+    joints = context.robot.arm.possible(joints)
     context.robot.move_arm(joints, context.epoch, speed=speed)
     state = await context.robot.tick()
     end = state.work_t + _ARM_LIMIT_S

@@ -39,7 +39,7 @@ from tui.app import SaysoApp
 TURNS = 60
 """In an hour."""
 PLACES = (("kitchen", 0.2, 2.0), ("living room", -3.0, 0.0), ("bedroom", 0.5, -2.0), ("study", 3.0, 2.0))
-_NOTED = ("moved", "arm")
+_NOTED = ("moved", "arm_moves")
 """What a kinematic robot notes of what it was told."""
 REQUESTS = (
     "turn left 90 degrees", "where are you?", "go forward 1 metre", "raise your arm and nod", "go to the moon",

@@ -58,6 +58,41 @@ def test_the_cable_is_pulled_in_mid_drive_and_it_goes_on_when_told(board: Emulat
     assert math.dist((state["x"], state["y"]), (0.2, 2.0)) < 0.1, "it drove on while the cable was out, and knows"
 
 
+def test_driving_and_the_arm_go_through_the_frames(board: Emulator, running: Engine) -> None:
+    def done(text: str) -> dict[str, Any]:
+        running.send(do="say", text=text)
+        result = running.until("state.changed", ended)["result"]
+        assert result["outcome"] == "done", result
+        return board.until(lambda state: not any(state["told"].values()))
+
+    start = board.until(lambda state: True)
+    moved = done("drive forward 40 centimetres and turn left 90 degrees")
+    assert moved["x"] - start["x"] == pytest.approx(0.4, abs=0.03)
+    assert moved["yaw"] - start["yaw"] == pytest.approx(math.pi / 2, abs=0.05)
+    aside = done("move 20 centimetres to the right")
+    assert aside["x"] - moved["x"] == pytest.approx(0.2, abs=0.03), "it looks to the left by now"
+    done("open your gripper")
+    board.until(lambda state: state["gripper"] > 0.95)
+    done("close your gripper")
+    board.until(lambda state: state["gripper"] < 0.05)
+    done("nod, then wave")
+    done("lower your arm")
+    board.until(lambda state: abs(state["joints"][1] + 1.1) < 0.05)
+
+
+def test_driven_by_hand_it_stops_when_no_more_comes(board: Emulator, running: Engine) -> None:
+    for _ in range(10):
+        running.send(do="drive", vx=0.2)
+        board.comes_to(lambda state: False, 0.05)
+    assert board.state["speed"]["vx"] == pytest.approx(0.2, abs=0.03)
+    board.until(lambda state: not any(state["told"].values()) and abs(state["speed"]["vx"]) < 0.01)
+    running.send(do="estop")
+    running.until("ack", lambda body: body["do"] == "estop")
+    running.send(do="drive", vx=0.2, id="no")
+    assert not running.until("ack", lambda body: body["id"] == "no")["ok"]
+    assert board.comes_to(lambda state: any(state["told"].values()), 0.5) is None
+
+
 def test_what_needs_a_camera_is_not_offered(board: Emulator, running: Engine) -> None:
     running.send(do="say", text="pick up the red cup")
     assert running.until("state.changed", ended)["result"]["outcome"] != "done"

@@ -36,7 +36,7 @@ class KinematicRobot:
     def __init__(self) -> None:
         self.moved: list[tuple[float, int, Twist]] = []
         """(time, epoch, velocity) of every tick in which it moved."""
-        self.arm: list[tuple[float, int, Joints, float]] = []
+        self.arm_moves: list[tuple[float, int, Joints, float]] = []
         """(time, epoch, joints, speed) of every movement of the arm that was taken."""
         self.refused = 0
         """Commands of an epoch that was over."""
@@ -127,7 +127,7 @@ class KinematicRobot:
     def move_arm(self, joints: Sequence[float], epoch: int, *, speed: float = 1.0) -> None:
         if epoch == self._epoch and not self.estop:
             self._joints = tuple(joints)  # type: ignore[assignment]
-            self.arm.append((self._loop.time(), epoch, self._joints, speed))
+            self.arm_moves.append((self._loop.time(), epoch, self._joints, speed))
 
     def set_gripper(self, opening: float, epoch: int) -> None: ...
 

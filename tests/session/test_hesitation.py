@@ -172,7 +172,7 @@ def test_a_wake_in_a_pause_sends_the_arm_home_and_listens() -> None:
         await talk.pass_time(0.1)
         talk.send(Wake("key"))
         await talk.until_state("LISTENING")
-        assert len(talk.robot.arm) == 1
+        assert len(talk.robot.arm_moves) == 1
         assert not talk.bodies(events.MotionResumed)
 
     converse(test)

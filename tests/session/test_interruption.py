@@ -435,7 +435,7 @@ def test_what_comes_while_a_dialogue_is_being_finished_finds_a_new_cycle_and_ope
         await talk.wake_and_say("raise your arm and end the task")
         await talk.until(events.ActionFinished, lambda body: body.name == "finish_dialogue")
         await talk.until_state(state)
-        moved = len(talk.robot.arm)
+        moved = len(talk.robot.arm_moves)
         talk.send(command)
         await talk.until(events.TaskEnded)
         talk.send(Interrupt())
@@ -444,7 +444,7 @@ def test_what_comes_while_a_dialogue_is_being_finished_finds_a_new_cycle_and_ope
         assert ack.snapshot is not None
         assert ack.snapshot["cycle"] >= 2
         homeward = isinstance(command, Wake | EndTask)  # after anything else the arm stays where it was stopped
-        assert len(talk.robot.arm) - moved == int(homeward)
+        assert len(talk.robot.arm_moves) - moved == int(homeward)
 
     converse(test, voice=SlowVoice())
 

@@ -125,7 +125,7 @@ async def send(talk: Conversation, scene: Scene, expected: Consequence, command:
     turn = last[0].turn if last and not last[0].body.result else None  # type: ignore[attr-defined]
     trial = Trial(
         talk, scene, expected, turn, len(talk.seen), asyncio.get_running_loop().time(), talk.epoch.current,
-        len(talk.robot.arm), before,
+        len(talk.robot.arm_moves), before,
     )  # fmt: skip
     assert (turn is None) == (scene.reach is rest)
     talk.send(structs.replace(command, epoch=talk.epoch.current) if isinstance(command, Halted) else command)
@@ -190,7 +190,7 @@ def nothing_of_the_past_moves(trial: Trial) -> None:
     assert not trial.expected.raised or all(epoch > trial.epoch for epoch in moved)
     moves = trial.expected.does or trial.expected.by_hand or (trial.left_alone and trial.scene.running)
     assert bool(moved) == bool(moves)
-    arm = [(joints, speed) for _, _, joints, speed in robot.arm[trial.arm :]]
+    arm = [(joints, speed) for _, _, joints, speed in robot.arm_moves[trial.arm :]]
     assert arm == ([(ARM_INITIAL, ARM_RETURN_SPEED)] if trial.expected.arm_home else [])
     assert state.joints == (ARM_INITIAL if trial.expected.arm_home else ARM_UP)
 

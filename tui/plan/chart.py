@@ -40,7 +40,7 @@ _NEAR: Final = 0.15
 """m from what is on the map within which a ray ended there: the robot does not know better where it stands."""
 _GAP: Final = 1.0
 """m between two neighbouring rays' ends from which there may be nothing between them."""
-_FOLDED: Final = 0.25
+_FOLDED: Final = 0.3
 """rad by which every joint of a folded arm may differ from it."""
 
 
