@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import grp
 import os
 import termios
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final, Literal
 
 from engine.errors import DeviceError
 
 BAUD: Final = 115200
 """That of every device here."""
+
+BY_ID: Final = Path("/dev/serial/by-id")
 
 Reason = Literal["absent", "taken", "denied", "busy", "broken"]
 
@@ -33,6 +37,15 @@ class Port:
     description: str
     identity: tuple[int, int, str] | None  # vendor, product, serial number; None: not on USB
     location: str  # where on USB; empty where unknown
+
+    @property
+    def lasting(self) -> str:
+        """A name that stays the same when others are plugged in, where there is one; else its path."""
+        with contextlib.suppress(OSError):
+            for link in sorted(BY_ID.iterdir()):
+                if os.path.realpath(link) == self.path:
+                    return str(link)
+        return self.path
 
     @property
     def named(self) -> str:

@@ -101,18 +101,18 @@ def robot_check(settings: Settings, *, json: bool = False) -> int:
     port = settings.robot.port
     if not json:
         for one in ports:
-            data(f"port      {one.path} ({one.named})")
+            data(f"port      {one.lasting} ({one.named})")
         if not ports:
             data("port      none attached to USB")
     if port is None:
         say("sayso: robot.port names none of them: --set robot.port=/dev/serial/by-id/…")
         if json:
-            json_line({"ports": [one.path for one in ports], "board": None})
+            json_line({"ports": [one.lasting for one in ports], "board": None})
         return int(ExitCode.MISSING)
     robot = description_of(settings.robot) if settings.robot.kind == "rosmaster" else None
     board = inspect(port, CHECK_S)
     if json:
-        json_line({"ports": [one.path for one in ports], "board": asdict(board)})
+        json_line({"ports": [one.lasting for one in ports], "board": asdict(board)})
     else:
         data(f"board     version {board.version or '?'}, car type {board.car_type or '?'} on {port}")
         data(f"battery   {board.volts:.1f} V" if board.volts else "battery   not told")

@@ -269,7 +269,7 @@ def _serial(settings: Settings) -> Finding:
     del settings
     from engine.serial_port import attached
 
-    ports = [f"{port.path} ({port.named})" for port in attached()]
+    ports = [f"{port.lasting} ({port.named})" for port in attached()]
     return Finding("serial ports", "ok" if ports else "limited", ", ".join(ports) or "none: no wake module attached")
 
 
