@@ -194,6 +194,26 @@ def test_it_moves_the_arm_and_reads_it() -> None:
     assert body.opening == pytest.approx(1.0, abs=0.1)
 
 
+def test_servos_that_have_never_said_where_they_are_are_not_moved() -> None:
+    bench = Bench()
+    bench.board.begin("servos")
+    body = bench.body()
+    body.place_arm((0.3, -0.5, 0.5, 0.6, 0.2), 1.0)
+    run(body, 1.0)
+    assert frames.ARM not in {order.function for order in bench.orders()}
+    assert body.trouble == "", "it drives all the same"
+    bench.board.end("servos")
+    told = {body.trouble}
+    for _ in range(400):
+        body.step()
+        told.add(body.trouble)
+    assert told == {"", "the arm has only now said where it is"}, "whoever moves it begins where it is"
+    assert frames.ARM not in {order.function for order in bench.orders()}
+    body.place_arm(body.joints, body.opening)
+    run(body, 0.1)
+    assert frames.ARM in {order.function for order in bench.orders()}
+
+
 def test_a_stop_is_on_the_wire_at_once() -> None:
     bench = Bench()
     body = bench.body()

@@ -24,9 +24,10 @@ from engine.robot.rosmaster.odometry import counts_of
 from engine.robot.rosmaster.servos import Pulses, Servos
 from engine.robot.sim.simulated import SimulatedBody
 
-Fault = Literal["silence", "garbage", "stall", "brownout", "reset"]
-"""silence: it sends nothing; garbage: half of what it sends is none; stall: nobody takes its bytes or reads them;
-brownout: the battery gives 8 V and the motors stand; reset: it begins anew, as when it is switched on."""
+Fault = Literal["silence", "garbage", "stall", "brownout", "servos", "reset"]
+"""silence: it sends nothing; garbage: a tenth of what it sends is wrong; stall: nobody takes its bytes or reads them;
+brownout: the battery gives 8 V and the motors stand; servos: they do not say where they are; reset: it begins anew, as
+when it is switched on."""
 FAULTS: Final[tuple[Fault, ...]] = get_args(Fault)
 
 REPORT_STEPS: Final = 5
@@ -215,7 +216,7 @@ class EmulatedBoard:
 
     def _answer(self, function: int) -> None:
         match function:
-            case frames.ARM if self._servos is not None:
+            case frames.ARM if self._servos is not None and "servos" not in self._faults:
                 self._put(frames.ARM, struct.pack("<6h", *self._measured()))
             case frames.VERSION:
                 self._put(frames.VERSION, bytes(_VERSION))

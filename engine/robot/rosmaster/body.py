@@ -45,7 +45,7 @@ STALL_S: Final = 0.15
 ARM_S: Final = 0.02
 """Between two frames to the servos; they are given twice that to get there."""
 ARM_QUERY_S: Final = 0.1
-"""Between two questions where the servos are."""
+"""Between two questions where the servos are. While they have never answered, none is moved: nobody knows how far."""
 ASK_S: Final = 0.4
 """Between two tries to have the board report."""
 STEERING: Final = math.radians(30)
@@ -156,13 +156,14 @@ class RosmasterBody:
                 with contextlib.suppress(PortError):
                     self._open(now)
             return
+        was = self.trouble
         try:
             self._hear(self._line, now)
             self._say(self._line, now)
         except OSError:
             self._lose(f"{self._path} was unplugged", now)
             return
-        self._look_after(now)
+        self._look_after(now, was)
 
     def drive(self, twist: Twist) -> None:
         limited = self._within(twist) if not self.trouble else ZERO
@@ -177,8 +178,6 @@ class RosmasterBody:
         if self._servos is None:
             return
         self._to_place = self._servos.pulses(joints, opening)
-        if not self._arm_known:  # nothing says otherwise: they are where they are told to be
-            self._joints, self._opening = tuple(joints), opening
 
     def shine(self, rgb: tuple[int, int, int]) -> None:
         self._light = rgb
@@ -232,8 +231,9 @@ class RosmasterBody:
         if guard is not None:
             guard.discard()
 
-    def _look_after(self, now: float) -> None:
-        """Whether everything is as it must be for driving."""
+    def _look_after(self, now: float, was: str) -> None:
+        """Whether everything is as it must be for driving; trouble that there ``was`` before this step may be over, for
+        the host has seen it."""
         if self._guard is not None and not self._guard.beat(now):
             self._lose("the guard process was lost", now - LOOK_S)  # the port is opened again, with another one
         elif self._left and now - self._written > STALL_S:
@@ -242,7 +242,7 @@ class RosmasterBody:
             self._complain(f"the board on {self._path} is silent")
         elif self._sagged is not None and now - self._sagged > EMPTY_S:
             self._complain(f"the battery is empty ({self.volts:.1f} V)")
-        elif self.trouble and (self._guard is None or self._guard.watches):
+        elif was and self.trouble and (self._guard is None or self._guard.watches):
             self.trouble = ""
 
     def _complain(self, why: str) -> None:
@@ -274,7 +274,10 @@ class RosmasterBody:
             case ArmAt(pulses) if self._servos is not None:
                 self._joints = self._servos.angles(pulses, self._joints)
                 self._opening = self._servos.opening(pulses, self._opening)
-                self._arm_known = True
+                if not self._arm_known:
+                    self._arm_known = True
+                    self._to_place = None
+                    self._complain("the arm has only now said where it is")  # whoever moves it begins there
             case _:
                 pass
 
@@ -289,7 +292,12 @@ class RosmasterBody:
             self._tell_speed(line, now)
         if self._servos is None or self.trouble:
             return
-        if self._to_place is not None and self._to_place != self._placed and now - self._placed_at >= ARM_S:
+        if (
+            self._arm_known
+            and self._to_place is not None
+            and self._to_place != self._placed
+            and now - self._placed_at >= ARM_S
+        ):
             if self._write(line, frames.arm(self._to_place, round(2000 * ARM_S)), now):
                 self._placed, self._placed_at = self._to_place, now
         elif now - self._arm_asked >= ARM_QUERY_S:
