@@ -271,10 +271,13 @@ class Limits(Section):
 
 
 class Camera(Section):
-    """The camera of the simulated robot."""
+    """The robot's camera."""
 
+    device: str | None = Field(
+        description="On a real robot: number, name or path of a USB camera (`sayso robot check` lists them)."
+    )
     backend: Literal["auto", "opengl", "rays"] = Field(
-        description="auto: OpenGL (EGL or OSMesa) where it works, rays cast in the simulation elsewhere."
+        description="Simulated: auto: OpenGL (EGL or OSMesa) where it works, rays cast elsewhere."
     )
     width: int = Field(ge=32, le=640, description="Pixels; more makes small tags readable from farther away.")
     height: int = Field(ge=24, le=480, description="Pixels; 48 degrees of view are divided among them.")
@@ -505,6 +508,7 @@ class ExternalSkill(Section):
     silence_s: float | None = Field(
         default=5, gt=0, le=3600, description="The action fails when the program says nothing for so long; null: never."
     )
+    depth: bool = Field(default=True, description="Whether it needs a camera that measures depth, if it needs one.")
     endless: bool = Field(
         default=False, description="It goes on until told otherwise: session.turn_limit_s does not end it."
     )

@@ -29,7 +29,7 @@ from engine.planner.stages.two_stage import TwoStage
 from engine.planner.validation import as_call
 from engine.planner.worlds.house import build_vocabulary
 from engine.planner.worlds.world import World
-from engine.robot.bodies import capabilities
+from engine.robot.bodies import description_of
 from engine.skills.external.host import external_skill
 from engine.skills.library import LIBRARY
 from engine.skills.library.signals import COLOURS
@@ -44,9 +44,11 @@ def build_registry(settings: Settings, places: Places | None = None, *, world: W
     """The skills that the configured robot can do: the library, and the programs of the configuration. ``world``
     replaces the words of the scene. Raises :class:`UsageError` when a program takes a name of the library."""
     words = build_vocabulary(settings, places) if world is None else world.vocabulary(places)
+    robot = description_of(settings.robot)
     return SkillRegistry(
         (*LIBRARY, *_external(settings)),
-        capabilities=capabilities(settings.robot),
+        capabilities=robot.capabilities,
+        depth=robot.camera is None or robot.camera.depth,
         vocabulary={**words.resolvers(), "colour": _colour},
     )
 

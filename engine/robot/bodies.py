@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from config.schema import Robot as RobotSettings
 from engine.errors import UsageError
 from engine.robot.camera_news import TellOfCamera
 from engine.robot.description import Description, described
 from engine.robot.home import home
 from engine.robot.host.controller import Controller
-from engine.robot.host.hosted import Build, HostedRobot
-from engine.robot.host.memory import Record
-from engine.robot.robot import Capability, Robot
+from engine.robot.host.hosted import Build, Eye, HostedRobot
+from engine.robot.host.memory import Memory, Record
+from engine.robot.robot import Robot
 
 
 def description_of(settings: RobotSettings) -> Description:
@@ -23,11 +25,6 @@ def description_of(settings: RobotSettings) -> Description:
             hint="`sayso robot list` shows which model goes with which kind.",
         )
     return found
-
-
-def capabilities(settings: RobotSettings) -> frozenset[Capability]:
-    """What the configured robot has; known without starting it. Raises ``UsageError``."""
-    return description_of(settings).capabilities
 
 
 def make_robot(settings: RobotSettings, on_camera: TellOfCamera | None = None) -> Robot:
@@ -44,10 +41,19 @@ def make_robot(settings: RobotSettings, on_camera: TellOfCamera | None = None) -
         footprint=description.footprint,
         floor_map=home(settings).floor_map,
         arm=description.arm_model,
-        eye=None,
+        eye=_eye(settings, description),
         battery=description.board.battery if description.board is not None else None,
     )
     return HostedRobot(settings.model_copy(update={"speed": "real"}), build, on_camera)
+
+
+def _eye(settings: RobotSettings, description: Description) -> Callable[[Memory, TellOfCamera], Eye] | None:
+    """The camera on USB, where the robot has one and the settings say which it is."""
+    if description.camera is None or settings.camera.device is None:
+        return None
+    from engine.robot.usb_camera import UsbCamera
+
+    return lambda memory, tell: UsbCamera(settings.camera, description, memory, tell)
 
 
 def controlled(settings: RobotSettings, last: Record | None) -> Controller:

@@ -85,6 +85,16 @@ class Mount:
         return found
 
 
+def floor_depth(lens: Lens, mount: Mount, farthest: float = 4.0) -> NDArray[np.float32]:
+    """The depth that every pixel would have if it showed the floor, shape (height, width), m along the optical z; inf
+    above the horizon and beyond ``farthest``. For a camera that measures none: right on the floor, too far above it."""
+    down = (lens.grid() @ mount.rotation.T)[:, 2]
+    with np.errstate(divide="ignore"):
+        depth = np.where(down < 0, -mount.position[2] / down, np.inf)
+    depth[depth > farthest] = np.inf
+    return depth.reshape(lens.height, lens.width).astype(np.float32)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Picture:
     """One picture. Nobody changes its arrays."""

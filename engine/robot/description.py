@@ -14,6 +14,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Literal, Self
 
+import numpy as np
 import yaml
 from pydantic import Field, ValidationError, model_validator
 
@@ -23,6 +24,7 @@ from config.schema import Section
 from config.writing import write_whole
 from engine.errors import UsageError
 from engine.robot.arm import ARM_JOINTS, ArmModel
+from engine.robot.camera import Mount
 from engine.robot.geometry import Point
 from engine.robot.robot import Capability, Footprint
 
@@ -137,6 +139,17 @@ class CameraOf(Section):
 
     depth: bool = Field(description="Whether it measures distances; without, those of known things are guessed.")
     view: float = Field(gt=10, lt=170, description="deg, up and down.")
+    on_arm: bool = Field(default=True, description="Whether it is at arm.eye on the wrist, or fixed to the base.")
+    at: Point = Field(default=(0.1, 0.0, 0.3), description="Its place in the base frame, m, where it is fixed there.")
+    down: float = Field(default=15, ge=-90, le=90, description="deg by which it looks down, where it is fixed.")
+
+    @property
+    def mount(self) -> Mount:
+        """Where it is, base frame, where it is fixed there."""
+        down = math.radians(self.down)
+        right, below = (0.0, -1.0, 0.0), (-math.sin(down), 0.0, -math.cos(down))
+        ahead = (math.cos(down), 0.0, -math.sin(down))
+        return Mount(np.column_stack((right, below, ahead)), np.array(self.at))
 
 
 class Description(Section):

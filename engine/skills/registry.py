@@ -111,6 +111,8 @@ class Skill:
     """It goes on until told otherwise: no time limit ends it."""
     own_words: SkillRecord | None = None
     """Of an external skill."""
+    flat: bool = False
+    """It sees, and can do without depth: what it looks for lies on the floor, or has a known size."""
 
     @property
     def words(self) -> SkillRecord:
@@ -144,9 +146,9 @@ class Skill:
         }
 
 
-def skill(*, occupies: Iterable[Capability] = (), endless: bool = False) -> Callable[[Run], Skill]:
+def skill(*, occupies: Iterable[Capability] = (), endless: bool = False, flat: bool = False) -> Callable[[Run], Skill]:
     """Make a coroutine function ``(context, …parameters) -> Result`` a skill that occupies these capabilities; an
-    ``endless`` one goes on until told otherwise."""
+    ``endless`` one goes on until told otherwise, a ``flat`` one sees without depth."""
 
     def register(function: Run) -> Skill:
         hints = get_type_hints(function, include_extras=True)
@@ -157,7 +159,7 @@ def skill(*, occupies: Iterable[Capability] = (), endless: bool = False) -> Call
         if not doc:
             raise TypeError(f"skill {function.__name__} needs a docstring: planners read it")
         parameters = tuple(_parameter(p, hints[p.name]) for p in names[1:])
-        return Skill(function.__name__, doc, parameters, frozenset(occupies), function, endless)
+        return Skill(function.__name__, doc, parameters, frozenset(occupies), function, endless, flat=flat)
 
     return register
 
@@ -176,17 +178,23 @@ def _parameter(parameter: inspect.Parameter, hint: Any) -> Parameter:
 
 
 class SkillRegistry:
-    """The skills on offer. ``vocabulary`` resolves words of a kind (``place``) that must be known."""
+    """The skills on offer: those for which the robot has what they occupy, and whose camera measures ``depth`` where
+    they need that. ``vocabulary`` resolves words of a kind (``place``) that must be known."""
 
     def __init__(
         self,
         skills: Iterable[Skill],
         *,
         capabilities: frozenset[Capability],
+        depth: bool = True,
         vocabulary: Mapping[str, Resolve] | None = None,
     ) -> None:
         every = {skill.name: skill for skill in skills}
-        self._skills = {name: skill for name, skill in every.items() if skill.occupies <= capabilities}
+        self._skills = {
+            name: skill
+            for name, skill in every.items()
+            if skill.occupies <= capabilities and (depth or skill.flat or "camera" not in skill.occupies)
+        }
         self._impossible = every.keys() - self._skills.keys()
         self._vocabulary = dict(vocabulary or {})
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from tests.board import Emulator
 from tests.e2e.engine import Engine, engine
+from tests.unit.test_usb_camera import film
 
 
 @pytest.fixture
@@ -91,6 +94,16 @@ def test_driven_by_hand_it_stops_when_no_more_comes(board: Emulator, running: En
     running.send(do="drive", vx=0.2, id="no")
     assert not running.until("ack", lambda body: body["id"] == "no")["ok"]
     assert board.comes_to(lambda state: any(state["told"].values()), 0.5) is None
+
+
+def test_a_camera_on_usb_shows_what_it_sees(board: Emulator, tmp_path: Path) -> None:
+    made = yaml.safe_load((Path(str(files("assets"))) / "robots" / "x3plus.yaml").read_text("utf-8"))
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(yaml.safe_dump(made | {"camera": {"depth": False, "view": 50, "on_arm": False}}, sort_keys=False))
+    options = (f"kind=rosmaster port={board.path} model={mine} camera.device={film(tmp_path / 'film.avi', 50)}").split()
+    with engine(tmp_path / "state", "", *(part for one in options for part in ("--set", f"robot.{one}"))) as started:
+        ready = started.until("log", lambda body: body["source"] == "camera" and body["message"].startswith("ready"))
+        assert "320×240, no depth" in ready["message"]
 
 
 def test_what_needs_a_camera_is_not_offered(board: Emulator, running: Engine) -> None:

@@ -95,11 +95,15 @@ def robot_check(settings: Settings, *, json: bool = False) -> int:
     """The ports there are, and what answers on the configured one. Nothing moves."""
     from engine.robot.bodies import description_of
     from engine.robot.rosmaster.inspection import inspect
+    from engine.robot.usb_camera import cameras
     from engine.serial_port import attached
 
     ports = attached()
     port = settings.robot.port
+    pictures = cameras()
     if not json:
+        for path, name in pictures.items():
+            data(f"camera    {path} ({name})")
         for one in ports:
             data(f"port      {one.lasting} ({one.named})")
         if not ports:

@@ -122,7 +122,7 @@ def _in_box(sight: Sight, box: PixelBox, floor: FloorMap) -> Target | None:
     return Target(f"the {thing.name}", _things(Wanted(thing.kind, thing.colour, thing.tag)), parts)
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], flat=True)
 async def follow_line(context: SkillContext, color: ThingColour = "") -> Result:
     """Drive along a line on the floor to its end; stops before what stands on it.
 

@@ -1,0 +1,178 @@
+"""A camera on USB: colours, and no depth. It comes and goes without anybody else noticing more than that.
+
+A thread reads it, for a driver may block for seconds. What is not measured is assumed: every pixel shows the floor
+(:func:`engine.robot.camera.floor_depth`), which is right for lines and tags on the floor and for nothing that stands.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from config.schema import Camera as CameraSettings
+from engine.errors import CameraError
+from engine.robot.camera import Lens, Mount, Picture, floor_depth
+from engine.robot.camera_news import Lost, Opened, Opening, TellOfCamera
+from engine.robot.description import Description
+from engine.robot.host.memory import Memory, believed
+
+AGAIN_S: Final = 1.0
+"""Between two tries to open a camera that is not there."""
+LATE_S: Final = 3.0
+"""In which a picture must come."""
+NAMES: Final = Path("/sys/class/video4linux")
+
+
+def cameras() -> dict[str, str]:
+    """What the system calls its cameras, by path: ``/dev/video0``."""
+    found = {}
+    with contextlib.suppress(OSError):
+        for folder in sorted(NAMES.iterdir()):
+            with contextlib.suppress(OSError):
+                found[f"/dev/{folder.name}"] = (folder / "name").read_text().strip()
+    return found
+
+
+def path_of(device: str) -> str:
+    """The path that a setting means: a number, a path, or a part of a name. Raises :class:`CameraError`."""
+    if device.isdecimal():
+        return f"/dev/video{device}"
+    if os.sep in device:
+        return str(Path(device).expanduser())
+    there = cameras()
+    found = next((path for path, name in there.items() if device.casefold() in name.casefold()), None)
+    if found is None:
+        known = ", ".join(there.values()) or "none at all"
+        raise CameraError(f"There is no camera called {device!r}.", hint=f"There are: {known}.")
+    return found
+
+
+class UsbCamera:
+    """One camera, in one asyncio loop, in which ``tell`` is called too."""
+
+    pid: int | None = None
+    """It has no process of its own."""
+
+    def __init__(self, settings: CameraSettings, description: Description, memory: Memory, tell: TellOfCamera) -> None:
+        """Open it in the background; ``memory`` is what the host fills."""
+        assert settings.device is not None, "whoever makes one knows which"
+        assert description.camera is not None, "the same"
+        self._device = settings.device
+        self._size = settings.width, settings.height
+        self._about = description.camera
+        self._arm = description.arm_model
+        self._memory = memory
+        self._tell = tell
+        self._loop = asyncio.get_running_loop()
+        self._newest: tuple[float, NDArray[np.uint8]] | None = None  # when it came, and BGR
+        self._came = asyncio.Event()
+        self._lost: CameraError | None = None
+        self._closing = threading.Event()
+        self._reader = threading.Thread(target=self._read, name="camera", daemon=True)
+        self._reader.start()
+
+    async def look(self, *, labels: bool = False) -> Picture:
+        """A picture that is taken from now on. Raises ``CameraError``."""
+        del labels
+        asked = time.monotonic()
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(LATE_S):
+                while self._newest is None or self._newest[0] < asked:
+                    if self._lost is not None:
+                        raise self._lost
+                    self._came.clear()
+                    await self._came.wait()
+        if self._newest is None or self._newest[0] < asked:
+            raise CameraError(f"The camera has delivered no picture for {LATE_S:g} s.")
+        return self._picture(self._newest[1])
+
+    async def close(self) -> None:
+        """Let go of it."""
+        self._closing.set()
+        await asyncio.to_thread(self._reader.join, LATE_S)  # a driver that blocks keeps its thread
+
+    def _picture(self, bgr: NDArray[np.uint8]) -> Picture:
+        import cv2
+
+        width, height = self._size
+        rgb = cv2.cvtColor(cv2.resize(bgr, (width, height), interpolation=cv2.INTER_AREA), cv2.COLOR_BGR2RGB)
+        record = self._memory.state.get()
+        lens = Lens.of_view(width, height, np.radians(self._about.view))
+        mount = self._mount(record)
+        pose = believed(record, self._memory.correction.scratch)
+        pixels: NDArray[np.uint8] = np.asarray(rgb, dtype=np.uint8)
+        return Picture(float(record["t"]), pixels, floor_depth(lens, mount), lens, mount, pose)
+
+    def _mount(self, record: Any) -> Mount:
+        if not self._about.on_arm:
+            return self._about.mount
+        yaw, shoulder, elbow, wrist, roll = record["joints"].tolist()
+        return self._arm.camera((yaw, shoulder, elbow, wrist, roll))
+
+    # In the thread that reads
+
+    def _read(self) -> None:
+        while not self._closing.is_set():
+            self._in_loop(lambda: self._tell(Opening()))
+            try:
+                self._read_on()
+            except CameraError as error:
+                self._in_loop(partial(self._lose, error))
+            self._closing.wait(AGAIN_S)
+
+    def _read_on(self) -> None:
+        """Read until it is closed. Raises ``CameraError`` when it is lost, or cannot be opened."""
+        import cv2
+
+        path = path_of(self._device)
+        capture: Any = None
+        try:
+            capture = cv2.VideoCapture(path)
+            if not capture.isOpened():
+                raise CameraError(f"The camera {path} cannot be opened.", hint="Is it plugged in, and used by nobody?")
+            capture.set(cv2.CAP_PROP_FRAME_WIDTH, 640)
+            capture.set(cv2.CAP_PROP_FRAME_HEIGHT, 480)
+            pace = (
+                1 / (capture.get(cv2.CAP_PROP_FPS) or 30) if Path(path).is_file() else 0.0
+            )  # a film goes its own pace
+            first = True
+            while not self._closing.is_set():
+                good, bgr = capture.read()
+                if not good:
+                    raise CameraError(f"The camera {path} delivers no more pictures.", hint="It is opened again.")
+                self._in_loop(partial(self._take, time.monotonic(), bgr, path, first))
+                first = False
+                self._closing.wait(pace)
+        except cv2.error as error:
+            raise CameraError(f"The camera {path} has a fault: {str(error).splitlines()[0]}.") from error
+        finally:
+            if capture is not None:
+                capture.release()
+
+    def _in_loop(self, call: Callable[[], object]) -> None:
+        with contextlib.suppress(RuntimeError):  # the loop has ended: nobody wants to know
+            self._loop.call_soon_threadsafe(call)
+
+    # In the loop
+
+    def _take(self, at: float, bgr: NDArray[np.uint8], path: str, first: bool) -> None:
+        self._newest, self._lost = (at, bgr), None
+        if first:
+            height, width = bgr.shape[:2]
+            self._tell(Opened(f"{path} {width}×{height}, no depth"))
+        self._came.set()
+
+    def _lose(self, error: CameraError) -> None:
+        self._lost = error
+        self._tell(Lost(error))
+        self._came.set()
