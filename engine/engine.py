@@ -112,7 +112,10 @@ class Engine:
         self._player = make_player(settings.voice, sound, self._satellite)
         self._epoch = Epoch(self._stop)
         self._estop = EmergencyStop(
-            paths().estop, self._robot.press, lambda pressed: self.send(EStop() if pressed else Release())
+            paths().estop,
+            self._robot.press,
+            lambda pressed: self.send(EStop() if pressed else Release()),
+            lambda words: self._tell_log("robot", words),
         )
         self._parts: dict[PartName, Part[Any]] = {}
         self._memory = WorldMemory()

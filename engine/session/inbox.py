@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final, Generic, Literal, TypeVar
 
-from engine.commands import Added, Command, Drive, EndTask, EStop, Halted, Heard, Interrupt, Quit, Say, Wake
+from engine.commands import Added, Command, Drive, EndTask, EStop, Halted, Heard, Interrupt, Quit, Release, Say, Wake
 from engine.epoch import Epoch
 from engine.events import Scope, State
 from engine.planner.phrases.stopping import is_emergency, is_end_task, is_stop
@@ -57,7 +57,7 @@ class Inbox(Generic[T]):
     """Requests from any thread, and news of type ``T`` from the loop itself, in one order. Made in the loop.
 
     ``busy`` is what a new command does while one runs; ``state`` tells where the session is; ``mark_wake`` is told of a
-    wake at once, so that nothing said after it is lost; ``press`` presses the emergency stop.
+    wake at once, so that nothing said after it is lost; ``press`` presses the emergency stop, or releases it.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class Inbox(Generic[T]):
         busy: Literal["interrupt", "queue", "reject"],
         state: Callable[[], State],
         mark_wake: Callable[[Wake], None],
-        press: Callable[[], None],
+        press: Callable[[bool], None],
     ) -> None:
         self._epoch = epoch
         self._busy = busy
@@ -84,12 +84,16 @@ class Inbox(Generic[T]):
         with self._order:
             scope = self._scope_of(command)
             if scope == "estop":
-                self._press()
+                self._press(True)
             epoch = self._epoch.current if scope is None else self._epoch.advance()
+            if isinstance(command, Release):  # in the order in which people pressed and released; and what was said
+                self._press(False)  # meanwhile belongs to an epoch that is over
             if scope not in (None, "halted"):
                 self._newest = epoch
             if isinstance(command, Drive):
                 self._hand = epoch
+            elif isinstance(command, Say | Added):
+                self._hand = 0  # what it asks for is interrupted by the next one that drives
         if isinstance(command, Wake):
             self._mark_wake(command)
         with contextlib.suppress(RuntimeError):  # the loop has ended: there is nothing left to ask, and it stands
@@ -103,6 +107,8 @@ class Inbox(Generic[T]):
                 return "end_task"
             case EStop():
                 return "estop"
+            case Release():
+                return "interrupt"
             case Drive():
                 return None if self._epoch.is_current(self._hand) and self._state() in REST else "by_hand"
             case Interrupt():

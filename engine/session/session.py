@@ -89,7 +89,7 @@ class Session:
         self._loop = asyncio.get_running_loop()
         self._by_hand = ByHand(needs.robot)
         self._inbox: Inbox[TurnOver] = Inbox(
-            epoch, settings.busy, lambda: self._state, mark_wake, lambda: needs.press(True)
+            epoch, settings.busy, lambda: self._state, mark_wake, lambda pressed: needs.press(pressed)
         )
         self._state: State = "IDLE"
         self._cycle = TaskCycle(1)
@@ -202,7 +202,6 @@ class Session:
             case EStop():
                 self._ack(request, PRESSED)
             case Release():
-                self._needs.press(False)
                 self._ack(request, "The emergency stop is released.")
             case Drive(vx, vy, wz) as drive:
                 refused = self._by_hand.drive(Twist(vx, vy, wz), request.epoch)
@@ -373,6 +372,8 @@ class Session:
         """Send the arm slowly to its initial pose; whatever interrupts next holds it where it is."""
         if (robot := self._needs.robot.value) is not None:
             with contextlib.suppress(RobotError):  # its loss is reported by whoever watches the robot
+                if robot.state().estop:
+                    return
                 robot.move_arm(robot.arm.rest, self._epoch.current, speed=ARM_RETURN_SPEED)
 
     def _put(self, here: Here) -> str:

@@ -207,8 +207,7 @@ class EmulatedBoard:
         if self._servos is None or not self._torque:
             return
         self._pulses = pulses
-        joints = self._servos.angles(pulses, self._body.joints)
-        self._body.place_arm(joints, self._servos.opening(pulses, self._body.opening))
+        self._body.place_arm(self._servos.angles(pulses), self._servos.opening(pulses))
 
     def _measured(self) -> Pulses:
         assert self._servos is not None, "whoever asks knows that there are some"

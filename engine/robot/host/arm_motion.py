@@ -66,9 +66,12 @@ class ArmMotion:
         self._wanted_opening = max(0.0, min(1.0, opening))
         return True
 
-    def hold(self) -> None:
-        """Stay where the arm is now; the gripper keeps its grip."""
-        self.targets = self._goal = self.joints
+    def hold(self, *, anew: bool = False) -> None:
+        """Stay where the arm is now; the gripper keeps its grip. Servos that are measured late are where they were told
+        to be, unless they are further from it than that can be, or ``anew`` says that they need not be there."""
+        lag = 0.0 if anew else self._body.lag
+        pairs = zip(self.targets, self.joints, strict=True)
+        self.targets = self._goal = tuple(told if abs(told - is_) < lag else is_ for told, is_ in pairs)
         self._speed = 0.0
         self._wanted_opening = self._opening
         self._tell()

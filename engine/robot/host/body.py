@@ -43,6 +43,16 @@ class Body(Protocol):
         ...
 
     @property
+    def lag(self) -> float:
+        """By how much the measured joints may be behind what they were told while they follow it, rad."""
+        ...
+
+    @property
+    def guard_pid(self) -> int:
+        """Of the process that brings it to rest when the host dies; 0 where there is none."""
+        ...
+
+    @property
     def opening(self) -> float:
         """Of the gripper, measured, 0 closed … 1 open."""
         ...

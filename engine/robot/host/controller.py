@@ -91,6 +91,8 @@ class Controller:
 
     def drive(self, twist: Twist) -> bool:
         """Drive until the command lifetime is over."""
+        if self._blind and (over := math.hypot(twist.vx, twist.vy) / BLIND.vx) > 1:
+            twist = Twist(twist.vx / over, twist.vy / over, twist.wz)
         return self._envelope.command(twist, self.t)
 
     def move_arm(self, joints: Sequence[float], speed: float) -> bool:
@@ -121,10 +123,11 @@ class Controller:
         self._seen = into_map_frame(into_base_frame(self._seen, before), self._pose)
         self._look_around()
 
-    def stop(self) -> None:
-        """Base to zero velocity now, arm where it is, gripper as it grips."""
+    def stop(self, *, anew: bool = False) -> None:
+        """Base to zero velocity now, arm where it is, gripper as it grips. ``anew``: it may have been moved since, or
+        have been without power."""
         self.pause()
-        self.arm.hold()
+        self.arm.hold(anew=anew)
         self.resume()
 
     def pause(self) -> None:

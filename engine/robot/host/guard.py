@@ -6,9 +6,12 @@ turn looks after its guard, and stands while there is none. So the death of eith
 
 from __future__ import annotations
 
+import contextlib
 import mmap
 import os
+import signal
 import time
+from pathlib import Path
 
 from engine.child import Child
 from engine.robot.host.guard_main import GUARD_ALIVE, HOST_ALIVE, SIZE
@@ -16,8 +19,28 @@ from engine.unnamed import unnamed_file
 
 SILENCE_S = 0.2
 """From this long without a sign of life, the guard counts as lost."""
+LEAVE_S = 0.3
+"""In which it leaves after its host is gone."""
 START_S = 5.0
 """In which it must have given its first."""
+
+
+def end_guard(pid: int) -> None:
+    """End a guard whose host is gone, unless it leaves by itself, having told the body to rest; blocks until then."""
+    until = time.monotonic() + LEAVE_S
+    while _is_guard(pid):
+        if time.monotonic() > until:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+            return
+        time.sleep(0.01)
+
+
+def _is_guard(pid: int) -> bool:
+    try:
+        return b"engine.robot.host.guard_main" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:  # gone, or a system that tells nothing of its processes
+        return False
 
 
 class Guard(Child):

@@ -39,6 +39,8 @@ engine's last sign of life it must."""
 HALT_S = 1.0
 """s of silence after which the robot has halted. Anything that computes can hold up an engine for half of that where
 the machine is slow and busy, and the robot stands meanwhile."""
+LAST_LOOK = 3.0
+"""s in which a body that is out of reach may come back, to be told to stand, before the process ends."""
 SETTLE_LIMIT = 0.5
 """s of robot time in which the base comes to rest before the process ends; from full speed it needs 0.1."""
 
@@ -84,17 +86,24 @@ class Host:
     def settle(self, why: str, pace: Callable[[], object] = lambda: None) -> None:
         """The last thing of all: come to rest, whatever was commanded, and leave that as the last state."""
         self._halt(why)
-        for _ in range(round(SETTLE_LIMIT / STEP_S)):
-            if not self._stopping:
+        for step in range(round(LAST_LOOK / STEP_S)):
+            out_of_reach = bool(self._controller.body.trouble)
+            if not out_of_reach and (not self._stopping or step > SETTLE_LIMIT / STEP_S):
                 break
             pace()
             self._advance()
         self.publish()
 
+    def come_back(self) -> None:
+        """This process was away for so long that nobody knows any more what it was about."""
+        if not self._halted:
+            self._halt("the robot process was away")
+
     def publish(self) -> None:
         """Show the readings of now."""
         controller, box = self._controller, self._memory.state
         controller.fill(box.scratch)
+        self._memory.ints[m.GUARD] = controller.body.guard_pid
         box.scratch["epoch"] = self._epoch
         box.scratch["halted"], box.scratch["halted_in"] = self._halted.encode(), self._halted_in
         box.scratch["paused"], box.scratch["paused_s"] = self._paused_at is not None, self._paused_s
@@ -111,7 +120,7 @@ class Host:
         if self._halted:
             if silence <= self._allowed and self._epoch != self._halted_in and not self._hindrance():
                 self._halted = ""
-                self._controller.stop()  # the arm holds where it is by now, not where it was then
+                self._controller.stop(anew=True)  # the arm holds where it is by now, not where it was then
                 self.publish()
         elif silence > max(HALT_S, self._allowed):
             self._halt("heartbeat lost")
@@ -228,6 +237,8 @@ def run_in_real_time(memory: Memory, host: Host, link: socket.socket) -> None:
         now = time.monotonic()
         if late > DEBT:
             ints[m.OVERRUNS] += 1
+        if late > HALT_S:
+            host.come_back()
         host.step(now)
         times[m.ALIVE] = now
         step += 1

@@ -31,6 +31,7 @@ from engine.robot.description import Battery
 from engine.robot.floor_map import FloorMap
 from engine.robot.geometry import Pose, Twist, compose, inverse
 from engine.robot.host import memory as m
+from engine.robot.host.guard import end_guard
 from engine.robot.host.memory import Memory, Record, believed
 from engine.robot.host.process import HostProcess
 from engine.robot.lidar import LIDAR_ANGLES, RAYS
@@ -188,9 +189,13 @@ class HostedRobot:
             os.close(memory.fd)
 
     async def _bury(self) -> None:
-        """Leave nothing of a process that is lost or never became ready."""
+        """Leave nothing of a process that is lost or never became ready, nor of its guard, which would keep the port if
+        it hangs."""
         if (process := self._process) is not None:
             await self._end(process, process.kill)
+            if self._memory is not None and (guard := self._memory.ints[m.GUARD]):
+                self._memory.ints[m.GUARD] = 0
+                await asyncio.to_thread(end_guard, guard)
 
     async def _end(self, process: HostProcess, end: Callable[[], None]) -> None:
         self._process = None

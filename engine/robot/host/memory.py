@@ -66,7 +66,8 @@ LOOP = np.dtype([("late", "f4"), ("busy", "f4")])
 STOP_EPOCH, STOP_TIME, HEARTBEAT, WAITERS, QUIT, PAUSE, RESUME, ESTOP = range(8)
 """PAUSE and RESUME hold tokens: the newest pause, and the newest that is over."""
 # Words of the robot process.
-READY, STOPPED_EPOCH, ZERO_TIME, REST_TIME, TICKS, ALIVE, OVERRUNS, STEPS, SCHEDULING = range(8, 17)
+READY, STOPPED_EPOCH, ZERO_TIME, REST_TIME, TICKS, ALIVE, OVERRUNS, STEPS, SCHEDULING, GUARD = range(8, 18)
+"""GUARD is the process id of the guard beside it, or 0."""
 _WORDS = 32
 
 _SLOTS: Final = 4

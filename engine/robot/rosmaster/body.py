@@ -44,6 +44,10 @@ STALL_S: Final = 0.15
 """From this long without a byte that could be written, the line counts as stalled."""
 ARM_S: Final = 0.02
 """Between two frames to the servos; they are given twice that to get there."""
+SLEW: Final = 80
+"""Most by which a servo's position changes from one frame to the next, 5.7 rad/s: whatever goes wrong, no arm jumps."""
+LAG: Final = 0.5
+"""By how much a servo's reading may be behind what it was told, rad: it is asked ten times a second."""
 ARM_QUERY_S: Final = 0.1
 """Between two questions where the servos are. While they have never answered, none is moved: nobody knows how far."""
 ASK_S: Final = 0.4
@@ -51,9 +55,10 @@ ASK_S: Final = 0.4
 STEERING: Final = math.radians(30)
 """To which front wheels can be steered."""
 LOOK_S: Final = 0.1
-"""Between two tries to open the port."""
+"""Between two tries to open the port, or to start a guard."""
 OPEN_LIMIT_S: Final = 4.0
 """In which a board must report after its port was opened: some reset for 1.5 s."""
+NO_GUARD: Final = "the guard process was lost"
 BUSY_LIMIT_S: Final = 1.5
 """In which a guard of ours that was left behind lets go of the port."""
 
@@ -81,6 +86,8 @@ class RosmasterBody:
         self._description = description
         self._car_type = description.board.car_type
         self._guarded = guarded
+        self._guard_looked = -math.inf
+        self._rest = frames.motion(self._car_type, ZERO)
         self._clock = clock
         self._open_line = open_line
         self._began = clock() - (float(last["t"]) if last is not None else 0.0)
@@ -96,7 +103,6 @@ class RosmasterBody:
         self._placed_at = self._arm_asked = -math.inf
         self._joints: tuple[float, ...] = (0.0,) * len(ARM_JOINTS)
         self._opening = 0.0
-        self._arm_known = False
         self._light: tuple[int, int, int] | None = None
         self._twist, self._twist_at = ZERO, -math.inf
         self._odometry = Odometry(description, start if last is None else added_up(last))
@@ -119,7 +125,7 @@ class RosmasterBody:
                     raise
                 time.sleep(0.05)
         limit = self._clock() + OPEN_LIMIT_S
-        while self.trouble or (self._servos is not None and not self._arm_known and self._clock() < limit - 2.0):
+        while self.trouble or (self._servos is not None and self._servos.known is None and self._clock() < limit - 2.0):
             if self._clock() > limit:
                 why = self.trouble
                 self.close()
@@ -144,6 +150,14 @@ class RosmasterBody:
     @property
     def joints(self) -> tuple[float, ...]:
         return self._joints
+
+    @property
+    def lag(self) -> float:
+        return LAG
+
+    @property
+    def guard_pid(self) -> int:
+        return self._guard.pid if self._guard is not None else 0
 
     @property
     def opening(self) -> float:
@@ -205,37 +219,54 @@ class RosmasterBody:
     # The port
 
     def _open(self, now: float) -> None:
-        """Raises :class:`PortError`. From here on the board is told to stand; it may be driving."""
+        """Raises :class:`PortError`. The board may be driving: before anything else it is told to stand."""
         self._looked = now
         line = self._open_line(self._path)
-        try:
-            if self._guarded:
-                self._guard = Guard(line.fileno(), frames.motion(self._car_type, ZERO))
-        except (ProcessError, OSError) as error:
-            line.close()
-            message = error.message if isinstance(error, ProcessError) else str(error)
-            raise PortError("broken", message) from error
+        with contextlib.suppress(OSError):  # the next step finds out
+            line.write(self._rest)
         self._line = line
         self._framer = Framer(FromBoard())
-        self._left, self._told, self._placed = b"", ZERO, None
+        self._left, self._told = b"", ZERO
         self._heard, self._asked, self._written, self._told_at = -math.inf, -math.inf, now, -math.inf
+        if self._servos is not None:  # it may have sunk, or been bent
+            self._servos.forget()
+        self._placed = self._to_place = None
         self.trouble = f"the board on {self._path} has not answered yet"
+        self._begin_guard(line, now)
 
     def _lose(self, why: str, now: float) -> None:
         self.trouble = why
         self._told, self._twist, self._looked = ZERO, ZERO, now
-        guard, self._guard = self._guard, None
         line, self._line = self._line, None
         if line is not None:
+            with contextlib.suppress(OSError):  # gone indeed
+                line.write(self._rest)
             line.close()
+        self._end_guard()
+
+    def _begin_guard(self, line: Line, now: float) -> None:
+        """Have a guard; where none can be started, the board stands until one can."""
+        if not self._guarded:
+            return
+        self._guard_looked = now
+        try:
+            self._guard = Guard(line.fileno(), self._rest)
+        except (ProcessError, OSError):
+            self._complain(NO_GUARD)
+
+    def _end_guard(self) -> None:
+        guard, self._guard = self._guard, None
         if guard is not None:
             guard.discard()
 
     def _look_after(self, now: float, was: str) -> None:
         """Whether everything is as it must be for driving; trouble that there ``was`` before this step may be over, for
         the host has seen it."""
-        if self._guard is not None and not self._guard.beat(now):
-            self._lose("the guard process was lost", now - LOOK_S)  # the port is opened again, with another one
+        if self._guarded and not (self._guard is not None and self._guard.beat(now)):
+            self._complain(NO_GUARD)
+            if self._line is not None and now - self._guard_looked >= LOOK_S:
+                self._end_guard()
+                self._begin_guard(self._line, now)
         elif self._left and now - self._written > STALL_S:
             self._complain(f"{self._path} takes no bytes")
         elif now - self._heard > SILENCE_S:
@@ -272,14 +303,20 @@ class RosmasterBody:
             case Encoders(counts):
                 self._odometry.encoders(counts, now)
             case ArmAt(pulses) if self._servos is not None:
-                self._joints = self._servos.angles(pulses, self._joints)
-                self._opening = self._servos.opening(pulses, self._opening)
-                if not self._arm_known:
-                    self._arm_known = True
-                    self._to_place = None
-                    self._complain("the arm has only now said where it is")  # whoever moves it begins there
+                self._take_arm(self._servos, pulses)
             case _:
                 pass
+
+    def _take_arm(self, servos: Servos, pulses: Sequence[int]) -> None:
+        """Where the servos are; whoever moves the arm begins there."""
+        were_known = servos.known is not None
+        servos.read(pulses)
+        if (known := servos.known) is None:
+            return
+        self._joints, self._opening = servos.angles(known), servos.opening(known)
+        if not were_known:
+            self._placed, self._to_place = known, None
+            self._complain("the arm has only now said where it is")
 
     # What it is told
 
@@ -292,14 +329,11 @@ class RosmasterBody:
             self._tell_speed(line, now)
         if self._servos is None or self.trouble:
             return
-        if (
-            self._arm_known
-            and self._to_place is not None
-            and self._to_place != self._placed
-            and now - self._placed_at >= ARM_S
-        ):
-            if self._write(line, frames.arm(self._to_place, round(2000 * ARM_S)), now):
-                self._placed, self._placed_at = self._to_place, now
+        wanted, at = self._to_place, self._placed
+        if wanted is not None and at is not None and wanted != at and now - self._placed_at >= ARM_S:
+            following = tuple(a + max(-SLEW, min(SLEW, w - a)) for w, a in zip(wanted, at, strict=True))
+            if self._write(line, frames.arm(following, round(2000 * ARM_S)), now):
+                self._placed, self._placed_at = following, now
         elif now - self._arm_asked >= ARM_QUERY_S:
             self._arm_asked = now
             self._write(line, frames.request(frames.ARM, 1), now)

@@ -16,6 +16,8 @@ from engine.robot.geometry import UNMOVED, Pose, Twist, compose, wrap
 ATTITUDE_S: Final = 0.3
 """From this long without one, the wheels alone say how far it has turned."""
 _WRAP: Final = 1 << 32  # counts are 32 bits wide
+_ODD: Final = 0.1
+"""rad by which a direction may change at once; one that changes by more than the robot can turn is odd, and ignored."""
 _NEAR_M: Final = 0.05
 """Counts that stand for less begin: where they stood for more before, the board has begun to count anew."""
 
@@ -28,6 +30,7 @@ class Odometry:
         self._wheels: Wheels = description.wheels
         self._drive = description.drive
         self._fastest = 1.5 * (description.speeds.forward + description.speeds.sideways)
+        self._fastest_turn = 1.5 * description.speeds.turn
         self._counts: Sequence[int] | None = None
         self._counts_t = -math.inf
         self._yaw: float | None = None
@@ -37,8 +40,9 @@ class Odometry:
 
     def attitude(self, yaw: float, t: float) -> None:
         """The board's direction at ``t``, rad and s."""
-        if self._yaw is not None:
-            self._turned += wrap(yaw - self._yaw)
+        most = self._fastest_turn * (t - self._yaw_t) + _ODD
+        if self._yaw is not None and abs(turn := wrap(yaw - self._yaw)) <= most:
+            self._turned += turn
         self._yaw, self._yaw_t = yaw, t
 
     def encoders(self, counts: Sequence[int], t: float) -> None:

@@ -35,6 +35,8 @@ class SimulatedBody:
 
     trouble = ""
     """Nothing goes wrong with it."""
+    lag = 0.0
+    guard_pid = 0
 
     def __init__(
         self, scene: Scene, settings: RobotSettings, last: Record | None = None, *, pictures: bool = True
