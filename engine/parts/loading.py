@@ -63,7 +63,7 @@ def at_home(settings: Settings) -> Settings:
 
 def places_file(settings: Settings) -> Path:
     """Where the places that are remembered in the robot's house are kept."""
-    return remembered.file_for(paths().places, home(settings.robot).name)
+    return remembered.file_for(paths().places, home(settings.robot).key)
 
 
 def make_vision(settings: Settings) -> Onlooker | None:

@@ -10,8 +10,10 @@ from pydantic import ValidationError
 
 from config.schema import Place
 from config.writing import write_whole
+from engine import yaml_file
 from engine.errors import StorageError
 from engine.skills.places import free_symbol
+from engine.yaml_file import BadFile
 
 HEAD = "# Places that you had the robot remember in this house. You may change them; they are read at the start.\n"
 
@@ -25,11 +27,13 @@ def file_for(folder: Path, house: str) -> Path:
 def read(file: Path) -> dict[str, Place]:
     """By name. Raises :class:`StorageError` for a file that cannot be read."""
     try:
-        raw = yaml.safe_load(file.read_text("utf-8")) or {}
+        raw = yaml_file.read(file) or {}
         return {name: Place.model_validate({"name": name, **place}) for name, place in raw.items()}
-    except (FileNotFoundError, NotADirectoryError):
+    except FileNotFoundError:
         return {}
-    except (OSError, UnicodeError, yaml.YAMLError, ValidationError, AttributeError, TypeError) as error:
+    except (BadFile, ValidationError, AttributeError, TypeError) as error:
+        if isinstance(error.__cause__, NotADirectoryError):
+            return {}
         message = f"The places in {file} cannot be read: {str(error).splitlines()[0]}."
         raise StorageError(message, hint="Mend the file, or delete it.") from error
 

@@ -15,18 +15,19 @@ from pathlib import Path
 from typing import Literal, Self
 
 import numpy as np
-import yaml
 from pydantic import Field, ValidationError, model_validator
 
 from config import paths
 from config.editing import NotEditable, Value, with_value
 from config.schema import Section
 from config.writing import write_whole
+from engine import yaml_file
 from engine.errors import UsageError
 from engine.robot.arm import ARM_JOINTS, ArmModel
 from engine.robot.camera import Mount
 from engine.robot.geometry import Point
 from engine.robot.robot import Capability, Footprint
+from engine.yaml_file import BadFile
 
 Drive = Literal["mecanum", "differential", "ackermann"]
 FOLDER = "robots"
@@ -217,11 +218,18 @@ def described(name: str) -> Description:
     """The description of this name, or in this file; this user's own goes before one that comes with sayso. Raises
     :class:`UsageError`."""
     path = file_of(name)
-    if not path.is_file():
+    if not _is_file(path):
         near = difflib.get_close_matches(name, known(), 1, 0.5)
         hint = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known())}; or give a file."
         raise UsageError(f"There is no robot called {name!r}.", hint=hint)
     return _read(path.resolve(), path.stat().st_mtime_ns)
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name that is too long, or has a zero in it
+        return False
 
 
 def file_of(name: str) -> Path:
@@ -229,7 +237,7 @@ def file_of(name: str) -> Path:
     if name.endswith((".yaml", ".yml")) or "/" in name:
         return Path(name).expanduser()
     own = paths().robots / f"{name}.yaml"
-    return own if own.is_file() else _folder() / f"{name}.yaml"
+    return own if _is_file(own) else _folder() / f"{name}.yaml"
 
 
 def note(name: str, found: Mapping[str, Value]) -> Path:
@@ -253,8 +261,8 @@ def note(name: str, found: Mapping[str, Value]) -> Path:
 @lru_cache(maxsize=16)
 def _read(path: Path, changed: int) -> Description:
     try:
-        return Description.model_validate(yaml.safe_load(path.read_text("utf-8")))
-    except (OSError, UnicodeError, yaml.YAMLError) as error:
+        return Description.model_validate(yaml_file.read(path))
+    except (FileNotFoundError, BadFile) as error:
         raise UsageError(f"{path} cannot be read: {error}.") from error
     except ValidationError as error:
         first = error.errors()[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -30,6 +31,8 @@ class Home:
     """A house as it was mapped."""
 
     name: str
+    key: str
+    """Like no other house's, for what is kept of it."""
     floor_map: FloorMap
     start: Pose
     """Where the robot is put down, map frame."""
@@ -74,7 +77,8 @@ def _mapped(path: Path, changed: int) -> Home:
     rows, columns = floor.occupied.shape
     x, y = floor.origin
     fence = (x, y, x + columns * floor.resolution, y + rows * floor.resolution)
-    return Home(path.stem, floor, Pose(0.0, 0.0, 0.0), {}, (), {}, (fence,))
+    key = f"{path.stem}-{hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:8]}"
+    return Home(path.stem, key, floor, Pose(0.0, 0.0, 0.0), {}, (), {}, (fence,))
 
 
 @lru_cache(maxsize=8)
@@ -87,6 +91,7 @@ def _home(scene: str) -> Home:
     named += [(name, piece.aliases) for name, piece in loaded.furniture.items()]
     return Home(
         name=loaded.name,
+        key=loaded.name,
         floor_map=floor_map(loaded),
         start=loaded.start.pose,
         places=loaded.known_places(),

@@ -10,14 +10,16 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from engine import yaml_file
 from engine.errors import SceneError
 from engine.robot.floor_map import FloorMap
+from engine.yaml_file import BadFile, read_bytes
 
 UNKNOWN = 205
 """What both save where nothing was seen. Under Nav2's own ``free_thresh`` it would count as free when it is read."""
+MOST_BYTES = 64_000_000
 MOST_CELLS = 16_000_000
 """Of a map that is read: 200 m × 200 m at 5 cm."""
 
@@ -40,11 +42,11 @@ def read_map(path: Path) -> FloorMap:
     """Read the map that this YAML file describes. Raises :class:`SceneError` that names the file and the key."""
     hint = "robot.map names the YAML file of a map as Nav2 saves it (ros2 run nav2_map_server map_saver_cli)."
     try:
-        saved = _Saved.model_validate(yaml.safe_load(path.read_text("utf-8")))
-    except OSError as error:
-        raise SceneError(f"The map {path} cannot be read: {error.strerror}.", hint=hint) from error
-    except (UnicodeError, yaml.YAMLError) as error:
-        raise SceneError(f"The map {path} is not YAML: {error}.", hint=hint) from error
+        saved = _Saved.model_validate(yaml_file.read(path))
+    except FileNotFoundError as error:
+        raise SceneError(f"The map {path} cannot be read: there is none.", hint=hint) from error
+    except BadFile as error:
+        raise SceneError(f"The map {path} cannot be read: {error}.", hint=hint) from error
     except ValidationError as error:
         fault = error.errors()[0]
         key = ".".join(map(str, fault["loc"])) or "the file"
@@ -65,9 +67,11 @@ def _picture(path: Path) -> np.ndarray:
     import cv2
 
     try:
-        data = np.frombuffer(path.read_bytes(), dtype=np.uint8)
-    except OSError as error:
-        raise SceneError(f"The picture of the map, {path}, cannot be read: {error.strerror}.") from error
+        data = np.frombuffer(read_bytes(path, MOST_BYTES), dtype=np.uint8)
+    except FileNotFoundError as error:
+        raise SceneError(f"The picture of the map, {path}, cannot be read: there is none.") from error
+    except BadFile as error:
+        raise SceneError(f"The picture of the map, {path}, cannot be read: {error}.") from error
     try:
         grey = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE)
     except cv2.error:

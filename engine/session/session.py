@@ -221,7 +221,7 @@ class Session:
                 self._ack(request)
                 said = request.command.text if isinstance(request.command, Say) else self._cycle.last_said
                 self._new_cycle("asked")
-                self._arm_home()
+                self._arm_home(request.epoch)
                 message = self._needs.wording.worded("The task is ended.", language_of(said))
                 result = TurnResult(ExitCode.DONE, "done", message)
                 self._enter("IDLE", "the task was ended", None, result)
@@ -368,13 +368,14 @@ class Session:
     def _log(self, level: Literal["info", "warning"], message: str) -> None:
         self._bus.publish(events.Log(level, "session", message), epoch=self._epoch.current)
 
-    def _arm_home(self) -> None:
-        """Send the arm slowly to its initial pose; whatever interrupts next holds it where it is."""
+    def _arm_home(self, epoch: int | None = None) -> None:
+        """Send the arm slowly to its initial pose, unless ``epoch`` is over; whatever interrupts next holds it where it
+        is."""
         if (robot := self._needs.robot.value) is not None:
             with contextlib.suppress(RobotError):  # its loss is reported by whoever watches the robot
                 if robot.state().estop:
                     return
-                robot.move_arm(robot.arm.rest, self._epoch.current, speed=ARM_RETURN_SPEED)
+                robot.move_arm(robot.arm.rest, epoch or self._epoch.current, speed=ARM_RETURN_SPEED)
 
     def _put(self, here: Here) -> str:
         """Have the robot believe where it is; why not, in words."""

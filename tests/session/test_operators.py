@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from engine import events
-from engine.commands import Drive, EStop, Heard, Here, Interrupt, Release, Say
+from engine.commands import Command, Drive, EndTask, EStop, Heard, Here, Interrupt, Release, Say
 from engine.errors import ExitCode
 from engine.robot.geometry import Pose
 from engine.robot.robot import BatteryState
@@ -189,3 +189,43 @@ def test_on_a_low_battery_nothing_is_begun_that_goes_on_and_on() -> None:
         assert (await talk.result(3)).message == "My battery is about 20 % full."
 
     converse(test)
+
+
+def test_presses_and_releases_count_in_the_order_in_which_people_gave_them() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(EStop())
+        talk.send(Release())
+        talk.send(EStop())
+        await talk.pass_time(1.0)
+        assert talk.robot.state().estop
+        talk.send(Release())
+        assert not talk.robot.state().estop, "at once, as it was pressed"
+
+    converse(test)
+
+
+@pytest.mark.parametrize("asked", [Say("turn left 90 degrees"), EndTask(), Say("wait 4 seconds, then turn left")])
+def test_what_was_said_while_it_was_pressed_moves_nothing_after_the_release(asked: Command) -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("raise your arm"))
+        await talk.result()
+        talk.send(EStop())
+        talk.send(asked)
+        talk.send(Release())
+        moved, arm = len(talk.robot.moved), len(talk.robot.arm_moves)
+        await talk.pass_time(20.0)
+        assert (len(talk.robot.moved), len(talk.robot.arm_moves)) == (moved, arm)
+
+    converse(test)
+
+
+def test_a_hand_ends_what_was_asked_for_while_it_drove() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Drive(vx=0.2))
+        await talk.pass_time(0.1)
+        talk.send(Say("turn left 180 degrees"))
+        talk.send(Drive())
+        await talk.pass_time(10.0)
+        assert abs(talk.robot.state().pose.yaw) < 0.1
+
+    converse(test, "session.busy=queue")

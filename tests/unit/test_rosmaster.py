@@ -363,7 +363,7 @@ def test_what_goes_wrong_is_trouble_and_ends(fault: Any, told: str | None) -> No
         bench.takes = 10
     bench.board.begin(fault)
     troubles = ""
-    for _ in range(120):
+    for _ in range(360):
         body.step()
         troubles += body.trouble
     if told is not None:

@@ -66,10 +66,10 @@ def test_a_map_is_for_real_robots(tmp_path: Path) -> None:
     [
         (YAML.replace("0.05", "-1"), "resolution"),
         (YAML.replace("-2.0, 0.0", "-2.0, 0.3"), "turned by 0.3 rad"),
-        (YAML.replace("map.pgm", "none.pgm"), "none.pgm, cannot be read: No such file"),
+        (YAML.replace("map.pgm", "none.pgm"), "none.pgm, cannot be read: there is none"),
         (YAML.replace("map.pgm", "map.yaml"), "none that can be read"),
         (YAML + "mode: raw\n", "saved raw"),
-        ("[", "is not YAML"),
+        ("[", "not YAML"),
         ("- 1", "is wrong"),
         (YAML.replace("-1.0", ".nan"), "origin"),
     ],
@@ -80,7 +80,7 @@ def test_what_is_wrong_with_a_map_is_told(tmp_path: Path, text: str, told: str) 
 
 
 def test_a_map_that_is_not_there_is_told(tmp_path: Path) -> None:
-    with pytest.raises(SceneError, match=r"nowhere\.yaml cannot be read: No such file"):
+    with pytest.raises(SceneError, match=r"nowhere\.yaml cannot be read: there is none"):
         home(settings(kind="rosmaster", port="/dev/ttyTest", map=str(tmp_path / "nowhere.yaml")))
 
 

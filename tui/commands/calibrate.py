@@ -101,10 +101,15 @@ async def _servos(settings: Settings) -> int:
 
 @asynccontextmanager
 async def _running(settings: Settings) -> AsyncIterator[Robot]:
+    from config import paths
+    from engine.parts.estop import EmergencyStop
     from engine.robot.bodies import make_robot
     from engine.robot.watch import HEARTBEAT_S
 
     robot = make_robot(settings.robot)
+    estop = EmergencyStop(paths().estop, robot.press, robot.press)
+    if estop.pressed:
+        raise RobotError("The emergency stop is pressed.", hint="sayso robot release")
     await robot.start()
 
     async def beat() -> None:
@@ -112,11 +117,12 @@ async def _running(settings: Settings) -> AsyncIterator[Robot]:
             robot.heartbeat()
             await asyncio.sleep(HEARTBEAT_S)
 
-    beating = asyncio.create_task(beat())
+    beating, keeping = asyncio.create_task(beat()), asyncio.create_task(estop.keep())
     try:
         yield robot
     finally:
         beating.cancel()
+        keeping.cancel()
         await robot.close()
 
 

@@ -50,6 +50,7 @@ def run(arguments: Namespace) -> int:
 
 def _wheels_up(settings: Settings, *, sure: bool) -> int:
     """Whether the motor board stops by itself when the line falls silent, written into the robot's description."""
+    from config import paths
     from engine.robot.bodies import description_of
     from engine.robot.description import note
     from engine.robot.rosmaster.inspection import fall_silent
@@ -65,7 +66,7 @@ def _wheels_up(settings: Settings, *, sure: bool) -> int:
         if sys.stdin.readline().strip().casefold() not in ("yes", "是"):
             say("sayso: nothing was moved.")
             return int(ExitCode.FAILED)
-    found = fall_silent(robot.port, board.car_type)
+    found = fall_silent(robot.port, board.car_type, paths().estop.exists)
     if not found.moved:
         say("sayso: the board reported no motion, so nothing was learned. Is the motor switch on?")
         return int(ExitCode.FAILED)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from engine.errors import DeviceError
 from engine.framing import Framer
 from engine.robot.geometry import ZERO, Twist
+from engine.robot.host.guard import Guard
 from engine.robot.rosmaster import frames
 from engine.robot.rosmaster.frames import ArmAt, CarType, FromBoard, Report, Speed, Version
 from engine.robot.rosmaster.line import SerialLine
@@ -75,16 +77,28 @@ class Silence:
     """s from the last frame to rest; None: it went on driving, until it was told to stand."""
 
 
-def fall_silent(port: str, car_type: int, speed: float = 0.15, drive_s: float = 1.0, wait_s: float = 2.0) -> Silence:
+def fall_silent(
+    port: str,
+    car_type: int,
+    stop: Callable[[], bool],
+    *,
+    speed: float = 0.15,
+    drive_s: float = 1.0,
+    wait_s: float = 2.0,
+) -> Silence:
     """Drive, say nothing any more, and watch: only with the wheels off the floor. It is told to stand in the end,
-    whatever happens. Raises ``DeviceError``."""
+    whatever becomes of this process, and at once when ``stop`` says so. Raises ``DeviceError`` or ``ProcessError``."""
     line, framer = SerialLine(port), Framer[Report](FromBoard())
+    guard = Guard(line.fileno(), frames.motion(car_type, ZERO))
     moved, speed_now, heard = False, 0.0, False
 
     def listen(seconds: float) -> None:
         nonlocal speed_now, heard
         until = time.monotonic() + seconds
-        while time.monotonic() < until:
+        while (now := time.monotonic()) < until:
+            guard.beat(now)
+            if stop():
+                raise DeviceError("The emergency stop is pressed.", hint="sayso robot release")
             for report in framer.push(line.read()):
                 if isinstance(report, Speed):
                     speed_now, heard = abs(report.twist.vx), True
@@ -110,6 +124,7 @@ def fall_silent(port: str, car_type: int, speed: float = 0.15, drive_s: float = 
                 line.write(frames.motion(car_type, ZERO))
                 time.sleep(0.02)
         line.close()
+        guard.discard()
 
 
 def _ask(line: SerialLine) -> None:
