@@ -151,3 +151,43 @@ def test_a_host_that_hangs_while_its_engine_dies_is_ended_by_its_guard(board: Em
         engine.kill()
         assert psutil.wait_procs((host, guard), timeout=30)[1] == []
         stays(board)
+
+
+def test_a_guard_that_hangs_does_not_keep_the_port_when_its_host_dies(board: Emulator) -> None:
+    with Turning(board.path) as turning:
+        turn(board, turning)
+        guard = turning.guard
+        guard.suspend()
+        turning.host.kill()
+        turning.until("ready")
+        stays(board)
+        assert psutil.wait_procs([guard], timeout=10)[1] == []
+        turn(board, turning)
+
+
+def test_a_host_that_hung_for_long_does_not_go_on_by_itself(board: Emulator) -> None:
+    with Turning(board.path) as turning:
+        turn(board, turning)
+        host = turning.host
+        host.suspend()
+        first = board.until(stands)
+        board.until(lambda state: state["t"] > first["t"] + 1.3)
+        host.resume()
+        assert "was away" in turning.until("halted")["why"]
+        stays(board)
+        turn(board, turning)
+
+
+def test_without_a_guard_it_stands_until_there_is_one(board: Emulator) -> None:
+    with Turning(board.path) as turning:
+        turn(board, turning)
+        host = turning.host
+        usual = host.rlimit(psutil.RLIMIT_NOFILE)
+        host.rlimit(psutil.RLIMIT_NOFILE, (3, usual[1]))
+        turning.guard.kill()
+        assert "the guard process was lost" in turning.until("halted")["why"]
+        stays(board)
+        turning.say("go")
+        assert board.comes_to(turns, 1.0) is None
+        host.rlimit(psutil.RLIMIT_NOFILE, usual)
+        turn(board, turning)
