@@ -274,7 +274,8 @@ class Camera(Section):
     """The robot's camera."""
 
     device: str | None = Field(
-        description="On a real robot: number, name or path of a USB camera (`sayso robot check` lists them)."
+        default=None,
+        description="On a real robot: number, name or path of a USB camera (`sayso robot check` lists them).",
     )
     backend: Literal["auto", "opengl", "rays"] = Field(
         description="Simulated: auto: OpenGL (EGL or OSMesa) where it works, rays cast elsewhere."

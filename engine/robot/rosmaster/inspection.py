@@ -6,6 +6,7 @@ import contextlib
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final
 
 from engine.errors import DeviceError
 from engine.framing import Framer
@@ -67,6 +68,11 @@ def inspect(port: str, seconds: float) -> Inspected:
     return Inspected(version, car_type, volts, servos, reports)
 
 
+TRIES: Final = 5
+HELD_UP_S: Final = 0.08
+"""From this long without a sign of life on, a guard may have told the board to stand, and nothing was learned."""
+
+
 @dataclass(frozen=True, slots=True)
 class Silence:
     """What a board did when the line fell silent while it drove."""
@@ -88,15 +94,28 @@ def fall_silent(
 ) -> Silence:
     """Drive, say nothing any more, and watch: only with the wheels off the floor. It is told to stand in the end,
     whatever becomes of this process, and at once when ``stop`` says so. Raises ``DeviceError`` or ``ProcessError``."""
+    for _ in range(TRIES):
+        found = _fall_silent(port, car_type, stop, speed, drive_s, wait_s)
+        if found is not None:
+            return found
+    raise DeviceError("This machine is too busy to find out.", hint="Close other programs, and try again.")
+
+
+def _fall_silent(
+    port: str, car_type: int, stop: Callable[[], bool], speed: float, drive_s: float, wait_s: float
+) -> Silence | None:
+    """One try; None where this process was held up for so long that its guard may have spoken."""
     line, framer = SerialLine(port), Framer[Report](FromBoard())
     guard = Guard(line.fileno(), frames.motion(car_type, ZERO))
     moved, speed_now, heard = False, 0.0, False
+    beaten, held_up = time.monotonic(), 0.0
 
     def listen(seconds: float) -> None:
-        nonlocal speed_now, heard
+        nonlocal speed_now, heard, beaten, held_up
         until = time.monotonic() + seconds
         while (now := time.monotonic()) < until:
             guard.beat(now)
+            beaten, held_up = now, max(held_up, now - beaten)
             if stop():
                 raise DeviceError("The emergency stop is pressed.", hint="sayso robot release")
             for report in framer.push(line.read()):
@@ -113,9 +132,11 @@ def fall_silent(
         began = time.monotonic()
         while heard and moved and time.monotonic() - began < wait_s:
             listen(0.05)
-            if speed_now < speed / 10:
-                return Silence(True, time.monotonic() - began)
-        return Silence(moved, None)
+            if speed_now < speed / 10 or held_up > HELD_UP_S:
+                break
+        if held_up > HELD_UP_S:
+            return None
+        return Silence(moved, time.monotonic() - began if moved and speed_now < speed / 10 else None)
     except OSError as error:
         raise DeviceError(f"{port} was unplugged: {error.strerror}.") from error
     finally:
