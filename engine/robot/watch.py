@@ -28,7 +28,7 @@ async def company(robot: Robot, emit: Emit, halted: Callable[[str, int], None] =
     ``halted`` is told why and in which epoch when the robot has halted by itself, once each time. Stop the
     robot before cancelling this: its last state is published when it rests.
     """
-    beating = asyncio.create_task(_beat(robot))
+    beating = asyncio.create_task(beat(robot))
     try:
         await _publish(robot, emit, halted)
     except asyncio.CancelledError:
@@ -50,7 +50,8 @@ async def _at_rest(robot: Robot) -> RobotState:
     return state
 
 
-async def _beat(robot: Robot) -> None:
+async def beat(robot: Robot) -> None:
+    """Tell the robot that somebody lives, until this is cancelled."""
     while True:
         robot.heartbeat()
         await asyncio.sleep(HEARTBEAT_S)

@@ -104,7 +104,7 @@ async def _running(settings: Settings) -> AsyncIterator[Robot]:
     from config import paths
     from engine.parts.estop import EmergencyStop
     from engine.robot.bodies import make_robot
-    from engine.robot.watch import HEARTBEAT_S
+    from engine.robot.watch import beat
 
     robot = make_robot(settings.robot)
     estop = EmergencyStop(paths().estop, robot.press, robot.press)
@@ -112,12 +112,7 @@ async def _running(settings: Settings) -> AsyncIterator[Robot]:
         raise RobotError("The emergency stop is pressed.", hint="sayso robot release")
     await robot.start()
 
-    async def beat() -> None:
-        while True:
-            robot.heartbeat()
-            await asyncio.sleep(HEARTBEAT_S)
-
-    beating, keeping = asyncio.create_task(beat()), asyncio.create_task(estop.keep())
+    beating, keeping = asyncio.create_task(beat(robot)), asyncio.create_task(estop.keep())
     try:
         yield robot
     finally:

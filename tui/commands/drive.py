@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
 from engine.errors import ExitCode, UsageError
+from tui.keys.speeds import SPEEDS, TURN
 from tui.output import say
 
 if TYPE_CHECKING:
@@ -23,10 +24,6 @@ if TYPE_CHECKING:
     from engine.parts.estop import EmergencyStop
     from engine.robot.robot import Robot, RobotState
 
-SPEEDS: Final = (0.1, 0.2, 0.3, 0.5, 0.7)
-"""m/s that ``+`` and ``-`` choose from."""
-TURN: Final = 2.5
-"""rad/s of turning for each m/s."""
 _WAYS: Final = {
     "w": (1, 0, 0), "s": (-1, 0, 0), "a": (0, 0, 1), "d": (0, 0, -1), ",": (0, 1, 0), ".": (0, -1, 0),
     "\x1b[A": (1, 0, 0), "\x1b[B": (-1, 0, 0), "\x1b[D": (0, 0, 1), "\x1b[C": (0, 0, -1),
@@ -64,6 +61,7 @@ async def _drive(settings: Settings) -> int:
     from config import paths
     from engine.parts.estop import EmergencyStop
     from engine.robot.bodies import make_robot
+    from engine.robot.watch import beat
 
     robot = make_robot(settings.robot.model_copy(update={"speed": "real"}))
     estop = EmergencyStop(paths().estop, robot.press, lambda pressed: hand.press(pressed))
@@ -72,7 +70,7 @@ async def _drive(settings: Settings) -> int:
     loop = asyncio.get_running_loop()
     loop.add_reader(0, hand.read)
     tasks = [
-        asyncio.create_task(_beat(robot)),
+        asyncio.create_task(beat(robot)),
         asyncio.create_task(estop.keep()),
         asyncio.create_task(hand.show()),
         asyncio.create_task(hand.ended.wait()),
@@ -90,14 +88,6 @@ async def _drive(settings: Settings) -> int:
         await robot.close()
         say("")
     return int(ExitCode.DONE)
-
-
-async def _beat(robot: Robot) -> None:
-    from engine.robot.watch import HEARTBEAT_S
-
-    while True:
-        robot.heartbeat()
-        await asyncio.sleep(HEARTBEAT_S)
 
 
 class _Hand:

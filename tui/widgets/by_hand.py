@@ -7,19 +7,15 @@ told to drive for a fifth of a second; a key that was let go sends no more, and 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any
 
 from textual import events
 from textual.message import Message
 from textual.widgets import Static
 
 from tui.keys.bindings import HAND_BINDINGS
+from tui.keys.speeds import SPEEDS, TURN
 from tui.words import strings
-
-SPEEDS: Final = (0.1, 0.2, 0.3, 0.5, 0.7)
-"""m/s; the safety envelope and the robot's own limits may allow less."""
-TURN: Final = 2.5
-"""rad/s of turning for each m/s of the speed that is chosen."""
 
 
 class ByHand(Static):
