@@ -88,9 +88,7 @@ class Session:
         self._hear_audio = hear_audio
         self._loop = asyncio.get_running_loop()
         self._by_hand = ByHand(needs.robot)
-        self._inbox: Inbox[TurnOver] = Inbox(
-            epoch, settings.busy, lambda: self._state, mark_wake, lambda pressed: needs.press(pressed)
-        )
+        self._inbox: Inbox[TurnOver] = Inbox(epoch, settings.busy, lambda: self._state, mark_wake, needs.press)
         self._state: State = "IDLE"
         self._cycle = TaskCycle(1)
         self._turn: Turn | None = None

@@ -35,10 +35,25 @@ from engine.robot.rosmaster.frames import (
 )
 from engine.robot.rosmaster.odometry import Odometry, counts_of
 from engine.robot.rosmaster.servos import Servos, degrees, pulse
+from engine.robot.sim.dimensions import ARM, FOOTPRINT
 from engine.serial_port import PortError
 from tests.board import Bench, run, speed_in
 
 FORWARD = Twist(0.2)
+
+
+def test_the_simulated_robot_is_described_as_it_is_built() -> None:
+    sim = described("sim")
+    built, told = ARM, sim.arm_model
+    assert sim.footprint == FOOTPRINT
+    assert (told.shoulder, told.upper, told.fore, told.hand, told.eye) == (
+        built.shoulder, built.upper, built.fore, built.hand, built.eye,
+    )  # fmt: skip
+    assert told.jaw == pytest.approx(built.jaw)
+    assert [limit for pair in told.ranges for limit in pair] == pytest.approx(
+        [limit for pair in built.ranges for limit in pair], abs=1e-3
+    )
+
 
 # Frames
 

@@ -177,7 +177,7 @@ class RosmasterBody:
         except OSError:
             self._lose(f"{self._path} was unplugged", now)
             return
-        self._look_after(now, was)
+        self._look_after(self._line, now, was)
 
     def drive(self, twist: Twist) -> None:
         limited = self._within(twist) if not self.trouble else ZERO
@@ -210,10 +210,6 @@ class RosmasterBody:
         record["volts"] = self.volts
 
     def close(self) -> None:
-        if self._line is not None:
-            self._told = ZERO
-            with contextlib.suppress(OSError):
-                self._tell_speed(self._line, self._clock())
         self._lose("it has been closed", self._clock())
 
     # The port
@@ -240,6 +236,8 @@ class RosmasterBody:
         line, self._line = self._line, None
         if line is not None:
             with contextlib.suppress(OSError):  # gone indeed
+                if self._left:
+                    line.forget()  # nothing goes before it
                 line.write(self._rest)
             line.close()
         self._end_guard()
@@ -259,14 +257,14 @@ class RosmasterBody:
         if guard is not None:
             guard.discard()
 
-    def _look_after(self, now: float, was: str) -> None:
+    def _look_after(self, line: Line, now: float, was: str) -> None:
         """Whether everything is as it must be for driving; trouble that there ``was`` before this step may be over, for
         the host has seen it."""
         if self._guarded and not (self._guard is not None and self._guard.beat(now)):
             self._complain(NO_GUARD)
-            if self._line is not None and now - self._guard_looked >= LOOK_S:
+            if now - self._guard_looked >= LOOK_S:
                 self._end_guard()
-                self._begin_guard(self._line, now)
+                self._begin_guard(line, now)
         elif self._left and now - self._written > STALL_S:
             self._complain(f"{self._path} takes no bytes")
         elif now - self._heard > SILENCE_S:
