@@ -42,7 +42,8 @@ class Running:
 
 @contextmanager
 def an_engine() -> Iterator[Running]:
-    settings = load(overrides=["robot.speed=max", "session.record_log=true"], environ={})
+    # In real time: a robot that is as fast as the machine may have arrived before anything tells that it moves.
+    settings = load(overrides=["robot.speed=real", "session.record_log=true"], environ={})
     engine = Engine(settings, mode="test", sound=Sound("none"))
     running = Running(engine)
     engine.start()
