@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Collection
 from pathlib import Path
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Final, Literal, TypeVar
 from urllib.parse import urlsplit
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
@@ -284,6 +284,10 @@ class Camera(Section):
     height: int = Field(ge=24, le=480, description="Pixels; 48 degrees of view are divided among them.")
 
 
+EMULATED: Final = "emulated"
+"""The port of no board, and the description of the robot behind it."""
+
+
 class Robot(Section):
     """Which robot, and how fast it may be."""
 
@@ -293,7 +297,11 @@ class Robot(Section):
     model: str | None = Field(
         description="How it is made: a name from `sayso robot list`, or a file; null: sim, and x3plus on a board."
     )
-    port: str | None = Field(description="Serial port of the motor board; /dev/serial/by-id/… names stay the same.")
+    port: str | None = Field(
+        description="Serial port of the motor board; /dev/serial/by-id/… names stay the same. `emulated`: one in here,"
+        " which drives the simulated robot."
+    )
+    lidar: str | None = Field(description="On a real robot: serial port of its lidar; null: it drives without one.")
     scene: str = Field(
         description="The house: name of a scene in assets/scenes, or the path of a scene file. On a real robot it is "
         "the map alone."
@@ -320,9 +328,14 @@ class Robot(Section):
         return self
 
     @property
+    def emulated(self) -> bool:
+        """Whether the motor board is one that is emulated in the robot's own process."""
+        return self.kind == "rosmaster" and self.port == EMULATED
+
+    @property
     def made_as(self) -> str:
         """The description: the one that is named, else the usual one of its kind."""
-        return self.model or ("sim" if self.kind == "sim" else "x3plus")
+        return self.model or ("sim" if self.kind == "sim" else EMULATED if self.emulated else "x3plus")
 
 
 class Quaternion(Section):

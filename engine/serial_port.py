@@ -14,7 +14,7 @@ from typing import Any, Final, Literal
 from engine.errors import DeviceError
 
 BAUD: Final = 115200
-"""That of every device here."""
+"""That of most devices here."""
 
 BY_ID: Final = Path("/dev/serial/by-id")
 
@@ -78,12 +78,12 @@ def device_of(path: str) -> str:
         return path
 
 
-def opened(path: str, setting: str, look: str) -> Any:
+def opened(path: str, setting: str, look: str, *, baud: int = BAUD) -> Any:
     """A ``serial.Serial`` for nobody but us. RTS and DTR stay low, for many boards are reset by them. ``setting`` is
     the one that names the port, ``look`` what to do where there is none. Raises :class:`PortError`."""
     import serial
 
-    port = serial.Serial(None, BAUD, timeout=0, exclusive=True)
+    port = serial.Serial(None, baud, timeout=0, exclusive=True)
     port.rts = port.dtr = False
     port.port = path
     try:

@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from config.schema import Robot as RobotSettings
 from engine.errors import UsageError
 from engine.robot.camera_news import TellOfCamera
 from engine.robot.description import Description, described
+from engine.robot.geometry import Pose
 from engine.robot.home import home
+from engine.robot.host.body import Body
 from engine.robot.host.controller import Controller
 from engine.robot.host.hosted import Build, Eye, HostedRobot
 from engine.robot.host.memory import Memory, Record
 from engine.robot.robot import Robot
 
+if TYPE_CHECKING:
+    from engine.robot.usb_lidar import UsbLidar
+
 
 def description_of(settings: RobotSettings) -> Description:
-    """How the configured robot is made. Raises ``UsageError``."""
+    """How the configured robot is made, without a camera or lidar that nothing is plugged in for. Raises
+    ``UsageError``."""
     found = described(settings.made_as)
     if (settings.kind == "rosmaster") != (found.board is not None):
         has = "has a Rosmaster board" if found.board is not None else "has no Rosmaster board"
@@ -24,7 +31,20 @@ def description_of(settings: RobotSettings) -> Description:
             f"robot.model {settings.made_as!r} {has}, and robot.kind is {settings.kind}.",
             hint="`sayso robot list` shows which model goes with which kind.",
         )
-    return found
+    if settings.kind == "sim" or settings.emulated:
+        return found
+    for part, device in (("camera", settings.camera.device), ("lidar", settings.lidar)):
+        if device is not None and getattr(found, part) is None:
+            raise UsageError(
+                f"The settings name a {part} ({device}), and the description of {settings.made_as} has none.",
+                hint=f"Name in robot.model a description with a {part}; CONTRIBUTING.md shows how one is written.",
+            )
+    return found.model_copy(
+        update={
+            "camera": found.camera if settings.camera.device is not None else None,
+            "lidar": found.lidar if settings.lidar is not None else None,
+        }
+    )
 
 
 def make_robot(settings: RobotSettings, on_camera: TellOfCamera | None = None) -> Robot:
@@ -35,6 +55,8 @@ def make_robot(settings: RobotSettings, on_camera: TellOfCamera | None = None) -
 
         return SimRobot(settings, on_camera)
     description = description_of(settings)
+    if not settings.emulated:
+        settings = settings.model_copy(update={"speed": "real"})
     build = Build(
         name=f"{description.name} ({settings.port})",
         capabilities=description.capabilities,
@@ -44,13 +66,19 @@ def make_robot(settings: RobotSettings, on_camera: TellOfCamera | None = None) -
         eye=_eye(settings, description),
         battery=description.board.battery if description.board is not None else None,
     )
-    return HostedRobot(settings.model_copy(update={"speed": "real"}), build, on_camera)
+    return HostedRobot(settings, build, on_camera)
 
 
 def _eye(settings: RobotSettings, description: Description) -> Callable[[Memory, TellOfCamera], Eye] | None:
-    """The camera on USB, where the robot has one and the settings say which it is."""
-    if description.camera is None or settings.camera.device is None:
+    """The camera, where the robot has one: on USB, or of the simulation behind an emulated board."""
+    if description.camera is None:
         return None
+    if settings.emulated:
+        from engine.robot.sim.camera import SimCamera
+        from engine.robot.sim.scene_file import scene_path
+
+        path = scene_path(settings.scene)
+        return lambda memory, tell: SimCamera(path, settings.camera, memory, tell)
     from engine.robot.usb_camera import UsbCamera
 
     return lambda memory, tell: UsbCamera(settings.camera, description, memory, tell)
@@ -64,17 +92,33 @@ def controlled(settings: RobotSettings, last: Record | None) -> Controller:
         from engine.robot.sim.world import World
 
         return World(load_scene(scene_path(settings.scene)), settings, last, pictures=False)
-    from engine.robot.rosmaster.body import RosmasterBody
-
     description, house = description_of(settings), home(settings)
-    assert settings.port is not None, "the configuration sees to that"
     return Controller(
-        RosmasterBody(settings.port, description, house.start, last),
+        _on_a_board(settings, description, house.start, last),
         house.start,
         settings.limits,
         description.footprint,
         description.ranges,
-        house.edges(blind=not description.lidar),
+        house.edges(blind=description.lidar is None),
         last,
-        blind=not description.lidar,
+        blind=description.lidar is None,
     )
+
+
+def _on_a_board(settings: RobotSettings, description: Description, start: Pose, last: Record | None) -> Body:
+    if settings.emulated:
+        from engine.robot.emulation.inside import BoardInside
+
+        return BoardInside(settings, description, start, last)
+    from engine.robot.rosmaster.body import RosmasterBody
+
+    assert settings.port is not None, "the configuration sees to that"
+    return RosmasterBody(settings.port, description, start, last, lidar=_lidar(settings, description))
+
+
+def _lidar(settings: RobotSettings, description: Description) -> UsbLidar | None:
+    if description.lidar is None or settings.lidar is None:
+        return None
+    from engine.robot.usb_lidar import UsbLidar
+
+    return UsbLidar(settings.lidar, description.lidar)

@@ -153,6 +153,18 @@ class CameraOf(Section):
         return Mount(np.column_stack((right, below, ahead)), np.array(self.at))
 
 
+class LidarOf(Section):
+    """The lidar."""
+
+    model: str | None = Field(
+        default=None, description="What reads it: a model of lds2d, such as RPLIDAR-A1; none in a simulation."
+    )
+    at: tuple[float, float] = Field(default=(0.0, 0.0), description="Its place in the base frame, m.")
+    turned: float = Field(default=0.0, ge=-360, le=360, description="deg to the left, of where it calls 0°.")
+    clockwise: bool = Field(default=True, description="Whether its angles grow to the right, seen from above.")
+    range: float = Field(default=12.0, gt=0, le=100, description="m; what is farther is not believed.")
+
+
 class Description(Section):
     """One kind of robot."""
 
@@ -166,7 +178,9 @@ class Description(Section):
     arm: ArmOf | None = None
     camera: CameraOf | None = None
     calibrated: dict[str, str] = Field(default_factory=dict, description="What was measured, when, and how well.")
-    lidar: bool = Field(default=False, description="Without one nothing is seen in the way: it drives slowly then.")
+    lidar: LidarOf | None = Field(
+        default=None, description="Without one nothing is seen in the way: it drives slowly then."
+    )
 
     @model_validator(mode="after")
     def _fits(self) -> Self:

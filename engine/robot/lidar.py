@@ -19,6 +19,15 @@ DIRECTIONS: NDArray[np.float64] = np.column_stack((np.cos(LIDAR_ANGLES), np.sin(
 DIRECTIONS.setflags(write=False)
 
 
+def ranges_of(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The distances of a scan that has hit ``points`` (base frame, shape (n, 2), m): the nearest in every direction,
+    inf where there is none."""
+    ranges = np.full(RAYS, np.inf)
+    ray = np.rint(np.arctan2(points[:, 1], points[:, 0]) * (RAYS / (2 * math.pi))).astype(np.intp) % RAYS
+    np.minimum.at(ranges, ray, np.hypot(points[:, 0], points[:, 1]))
+    return ranges
+
+
 def points(ranges: NDArray[np.float64]) -> NDArray[np.float64]:
     """The hits of a scan in the base frame, shape (n, 2), m."""
     hit = np.isfinite(ranges)

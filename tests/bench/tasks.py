@@ -38,6 +38,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument(
         "--jobs", type=int, metavar="N", help="runs side by side; default: one a core at full speed, one in real time"
     )
+    parser.add_argument("--board", action="store_true", help="through the frames of an emulated motor board")
     args = parser.parse_args(argv)
     jobs = args.jobs or (machine()["cores"] if args.speed == "max" else 1)
     if jobs < 1:
@@ -50,7 +51,7 @@ def main(argv: list[str] | None = None) -> int:
     trials = [trial(kind, known[kind], seed) for kind in chosen for seed in seeds]
     began = time.monotonic()
     verdicts = []
-    for verdict in verdicts_of(trials, args.speed, jobs):
+    for verdict in verdicts_of(trials, args.speed, jobs, board=args.board):
         verdicts.append(verdict)
         _tell(verdict)
     verdicts.sort(key=lambda verdict: (chosen.index(verdict.kind), verdict.seed))
@@ -62,13 +63,13 @@ def main(argv: list[str] | None = None) -> int:
     return 0
 
 
-def verdicts_of(trials: Sequence[Trial], speed: str, jobs: int) -> Iterator[Verdict]:
+def verdicts_of(trials: Sequence[Trial], speed: str, jobs: int, *, board: bool = False) -> Iterator[Verdict]:
     """Perform all trials, so many side by side; the verdicts as they come."""
     if jobs == 1:
-        yield from (run(trial, speed=speed) for trial in trials)
+        yield from (run(trial, speed=speed, board=board) for trial in trials)
         return
     with ProcessPoolExecutor(min(jobs, len(trials)), multiprocessing.get_context("spawn")) as workers:
-        runs = [workers.submit(run, trial, speed=speed) for trial in trials]
+        runs = [workers.submit(run, trial, speed=speed, board=board) for trial in trials]
         try:
             yield from (done.result() for done in as_completed(runs))
         finally:

@@ -53,11 +53,11 @@ class Verdict:
     wall_s: float
 
 
-def run(trial: Trial, *, speed: str = "max") -> Verdict:
-    """Perform a trial and judge it."""
+def run(trial: Trial, *, speed: str = "max", board: bool = False) -> Verdict:
+    """Perform a trial and judge it; ``board``: everything goes through the frames of an emulated motor board."""
     began = time.monotonic()
     with _scene_file(trial) as file:
-        settings = _settings(trial, file, speed)
+        settings = _settings(trial, file, speed, board=board)
         evidence = _perform(trial, settings)
     found = faults(trial.success, evidence)
     robot_s = evidence.end.t - evidence.start.t
@@ -66,7 +66,7 @@ def run(trial: Trial, *, speed: str = "max") -> Verdict:
     return Verdict(trial.kind, trial.seed, not found, "; ".join(found), robot_s, time.monotonic() - began)
 
 
-def _settings(trial: Trial, scene: Path, speed: str) -> Settings:
+def _settings(trial: Trial, scene: Path, speed: str, *, board: bool) -> Settings:
     extra = [f"{key}={value}" for key, value in trial.settings.items()]
     fixed = [
         f"robot.scene={scene}",
@@ -77,7 +77,8 @@ def _settings(trial: Trial, scene: Path, speed: str) -> Settings:
         "session.turn_limit_s=3600",
         f"asr.model={scene.parent / 'none'}",  # nobody speaks, and loading a recogniser would take longer than a task
     ]
-    return load(overrides=[*fixed, *extra], environ={}, user_folder=scene.parent / "none")
+    through = ["robot.kind=rosmaster", "robot.port=emulated"] if board else []
+    return load(overrides=[*fixed, *through, *extra], environ={}, user_folder=scene.parent / "none")
 
 
 @contextmanager

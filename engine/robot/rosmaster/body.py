@@ -13,8 +13,9 @@ from __future__ import annotations
 import contextlib
 import math
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,12 +28,16 @@ from engine.robot.geometry import ZERO, Pose, Twist
 from engine.robot.host.controller import added_up
 from engine.robot.host.guard import Guard
 from engine.robot.host.memory import Record
+from engine.robot.lidar import ranges_of
 from engine.robot.rosmaster import frames
 from engine.robot.rosmaster.frames import ArmAt, Attitude, Encoders, FromBoard, Report, Speed
 from engine.robot.rosmaster.line import Line, Opener, SerialLine
 from engine.robot.rosmaster.odometry import Odometry
 from engine.robot.rosmaster.servos import Servos
 from engine.serial_port import PortError
+
+if TYPE_CHECKING:
+    from engine.robot.usb_lidar import UsbLidar
 
 REPEAT_S: Final = 0.05
 """Between two motion frames of the same speed."""
@@ -62,6 +67,9 @@ NO_GUARD: Final = "the guard process was lost"
 BUSY_LIMIT_S: Final = 1.5
 """In which a guard of ours that was left behind lets go of the port."""
 
+BEEN: Final = 100
+"""How many of the last poses are remembered, one of each control period: a turn of the lidar is younger than they."""
+
 Clock = Callable[[], float]
 
 
@@ -78,9 +86,11 @@ class RosmasterBody:
         guarded: bool = True,
         clock: Clock = time.monotonic,
         open_line: Opener = SerialLine,
+        lidar: UsbLidar | None = None,
     ) -> None:
         """Open the port and wait until the board reports. ``start`` is where odometry begins, ``last`` the state to go
-        on from. Raises ``DeviceError``; of a port that cannot be opened, ``PortError``."""
+        on from. ``lidar`` is closed with it, and has the same clock. Raises ``DeviceError``; of a port that cannot be
+        opened, ``PortError``."""
         assert description.board is not None, "checked by whoever has chosen this body"
         self._path = port
         self._description = description
@@ -106,6 +116,8 @@ class RosmasterBody:
         self._light: tuple[int, int, int] | None = None
         self._twist, self._twist_at = ZERO, -math.inf
         self._odometry = Odometry(description, start if last is None else added_up(last))
+        self._lidar = lidar
+        self._been: deque[tuple[float, float, float, float]] = deque(maxlen=BEEN)  # when, and where by odometry
         self.volts = 0.0
         self._battery = description.board.battery
         self._sagged: float | None = None  # since when
@@ -201,16 +213,24 @@ class RosmasterBody:
         self._send(frames.beep(round(1000 * seconds)))
 
     def odometry(self) -> Pose:
-        return self._odometry.pose
+        pose = self._odometry.pose
+        if self._lidar is not None:
+            self._been.append((self._clock(), pose.x, pose.y, pose.yaw))
+        return pose
 
     def scan(self) -> NDArray[np.float64] | None:
-        return None
+        turn = self._lidar.newest() if self._lidar is not None else None
+        if turn is None or not self._been:
+            return None
+        return ranges_of(turn.seen_from(np.array(self._been), self._odometry.pose))
 
     def fill(self, record: Record) -> None:
         record["volts"] = self.volts
 
     def close(self) -> None:
         self._lose("it has been closed", self._clock())
+        if self._lidar is not None:
+            self._lidar.close()
 
     # The port
 
