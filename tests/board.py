@@ -37,10 +37,10 @@ class Bench:
     It is the body's clock, and opens its line.
     """
 
-    def __init__(self, model: str = "emulated") -> None:
+    def __init__(self, model: str = "emulated", *, pull: float = 0.0) -> None:
         self.description: Description = described(model)
         self.simulated = SimulatedBody(flat(), settings(), pictures=False)
-        self.board = EmulatedBoard(self.simulated, self.description)
+        self.board = EmulatedBoard(self.simulated, self.description, pull=pull)
         self.plugged = True
         self.takes = 4096
         """How many bytes the line takes before the board has read them."""

@@ -13,7 +13,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn
@@ -31,7 +31,9 @@ exit codes: 0 done · 1 the robot could not do it · 2 usage or configuration ·
 """
 OTHERS = "train with this recording of speech or noise without the phrase as well (a WAV file)"
 VOICES = "train with the voices in this folder as well: piper's (.onnx), Kokoro's styles (.bin, .npz)"
-ROBOT_NAME = "a model (default: the robot of the settings); to calibrate: wheels or servos"
+ROBOT_NAME = "a model (default: the robot of the settings); to calibrate: wheels, steering, servos or camera"
+PULL = "to emulate: it turns by so much a metre without being told to"
+THICKNESS = "of what the board is glued to, when it lies on the floor (0)"
 URI = "where to listen: tcp://HOST:PORT (default: tcp://127.0.0.1:10300, for programs on this machine only)"
 WEB = "serve the console to a browser on this machine, one tab at a time"
 WEB_HOST = "the address to listen at (default: 127.0.0.1); beyond this machine nothing is encrypted, the token neither"
@@ -234,6 +236,11 @@ def build_parser() -> argparse.ArgumentParser:
     robot.add_argument("name", nargs="?", metavar="NAME", help=ROBOT_NAME)
     robot.add_argument("--stops-after", metavar="S", type=_seconds, help="to emulate: it stands by itself after S s")
     robot.add_argument("--port", metavar="PATH", type=Path, help="to emulate: where the board is (default: ./board)")
+    robot.add_argument("--pull", metavar="RAD_PER_M", type=_number(-0.5, 0.5), default=0.0, help=PULL)
+    steering = robot.add_argument_group("to calibrate")
+    steering.add_argument("--yes", action="store_true", help="do not ask before it moves, or before pictures are taken")
+    steering.add_argument("--runs", metavar="N", type=_count(2, 50), default=5, help="of the steering (default: 5)")
+    _add_chessboard(robot.add_argument_group("to calibrate a camera"))
 
     config = command("config", "tui.commands.config:run", "show and check the configuration")
     config.add_argument("action", choices=["show", "path", "check"])
@@ -307,6 +314,44 @@ def _seconds(text: str) -> float:
     if not 0 < seconds < math.inf:
         raise argparse.ArgumentTypeError(f"{text!r} is no time; one is a number of seconds above 0")
     return seconds
+
+
+def _number(low: float, high: float) -> Callable[[str], float]:
+    """What reads a number within these limits."""
+
+    def read(text: str) -> float:
+        try:
+            number = float(text)
+        except ValueError:
+            number = math.nan
+        if not low <= number <= high:
+            raise argparse.ArgumentTypeError(f"{text!r} is no number from {low:g} to {high:g}")
+        return number
+
+    return read
+
+
+def _count(low: int, high: int) -> Callable[[str], int]:
+    """What reads a whole number within these limits."""
+
+    def read(text: str) -> int:
+        if not (text.isdecimal() and low <= int(text) <= high):
+            raise argparse.ArgumentTypeError(f"{text!r} is no whole number from {low} to {high}")
+        return int(text)
+
+    return read
+
+
+def _add_chessboard(camera: argparse._ArgumentGroup) -> None:
+    """The options of the board that is held before a camera; the defaults are those of the sheet."""
+    sheet = camera.add_argument("--sheet", metavar="FILE.svg", type=Path, help="write the board to print, and end")
+    sheet.complete = COMPLETE_FILE  # type: ignore[attr-defined]
+    size = _number(5, 100)
+    camera.add_argument("--columns", metavar="N", type=_count(4, 30), default=10, help="its squares in a row (10)")
+    camera.add_argument("--rows", metavar="N", type=_count(4, 30), default=7, help="its squares in a column (7)")
+    camera.add_argument("--square", metavar="MM", type=size, default=25.0, help="side of a square, as measured (25)")
+    camera.add_argument("--thickness", metavar="MM", type=_number(0, 50), default=0.0, help=THICKNESS)
+    camera.add_argument("--timeout", metavar="S", type=_seconds, default=180.0, help="give up after S s (180)")
 
 
 def _port(text: str) -> int:

@@ -177,6 +177,9 @@ class Description(Section):
     board: Board | None = None
     arm: ArmOf | None = None
     camera: CameraOf | None = None
+    trim: float = Field(
+        default=0, ge=-0.5, le=0.5, description="rad of turn per metre ahead, added to what the motors are told."
+    )
     calibrated: dict[str, str] = Field(default_factory=dict, description="What was measured, when, and how well.")
     lidar: LidarOf | None = Field(
         default=None, description="Without one nothing is seen in the way: it drives slowly then."

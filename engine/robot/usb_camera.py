@@ -11,7 +11,7 @@ import contextlib
 import os
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -55,6 +55,48 @@ def path_of(device: str) -> str:
         known = ", ".join(there.values()) or "none at all"
         raise CameraError(f"There is no camera called {device!r}.", hint=f"There are: {known}.")
     return found
+
+
+class Capture:
+    """OpenCV's hold on a camera, or on a film that stands for one. Whoever makes it closes it."""
+
+    def __init__(self, device: str) -> None:
+        """Raises :class:`CameraError`, as all of this does."""
+        import cv2
+
+        self.path = path_of(device)
+        with self._faults_told():
+            self._capture: Any = cv2.VideoCapture(self.path)
+            if not self._capture.isOpened():
+                hint = "Is it plugged in, and used by nobody?"
+                raise CameraError(f"The camera {self.path} cannot be opened.", hint=hint)
+            self._capture.set(cv2.CAP_PROP_FRAME_WIDTH, 640)
+            self._capture.set(cv2.CAP_PROP_FRAME_HEIGHT, 480)
+            film = Path(self.path).is_file()
+            self.pace = 1 / (self._capture.get(cv2.CAP_PROP_FPS) or 30) if film else 0.0
+            """s from one picture to the next in a film, which can be read faster; 0: a camera has its own pace."""
+
+    def read(self) -> NDArray[np.uint8]:
+        """The next picture, BGR. Waits for it."""
+        with self._faults_told():
+            good, bgr = self._capture.read()
+        if not good:
+            raise CameraError(f"The camera {self.path} delivers no more pictures.", hint="It is opened again.")
+        picture: NDArray[np.uint8] = bgr
+        return picture
+
+    def close(self) -> None:
+        """Let go of it."""
+        self._capture.release()
+
+    @contextlib.contextmanager
+    def _faults_told(self) -> Iterator[None]:
+        import cv2
+
+        try:
+            yield
+        except cv2.error as error:
+            raise CameraError(f"The camera {self.path} has a fault: {str(error).splitlines()[0]}.") from error
 
 
 class UsbCamera:
@@ -132,32 +174,13 @@ class UsbCamera:
 
     def _read_on(self) -> None:
         """Read until it is closed. Raises ``CameraError`` when it is lost, or cannot be opened."""
-        import cv2
-
-        path = path_of(self._device)
-        capture: Any = None
-        try:
-            capture = cv2.VideoCapture(path)
-            if not capture.isOpened():
-                raise CameraError(f"The camera {path} cannot be opened.", hint="Is it plugged in, and used by nobody?")
-            capture.set(cv2.CAP_PROP_FRAME_WIDTH, 640)
-            capture.set(cv2.CAP_PROP_FRAME_HEIGHT, 480)
-            pace = (
-                1 / (capture.get(cv2.CAP_PROP_FPS) or 30) if Path(path).is_file() else 0.0
-            )  # a film goes its own pace
-            first = True
+        first = True
+        with contextlib.closing(Capture(self._device)) as capture:
             while not self._closing.is_set():
-                good, bgr = capture.read()
-                if not good:
-                    raise CameraError(f"The camera {path} delivers no more pictures.", hint="It is opened again.")
-                self._in_loop(partial(self._take, time.monotonic(), bgr, path, first))
+                bgr = capture.read()
+                self._in_loop(partial(self._take, time.monotonic(), bgr, capture.path, first))
                 first = False
-                self._closing.wait(pace)
-        except cv2.error as error:
-            raise CameraError(f"The camera {path} has a fault: {str(error).splitlines()[0]}.") from error
-        finally:
-            if capture is not None:
-                capture.release()
+                self._closing.wait(capture.pace)
 
     def _in_loop(self, call: Callable[[], object]) -> None:
         with contextlib.suppress(RuntimeError):  # the loop has ended: nobody wants to know

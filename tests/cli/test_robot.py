@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from collections.abc import Iterator
-from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -13,7 +11,7 @@ import yaml
 
 from engine.errors import ExitCode
 from tests.board import Emulator
-from tests.e2e.sayso import command, environment, sayso
+from tests.e2e.sayso import sayso
 from tui.cli import main
 
 
@@ -47,7 +45,7 @@ def test_a_robot_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_board_is_checked_and_nothing_moves(board: Emulator, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["robot", "check", "--json", *on(board)]) == ExitCode.DONE
     found = json.loads(capsys.readouterr().out)["board"]
-    assert (found["version"], found["car_type"]) == ("3.5", 2)
+    assert (found["version"], found["car_type"], found["attitude"]) == ("3.5", 2, True)
     assert found["volts"] > 12
     assert len(found["servos"]) == 6
     assert board.until(lambda state: True)["told"] == {"vx": 0.0, "vy": 0.0, "wz": 0.0}
@@ -129,72 +127,3 @@ def test_a_place_that_was_named_is_known_at_once_and_in_later_sessions(tmp_path:
     broken = sayso("plan", "go to the snack bar", state=tmp_path)
     assert broken.returncode == ExitCode.MISSING
     assert b"Mend the file, or delete it." in broken.stderr
-
-
-class Person:
-    """Somebody with a tape measure, who answers what ``sayso robot calibrate`` asks."""
-
-    def __init__(self, state: Path, *arguments: str) -> None:
-        self._process = subprocess.Popen(
-            command("robot", "calibrate", *arguments),
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment(state), text=True,
-        )  # fmt: skip
-
-    def asked(self, words: str) -> None:
-        """Wait for a question with these words."""
-        assert self._process.stderr is not None
-        for line in self._process.stderr:
-            if words in line:
-                return
-        raise AssertionError(f"nobody asked {words!r}")
-
-    def answers(self, text: str) -> None:
-        assert self._process.stdin is not None
-        self._process.stdin.write(f"{text}\n")
-        self._process.stdin.flush()
-
-    def ends(self) -> int:
-        self._process.communicate()
-        return self._process.returncode
-
-
-def test_wheels_are_calibrated_with_a_tape(tmp_path: Path) -> None:
-    robots = tmp_path / "config" / "robots"
-    robots.mkdir(parents=True)
-    text = (Path(str(files("assets"))) / "robots" / "x3plus.yaml").read_text("utf-8")
-    (robots / "mine.yaml").write_text(text.replace("radius: 0.04,", "radius: 0.044,"))  # the board's wheels have 0.04
-    with Emulator(tmp_path) as board:
-        person = Person(tmp_path, "wheels", *on(board), "--set", "robot.model=mine")
-        person.asked("Enter begins")
-        person.answers("")
-        was = board.until(lambda state: True)["x"]
-        for _ in range(4):
-            person.asked("how far has it come")
-            now = board.until(lambda state: not any(state["told"].values()))["x"]
-            person.answers("nonsense")
-            person.asked("measure again")
-            person.answers(f"{100 * abs(now - was):.1f} cm")
-            was = now
-        assert person.ends() == ExitCode.DONE
-    written = yaml.safe_load((robots / "mine.yaml").read_text("utf-8"))
-    assert written["wheels"]["radius"] == pytest.approx(0.04, abs=0.0005)
-    assert "4 drives of 1 m; -" in written["calibrated"]["wheels"]
-
-
-def test_servos_are_calibrated_by_eye(tmp_path: Path) -> None:
-    with Emulator(tmp_path) as board:
-        person = Person(tmp_path, "servos", *on(board))
-        person.asked("Enter begins")
-        for answer in ("", "", "", "-4.5", "", ""):
-            person.answers(answer)
-        assert person.ends() == ExitCode.DONE
-    written = yaml.safe_load((tmp_path / "config" / "robots" / "x3plus.yaml").read_text("utf-8"))
-    assert written["arm"]["joints"]["elbow"]["servo"]["zero"] == 85.5, "its servo turns the other way"
-    assert "1 of 5 were off" in written["calibrated"]["servos"]
-
-
-def test_nothing_is_written_when_nobody_answers(tmp_path: Path) -> None:
-    with Emulator(tmp_path) as board:
-        done = sayso("robot", "calibrate", "wheels", *on(board), state=tmp_path, stdin=b"\n")
-    assert done.returncode == ExitCode.USAGE
-    assert not (tmp_path / "config" / "robots").exists()

@@ -343,10 +343,11 @@ def test_it_is_told_again_and_again() -> None:
 @given(
     st.sampled_from(("x1", "x3", "x3plus", "r2", "emulated")),
     st.lists(st.builds(Twist, *[st.floats(-50, 50)] * 3), min_size=1, max_size=5),
+    st.floats(-0.5, 0.5),
 )
-def test_no_frame_exceeds_what_the_robot_may(model: str, twists: list[Twist]) -> None:
+def test_no_frame_exceeds_what_the_robot_may(model: str, twists: list[Twist], trim: float) -> None:
     bench, most = Bench(), described(model).speeds
-    bench.description = described(model)
+    bench.description = described(model).model_copy(update={"trim": trim})
     body = bench.body()
     for twist in twists:
         body.drive(twist)
@@ -355,6 +356,51 @@ def test_no_frame_exceeds_what_the_robot_may(model: str, twists: list[Twist]) ->
         assert abs(told.vx) <= most.forward + 1e-9
         assert abs(told.vy) <= most.sideways + 1e-9
         assert abs(told.wz) <= most.turn + 1e-9
+
+
+def pulling(pull: float, trim: float, model: str = "emulated") -> Bench:
+    """A robot that turns by ``pull`` a metre, with a board that is told so much against it, rad/m."""
+    bench = Bench(model, pull=pull)
+    bench.description = described(model).model_copy(update={"trim": trim})
+    return bench
+
+
+@pytest.mark.parametrize("speed", [0.2, -0.2])
+def test_a_robot_that_pulls_drives_straight_with_its_trim_and_knows_where_it_is(speed: float) -> None:
+    turned = []
+    for trim in (0.0, -0.2):
+        bench = pulling(0.2, trim)
+        start = bench.simulated.true_pose
+        body = bench.body()
+        body.drive(Twist(speed))
+        run(body, 3.0)
+        body.drive(ZERO)
+        run(body, 0.5)
+        turned.append(bench.simulated.true_pose.yaw - start.yaw)
+        assert body.odometry().distance_to(bench.simulated.true_pose) < 0.02
+        assert body.odometry().yaw == pytest.approx(bench.simulated.true_pose.yaw, abs=0.005)
+    assert turned == pytest.approx([0.6 * speed, 0.0], abs=0.01)
+
+
+@pytest.mark.parametrize("twist", [ZERO, Twist(0.0, 0.1, 0.0), Twist(0.0, 0.0, 0.5)])
+def test_a_robot_that_does_not_drive_ahead_is_not_trimmed(twist: Twist) -> None:
+    bench = pulling(0.0, 0.4)
+    body = bench.body()
+    bench.said.clear()
+    body.drive(twist)
+    run(body, 0.2)
+    assert set(bench.speeds()) == {twist}
+
+
+def test_a_trim_turns_no_wheel_further_than_it_can_be_steered() -> None:
+    bench = pulling(0.0, 0.5, "r2")
+    body = bench.body()
+    bench.orders()
+    body.drive(Twist(0.2, 0.0, 3.0))
+    (told,) = bench.speeds()
+    assert told.wz == pytest.approx(0.2 * math.tan(math.radians(30)) / 0.23, abs=0.001)
+    body.drive(Twist(0.2))
+    assert bench.speeds() == [Twist(0.2, 0.0, 0.1)]
 
 
 def test_it_never_drives_sideways_where_the_wheels_cannot() -> None:

@@ -37,7 +37,7 @@ def run(arguments: Namespace) -> int:
         case "calibrate":
             from tui.commands.calibrate import run as calibrate
 
-            return calibrate(load_settings(arguments), arguments.name)
+            return calibrate(load_settings(arguments), arguments)
         case "drive":
             from tui.commands.drive import run as drive
 
@@ -46,8 +46,8 @@ def run(arguments: Namespace) -> int:
             return robot_estop(pressed=arguments.action == "estop")
         case _:
             settings = load_settings(arguments)
-            stops = arguments.stops_after
-            return robot_emulate(settings, arguments.name, arguments.port, stops_after=stops, json=arguments.json)
+            name, port, stops, pull = arguments.name, arguments.port, arguments.stops_after, arguments.pull
+            return robot_emulate(settings, name, port, stops_after=stops, pull=pull, json=arguments.json)
 
 
 def robot_list(*, json: bool = False) -> int:
@@ -74,6 +74,8 @@ def robot_show(settings: Settings, name: str | None, *, json: bool = False) -> i
     hull, speeds = robot.hull, robot.speeds
     data(f"{robot.name}\n  {robot.source}")
     data(f"  drive    {robot.drive}, {speeds.forward:g} m/s ahead, {speeds.sideways:g} sideways, {speeds.turn:g} rad/s")
+    if robot.trim:
+        data(f"           {robot.trim:+g} rad/m of trim, to drive straight")
     data(f"  hull     {100 * hull.length:.0f} × {100 * hull.width:.0f} cm")
     for what, found in robot.calibrated.items():
         data(f"           {what}: {found}")
@@ -148,7 +150,13 @@ def robot_estop(*, pressed: bool) -> int:
 
 
 def robot_emulate(
-    settings: Settings, name: str | None, port: Path | None, *, stops_after: float | None = None, json: bool = False
+    settings: Settings,
+    name: str | None,
+    port: Path | None,
+    *,
+    stops_after: float | None = None,
+    pull: float = 0.0,
+    json: bool = False,
 ) -> int:
     """A board on a pseudo-terminal with the simulated robot behind it, until Ctrl-C. What goes wrong comes on stdin."""
     from engine.robot.description import described
@@ -163,7 +171,8 @@ def robot_emulate(
     if description.board is None:
         raise UsageError(f"{model!r} has no board to emulate.", hint="`sayso robot list` shows which have.")
     scene = load_scene(scene_path(settings.robot.scene))
-    board = EmulatedBoard(SimulatedBody(scene, settings.robot, pictures=False), description, stops_after=stops_after)
+    body = SimulatedBody(scene, settings.robot, pictures=False)
+    board = EmulatedBoard(body, description, stops_after=stops_after, pull=pull)
     line = Line((port or Path("board")).absolute())
     say(f"sayso: an emulated {description.name} in {scene.name}; drive it from another terminal:")
     say(f"  sayso --set robot.kind=rosmaster --set robot.model={model} --set robot.port={line.path}")

@@ -65,14 +65,22 @@ class EmulatedBoard:
     """One board, in the robot that ``description`` tells of, whose body is ``body``."""
 
     def __init__(
-        self, body: SimulatedBody, description: Description, *, stops_after: float | None = None, seed: int = 0
+        self,
+        body: SimulatedBody,
+        description: Description,
+        *,
+        stops_after: float | None = None,
+        pull: float = 0.0,
+        seed: int = 0,
     ) -> None:
-        """``stops_after``: it stands by itself when no motion frame has come for so long, s; None: it never does."""
+        """``stops_after``: it stands by itself when no motion frame has come for so long, s; None: it never does.
+        ``pull``: by how much it turns on the way ahead without being told to, rad/m."""
         assert description.board is not None, "checked by whoever emulates"
         self._body = body
         self._description = description
         self._random = random.Random(seed)
         self._stops_after = math.inf if stops_after is None else stops_after
+        self._pull = pull
         self._told_at = 0.0
         self._servos = Servos(description.arm) if description.arm is not None else None
         self._car_type = description.board.car_type
@@ -201,7 +209,7 @@ class EmulatedBoard:
             if not self._told.is_zero:
                 self._zero_at = time.monotonic()
         self._told, self._told_at = twist, self._body.t
-        self._body.drive(twist)
+        self._body.drive(Twist(twist.vx, twist.vy, twist.wz + self._pull * twist.vx))
 
     def _turn(self, pulses: tuple[int, ...]) -> None:
         if self._servos is None or not self._torque:

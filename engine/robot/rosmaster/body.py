@@ -370,7 +370,7 @@ class RosmasterBody:
         if self._told.is_zero and self._left:
             line.forget()
             self._left = b""
-        if self._write(line, frames.motion(self._car_type, self._told), now):
+        if self._write(line, frames.motion(self._car_type, self._trimmed(self._told)), now):
             self._told_at = now
 
     def _send(self, frame: bytes) -> None:
@@ -391,6 +391,11 @@ class RosmasterBody:
             self._written = now
         elif count := line.write(self._left):
             self._left, self._written = self._left[count:], now
+
+    def _trimmed(self, twist: Twist) -> Twist:
+        """What the motors are told to have the robot move like this, though it pulls to a side; rest stays rest."""
+        turn = self._description.trim * twist.vx
+        return self._within(Twist(twist.vx, twist.vy, twist.wz + turn)) if turn else twist
 
     def _within(self, twist: Twist) -> Twist:
         """What this robot's drive can do: never more than its limits, and in proportion along the floor."""

@@ -13,7 +13,7 @@ from engine.framing import Framer
 from engine.robot.geometry import ZERO, Twist
 from engine.robot.host.guard import Guard
 from engine.robot.rosmaster import frames
-from engine.robot.rosmaster.frames import ArmAt, CarType, FromBoard, Report, Speed, Version
+from engine.robot.rosmaster.frames import ArmAt, Attitude, CarType, FromBoard, Report, Speed, Version
 from engine.robot.rosmaster.line import SerialLine
 
 
@@ -28,6 +28,8 @@ class Inspected:
     """Of the battery; 0 where it does not tell."""
     servos: tuple[int, ...]
     """Positions; a negative one did not answer."""
+    attitude: bool
+    """Whether it tells which way it points."""
     reports: int
     """Frames that came."""
 
@@ -36,7 +38,7 @@ def inspect(port: str, seconds: float) -> Inspected:
     """Ask whatever is on ``port`` for so long. Raises ``DeviceError``, of which ``PortError`` is one."""
     line = SerialLine(port)
     framer: Framer[Report] = Framer(FromBoard())
-    version, volts, reports = "", 0.0, 0
+    version, volts, attitude, reports = "", 0.0, False, 0
     car_type: int | None = None
     servos: tuple[int, ...] = ()
     began = asked = time.monotonic()
@@ -59,13 +61,15 @@ def inspect(port: str, seconds: float) -> Inspected:
                         volts = measured
                     case ArmAt(pulses):
                         servos = pulses
+                    case Attitude():
+                        attitude = True
                     case _:
                         pass
     except OSError as error:
         raise DeviceError(f"{port} was unplugged: {error.strerror}.") from error
     finally:
         line.close()
-    return Inspected(version, car_type, volts, servos, reports)
+    return Inspected(version, car_type, volts, servos, attitude, reports)
 
 
 TRIES: Final = 5
