@@ -135,13 +135,13 @@ def run(body: RosmasterBody, seconds: float) -> None:
 class Emulator:
     """``sayso robot emulate`` as a process. ``path`` is the port."""
 
-    def __init__(self, folder: Path, *arguments: str) -> None:
+    def __init__(self, folder: Path, *arguments: str, model: str = "x3plus") -> None:
         self.path = folder / "board"
         self.state: dict[str, Any] = {}
         """The newest; empty before the first."""
         self._held = b""
         self._process = subprocess.Popen(
-            command("robot", "emulate", "--json", f"--port={self.path}", *arguments),
+            command("robot", "emulate", model, "--json", f"--port={self.path}", *arguments),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

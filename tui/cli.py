@@ -236,6 +236,7 @@ def build_parser() -> argparse.ArgumentParser:
     robot.add_argument("name", nargs="?", metavar="NAME", help=ROBOT_NAME)
     robot.add_argument("--stops-after", metavar="S", type=_seconds, help="to emulate: it stands by itself after S s")
     robot.add_argument("--port", metavar="PATH", type=Path, help="to emulate: where the board is (default: ./board)")
+    robot.add_argument("--lidar", metavar="PATH", type=Path, help="to emulate: a lidar too, and where it is")
     robot.add_argument("--pull", metavar="RAD_PER_M", type=_number(-0.5, 0.5), default=0.0, help=PULL)
     steering = robot.add_argument_group("to calibrate")
     steering.add_argument("--yes", action="store_true", help="do not ask before it moves, or before pictures are taken")

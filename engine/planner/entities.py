@@ -47,6 +47,7 @@ _NUMBERED: Final = re.compile(
     r" (?P<n>[\w]+)(?: tag)?(?: on it)?|(?:number|tag|tag number) (?P<m>[\w]+)|(?P<zh>[\d一二三四五六七八九十]+)号.*"
 )
 """A block by its number, however that is said."""
+_SOME: Final = re.compile(r"^(?:some|any|one|either|a few|several|a couple|\d+|two|three|four|five|six|both)\b|\bof\b")
 _ALL: Final = re.compile(r"^(?:all|every|everything|each|both|whatever|anything)\b|^(?:所有|全部|每)|都")
 _MEASURE: Final = "[个张只把台本瓶条块件盒袋杯间些颗支根部盏双副罐碗串座扇辆]"
 """Measure words."""
@@ -212,6 +213,8 @@ class Entities:
             superlative=_SUPERLATIVE.search(head) is not None,
             at=self.of(where) if where else None,
         )
+        if found.thing is not None and _is_plural(head, found.thing):
+            found = replace(found, every=True)  # "the red boxes" are all that there are
         many = _SO_MANY.match(plain)
         if many is not None and len(self.members(found)) == number(many["en"] or many["zh"]):
             found = replace(found, every=True)  # "the two cups" of a house that has two
@@ -339,6 +342,14 @@ class Entities:
             except PlanError:
                 continue
         return None
+
+
+def _is_plural(words: str, thing: str) -> bool:
+    """Whether English words mean several, none of which is singled out by a number or as "some": ``thing`` is what they
+    were read as, in the singular."""
+    one, *_, last = thing.split()[-1], *words.split()
+    plural = last in (f"{one}s", f"{one}es", f"{one.removesuffix('y')}ies")
+    return plural and _SOME.match(words) is None
 
 
 def _with_question(entity: Entity, which: list[str]) -> Entity:

@@ -121,4 +121,4 @@ def _lidar(settings: RobotSettings, description: Description) -> UsbLidar | None
         return None
     from engine.robot.usb_lidar import UsbLidar
 
-    return UsbLidar(settings.lidar, description.lidar)
+    return UsbLidar(settings.lidar, description.lidar, description.hull)

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.errors import DeviceError, UsageError
-from engine.robot.description import LidarOf
+from engine.robot.description import Hull, LidarOf
 from engine.robot.geometry import Pose
 from engine.serial_port import opened
 
@@ -71,12 +71,14 @@ class UsbLidar:
         self,
         port: str,
         about: LidarOf,
+        hull: Hull,
         *,
         clock: Callable[[], float] = time.monotonic,
         open_wire: OpenWire | None = None,
     ) -> None:
-        """Raises :class:`UsageError` where lds2d knows no such model."""
-        self._port, self._about, self._clock = port, about, clock
+        """What it sees within ``hull`` is the robot itself. Raises :class:`UsageError` where lds2d knows no such
+        model."""
+        self._port, self._about, self._hull, self._clock = port, about, hull, clock
         self._driver = driver_of(about)
         self._open_wire = open_wire or _opened
         self._turns: deque[Turn] = deque(maxlen=1)
@@ -139,7 +141,9 @@ class UsbLidar:
         angles, distances, times = np.array(polar).T
         around = np.radians((-angles if self._about.clockwise else angles) + self._about.turned)
         seen = np.column_stack((np.cos(around), np.sin(around))) * distances[:, None]
-        return Turn(seen + self._about.at, times)
+        seen += self._about.at
+        own = (np.abs(seen[:, 0]) < self._hull.length / 2) & (np.abs(seen[:, 1]) < self._hull.width / 2)
+        return Turn(seen[~own], times[~own])
 
 
 def driver_of(about: LidarOf) -> Any:
@@ -156,13 +160,15 @@ def driver_of(about: LidarOf) -> Any:
     return found
 
 
-def nearest(points: NDArray[np.float64]) -> tuple[float, float] | None:
-    """How far the nearest point is, m, and in which direction, rad to the left; None where there is none."""
+def in_words(points: NDArray[np.float64]) -> str:
+    """What a turn has seen, so that a person can tell whether it is so: the nearest points, from the robot's centre."""
     if not len(points):
-        return None
+        return "sees nothing"
     away = np.hypot(points[:, 0], points[:, 1])
     x, y = points[int(np.argmin(away))].tolist()
-    return float(away.min()), math.atan2(y, x)
+    side = "left" if y > 0 else "right"
+    turn = abs(math.degrees(math.atan2(y, x)))
+    return f"{len(points)} points; the nearest {away.min():.2f} m away, {turn:.0f}° to the {side}"
 
 
 class _Closed(Exception):

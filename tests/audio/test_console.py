@@ -59,7 +59,9 @@ def test_the_robot_drives_by_voice_and_survives_the_loss_of_its_microphone(serve
         assert gone[0].startswith("The microphone (default) is gone.")
 
         server.start()
-        terminal.until(lambda: about_the_microphone(terminal)[2:] == ["ready: microphone (default)"])
+        # ALSA's default is PulseAudio if that ran when it was asked; the next moment it is called by its name
+        back = (["ready: microphone (default)"], ["ready: microphone (pulse)"])
+        terminal.until(lambda: about_the_microphone(terminal)[2:] in back)
         ask(terminal, server, "go_to_the_kitchen.wav")
         terminal.until(lambda: driving(terminal))
         terminal.type("\x1b")

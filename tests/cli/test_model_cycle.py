@@ -50,7 +50,7 @@ class Turn:
     def moved(self) -> bool:
         """Whether anything was begun, or the robot is or was on its way."""
         states = self.bodies("robot.state")
-        return bool(self.bodies("action.started")) or any(any(state["twist"].values()) for state in states)
+        return bool(self.bodies("action.started")) or any(state["moving"] for state in states)
 
 
 class Cycle:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 CHECK_S = 1.5
 """How long a board is listened to, s."""
+LIDAR_S = 4.0
+"""In which a lidar must have made a turn."""
 
 
 def run(arguments: Namespace) -> int:
@@ -46,8 +48,15 @@ def run(arguments: Namespace) -> int:
             return robot_estop(pressed=arguments.action == "estop")
         case _:
             settings = load_settings(arguments)
-            name, port, stops, pull = arguments.name, arguments.port, arguments.stops_after, arguments.pull
-            return robot_emulate(settings, name, port, stops_after=stops, pull=pull, json=arguments.json)
+            return robot_emulate(
+                settings,
+                arguments.name,
+                arguments.port,
+                lidar=arguments.lidar,
+                stops_after=arguments.stops_after,
+                pull=arguments.pull,
+                json=arguments.json,
+            )
 
 
 def robot_list(*, json: bool = False) -> int:
@@ -89,7 +98,7 @@ def robot_show(settings: Settings, name: str | None, *, json: bool = False) -> i
         data(f"  arm      {len(robot.arm.joints)} joints, {100 * reach:.0f} cm, gripper {grip:.0f} cm")
     data(f"  camera   {_camera(robot)}")
     none = "none: it drives slowly, and stops short of what is on the map alone"
-    data(f"  lidar    {'yes' if robot.lidar else none}")
+    data(f"  lidar    {none if robot.lidar is None else robot.lidar.model or 'simulated'}")
     return int(ExitCode.DONE)
 
 
@@ -117,13 +126,16 @@ def robot_check(settings: Settings, *, json: bool = False) -> int:
         return int(ExitCode.MISSING)
     robot = description_of(settings.robot) if settings.robot.kind == "rosmaster" else None
     board = inspect(port, CHECK_S)
+    lidar = _lidar_sees(settings, robot) if robot is not None else None
     if json:
-        json_line({"ports": [one.lasting for one in ports], "board": asdict(board)})
+        json_line({"ports": [one.lasting for one in ports], "board": asdict(board), "lidar": lidar})
     else:
         data(f"board     version {board.version or '?'}, car type {board.car_type or '?'} on {port}")
         data(f"battery   {board.volts:.1f} V" if board.volts else "battery   not told")
         data(f"reports   {board.reports} in {CHECK_S:g} s")
         data(f"servos    {', '.join(map(str, board.servos)) if board.servos else 'none answered'}")
+        if lidar is not None:
+            data(f"lidar     {lidar}")
     if robot is not None and robot.board is not None and board.car_type not in (None, robot.board.car_type):
         say(f"sayso: the board takes itself for car type {board.car_type}; robot.model says {robot.board.car_type}.")
     if not board.reports:
@@ -154,13 +166,16 @@ def robot_emulate(
     name: str | None,
     port: Path | None,
     *,
+    lidar: Path | None = None,
     stops_after: float | None = None,
     pull: float = 0.0,
     json: bool = False,
 ) -> int:
-    """A board on a pseudo-terminal with the simulated robot behind it, until Ctrl-C. What goes wrong comes on stdin."""
+    """A board on a pseudo-terminal with the simulated robot behind it, until Ctrl-C; at ``lidar`` another one, with its
+    lidar. What goes wrong comes on stdin."""
     from engine.robot.description import described
     from engine.robot.emulation.board import EmulatedBoard
+    from engine.robot.emulation.lidar import EmulatedLidar
     from engine.robot.emulation.line import COMMANDS, Line
     from engine.robot.emulation.line import run as run_line
     from engine.robot.sim.scene_file import load_scene, scene_path
@@ -170,15 +185,38 @@ def robot_emulate(
     description = described(model)
     if description.board is None:
         raise UsageError(f"{model!r} has no board to emulate.", hint="`sayso robot list` shows which have.")
+    if lidar is not None and description.lidar is None:
+        raise UsageError(f"{model!r} has no lidar to emulate.", hint="`sayso robot list` shows which have.")
     scene = load_scene(scene_path(settings.robot.scene))
     body = SimulatedBody(scene, settings.robot, pictures=False)
     board = EmulatedBoard(body, description, stops_after=stops_after, pull=pull)
-    line = Line((port or Path("board")).absolute())
+    line, eyes = Line((port or Path("board")).absolute()), None
+    where = f"--set robot.port={line.path}"
+    if lidar is not None and description.lidar is not None:
+        eyes = Line(lidar.absolute()), EmulatedLidar(body, description.lidar)
+        where += f" --set robot.lidar={eyes[0].path}"
     say(f"sayso: an emulated {description.name} in {scene.name}; drive it from another terminal:")
-    say(f"  sayso --set robot.kind=rosmaster --set robot.model={model} --set robot.port={line.path}")
+    say(f"  sayso --set robot.kind=rosmaster --set robot.model={model} {where}")
     say(f"On stdin it takes: {'; '.join(COMMANDS)}.")
-    run_line(line, board, _Stdin(), _Shown(json=json).show)
+    run_line(line, board, _Stdin(), _Shown(json=json).show, eyes)
     return int(ExitCode.DONE)
+
+
+def _lidar_sees(settings: Settings, robot: Description) -> str | None:
+    """What a person can compare with what stands around the robot; None where it has no lidar. Raises
+    ``UsageError``."""
+    from engine.robot.usb_lidar import UsbLidar, in_words
+
+    if robot.lidar is None or settings.robot.lidar is None:
+        return None
+    lidar = UsbLidar(settings.robot.lidar, robot.lidar, robot.hull)
+    try:
+        until = time.monotonic() + LIDAR_S
+        while (turn := lidar.newest()) is None and time.monotonic() < until:
+            time.sleep(0.05)
+        return lidar.trouble or "silent" if turn is None else in_words(turn.points)
+    finally:
+        lidar.close()
 
 
 class _Stdin:
@@ -229,7 +267,7 @@ def _facts(robot: Description) -> dict[str, Any]:
         "kind": "rosmaster" if robot.board is not None else "sim",
         "drive": robot.drive,
         "has": sorted(robot.capabilities),
-        "lidar": robot.lidar,
+        "lidar": robot.lidar is not None,
     }
 
 

@@ -12,18 +12,19 @@ import pty
 import select
 import time
 import tty
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final, Protocol
 
 from engine.errors import DeviceError, UsageError
 from engine.robot.emulation.board import FAULTS, BoardState, EmulatedBoard
+from engine.robot.emulation.lidar import EmulatedLidar
 from engine.robot.host.body import STEP_S
 
 STATE_S: Final = 0.05
 """Between two states that are told."""
 COMMANDS: Final = (*(f"{fault} on" for fault in FAULTS if fault != "reset"), "reset", "unplug", "plug", "quit")
-"""What it understands; a fault ends with ``off``."""
+"""What it understands; a fault ends with ``off``. ``unplug lidar`` and ``plug lidar`` are for the other cable."""
 _LEAST_DEBT: Final = 0.1
 """s that real time may run ahead before it is let go."""
 
@@ -38,6 +39,13 @@ class Commands(Protocol):
     def lines(self) -> list[str] | None:
         """Those that have come; None when no more will."""
         ...
+
+
+class Device(Protocol):
+    """What is at the other end of a line."""
+
+    def receive(self, data: bytes) -> None: ...
+    def send(self) -> bytes: ...
 
 
 class Line:
@@ -74,22 +82,31 @@ class Line:
         with contextlib.suppress(OSError):
             self.path.unlink()
 
-    def exchange(self, board: EmulatedBoard) -> None:
-        """What has come to the board, and what it sends back. A line that nobody reads loses it, as a real one does."""
+    def exchange(self, device: Device) -> None:
+        """What has come to the device, and what it sends back. A line that nobody reads loses it, as real ones do."""
         if self.master is None:
-            board.send()
+            device.send()
             return
         with contextlib.suppress(BlockingIOError):
-            board.receive(os.read(self.master, 4096))
-        if data := board.send():
+            device.receive(os.read(self.master, 4096))
+        if data := device.send():
             with contextlib.suppress(BlockingIOError):
                 os.write(self.master, data)
 
 
-def run(line: Line, board: EmulatedBoard, commands: Commands, tell: Callable[[BoardState], object]) -> None:
-    """Run until told to quit, or until no more commands can come. Raises :class:`DeviceError`."""
-    line.plug()
+def run(
+    line: Line,
+    board: EmulatedBoard,
+    commands: Commands,
+    tell: Callable[[BoardState], object],
+    eyes: tuple[Line, EmulatedLidar] | None = None,
+) -> None:
+    """Run until told to quit, or until no more commands can come; ``eyes`` is a lidar on the robot, and its line.
+    Raises :class:`DeviceError`."""
+    cables = {"": line, **({"lidar": eyes[0]} if eyes is not None else {})}
     try:
+        for cable in cables.values():
+            cable.plug()
         deadline, told = time.monotonic(), 0.0
         while True:
             now = time.monotonic()
@@ -100,6 +117,9 @@ def run(line: Line, board: EmulatedBoard, commands: Commands, tell: Callable[[Bo
                 board.step()
                 if not board.stalled:
                     line.exchange(board)
+                if eyes is not None:
+                    eyes[1].step()
+                    eyes[0].exchange(eyes[1])
                 if now - told >= STATE_S:
                     told = now
                     tell(board.state)
@@ -110,22 +130,21 @@ def run(line: Line, board: EmulatedBoard, commands: Commands, tell: Callable[[Bo
                 line.exchange(board)
             if commands.fileno() in ready:
                 lines = commands.lines()
-                if lines is None or any(obey(text, line, board) for text in lines):
+                if lines is None or any(obey(text, cables, board) for text in lines):
                     return
     finally:
-        line.unplug()
+        for cable in cables.values():
+            cable.unplug()
 
 
-def obey(text: str, line: Line, board: EmulatedBoard) -> bool:
+def obey(text: str, cables: Mapping[str, Line], board: EmulatedBoard) -> bool:
     """Do what a line of text says; whether to quit. Raises :class:`UsageError`."""
     words = text.split()
     match words:
         case ["quit"]:
             return True
-        case ["unplug"]:
-            line.unplug()
-        case ["plug"]:
-            line.plug()
+        case ["unplug" | "plug" as what, *which] if (cable := cables.get(" ".join(which))) is not None:
+            (cable.plug if what == "plug" else cable.unplug)()
         case ["reset"]:
             board.begin("reset")
         case [fault, "on" | "off" as switch] if fault in FAULTS:

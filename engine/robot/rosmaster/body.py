@@ -109,6 +109,8 @@ class RosmasterBody:
         self._told, self._told_at = ZERO, -math.inf
         self._servos = Servos(description.arm) if description.arm is not None else None
         self._placed: tuple[int, ...] | None = None  # what the servos were told last
+        self._read_when: tuple[int, ...] | None = None  # what they had been told when they said where they were
+        self._read_at = -math.inf
         self._to_place: tuple[int, ...] | None = None
         self._placed_at = self._arm_asked = -math.inf
         self._joints: tuple[float, ...] = (0.0,) * len(ARM_JOINTS)
@@ -331,10 +333,20 @@ class RosmasterBody:
         servos.read(pulses)
         if (known := servos.known) is None:
             return
-        self._joints, self._opening = servos.angles(known), servos.opening(known)
         if not were_known:
             self._placed, self._to_place = known, None
             self._complain("the arm has only now said where it is")
+        self._read_when, self._read_at = self._placed, self._clock()
+        self._joints, self._opening = servos.angles(known), servos.opening(known)
+
+    def _reckon(self, servos: Servos, now: float) -> None:
+        """Where the arm is between two readings: as far from the last one as it was told to go since. A camera on it
+        would else look from where it was."""
+        known, placed, then = servos.known, self._placed, self._read_when
+        if known is None or placed is None or then is None or now - self._read_at > 2 * ARM_QUERY_S:
+            return
+        told = zip(servos.angles(known), servos.angles(placed), servos.angles(then), strict=True)
+        self._joints = tuple(at + to - since for at, to, since in told)
 
     # What it is told
 
@@ -352,6 +364,7 @@ class RosmasterBody:
             following = tuple(a + max(-SLEW, min(SLEW, w - a)) for w, a in zip(wanted, at, strict=True))
             if self._write(line, frames.arm(following, round(2000 * ARM_S)), now):
                 self._placed, self._placed_at = following, now
+                self._reckon(self._servos, now)
         elif now - self._arm_asked >= ARM_QUERY_S:
             self._arm_asked = now
             self._write(line, frames.request(frames.ARM, 1), now)

@@ -126,7 +126,7 @@ class SimulatedBody:
         self.data.qvel[:] = 0
         mujoco.mj_forward(self.model, self.data)
 
-    def scan(self) -> NDArray[np.float64] | None:
+    def scan(self) -> NDArray[np.float64]:
         return self._lidar.ranges(self.true_pose)
 
     def fill(self, record: Record) -> None:

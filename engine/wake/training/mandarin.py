@@ -23,30 +23,33 @@ _RIMES: Final = {
     "i": "i", "i.": "ɨ", "i[": "ɨ", "iA": "ja", "iE": "je", "jAu": "jau", "iou": "jou", "ji": "i", "jiA": "ja",
     "jiE": "je", "jiou": "jou", "u": "u", "wu": "u", "ua": "wa", "wA": "wa", "wa": "wa", "uo": "wo", "wo": "wo",
     "uai": "wai", "wai": "wai", "uei": "wei", "wei": "wei", "y": "y", ";y": "y", "jy": "y", "yE": "ɥe", "jyE": "ɥe",
-    "ong": "ʊ",
+    "ong": "ʊ", "jong": "jʊ",
 }  # fmt: skip
 _RIMES_BEFORE_A_NASAL: Final = {
     "@": "ə", "o-": "ə", "i.": "i", "i[": "i", "iE": "jɛ", "jiE": "jɛ", "u@": "wə", "wu@": "wə", "wo-": "wə",
-    "y&": "ɥɛ", "y@": "y", ";y@": "y", "yi": "y", "yu": "jʊ",
+    "y&": "ɥɛ", "jy&": "ɥɛ", "y@": "y", ";y@": "y", "jy@": "y", "yi": "y", "yu": "jʊ",
 }  # fmt: skip
-_TONES: Final = {"55": "→", "35": "↗", "21": "↓", "214": "↓", "51": "↘"}
+_TONES: Final = {"55": "→", "35": "↗", "21": "↓", "214": "↓", "51": "↘", "53": "↘"}
 """The others are unstressed, and have none."""
 _NASALS: Final = {"n": "n", "N": "ŋ", "": ""}
 _SYLLABLE: Final = re.compile(
-    rf"({'|'.join(map(re.escape, sorted(_ONSETS, key=len, reverse=True)))})?([^\d]+?)(\d+)([nN]?)"
+    rf"({'|'.join(map(re.escape, sorted(_ONSETS, key=len, reverse=True)))})?([^\d]+?)(\d+)(N|n(?![aAeiouy@]))?"
 )
+"""eSpeak 1.52 writes nothing between the syllables of a word that it knows: there an n before a vowel begins one."""
+_WORD: Final = re.compile(f"(?:{_SYLLABLE.pattern})+")
 
 
 def signs(mnemonics: str) -> str:
     """The signs for what ``espeak-ng -x`` prints. What is no Chinese syllable is left out."""
     words = []
     for word in mnemonics.split():
-        found = (_SYLLABLE.fullmatch(part) for part in re.sub("[',]", "", word).strip("_|").split("_|"))
-        words.append("".join(_signs(*match.groups()) for match in found if match is not None))
+        parts = re.sub("[',]", "", word).strip("_|").split("_|")
+        found = (match for part in parts if _WORD.fullmatch(part) for match in _SYLLABLE.finditer(part))
+        words.append("".join(_signs(*match.groups()) for match in found))
     return " ".join(filter(None, words))
 
 
-def _signs(onset: str | None, rime: str, tone: str, nasal: str) -> str:
+def _signs(onset: str | None, rime: str, tone: str, nasal: str | None) -> str:
     if nasal == "N" and (rime == "y" or (rime == "u" and onset == "tS;h")):
         vowel: str | None = "jʊ"
     elif nasal:
@@ -55,5 +58,5 @@ def _signs(onset: str | None, rime: str, tone: str, nasal: str) -> str:
         vowel = _RIMES.get(rime)
     if vowel is None:
         return ""
-    ending = "ŋ" if rime == "ong" else _NASALS[nasal]
+    ending = "ŋ" if rime in ("ong", "jong") else _NASALS[nasal or ""]
     return f"{_ONSETS[onset] if onset else ''}{vowel}{_TONES.get(tone, '')}{ending}"
