@@ -30,12 +30,14 @@ class Command(msgspec.Struct, frozen=True):
 
 class Say(Command, frozen=True):
     """A typed request, treated as if it had been spoken and understood. ``then``: requests that are done after it, one
-    after the other. They wait whatever ``session.busy`` says, and each is acknowledged with the same id."""
+    after the other. They wait whatever ``session.busy`` says, and each is acknowledged with the same id. ``wait``: it
+    waits itself for what runs to end, whatever ``session.busy`` says."""
 
     do: ClassVar[str] = "say"
     text: str
     id: str | None = None
     then: tuple[str, ...] = ()
+    wait: bool = False
 
 
 class Wake(Command, frozen=True):

@@ -36,6 +36,7 @@ from engine.llm.local import LocalChat
 from engine.offer import Offer, offered
 from engine.parts import remembered
 from engine.parts.camera import CameraPart
+from engine.parts.charging import Charging
 from engine.parts.demo import Demo
 from engine.parts.ears import Ears
 from engine.parts.estop import EmergencyStop
@@ -65,7 +66,7 @@ from engine.planner.build import build_planner, build_registry
 from engine.planner.phrases.stopping import is_stop
 from engine.planner.planner import Planner
 from engine.planner.worlds.house import build_vocabulary
-from engine.robot.bodies import make_robot
+from engine.robot.bodies import description_of, make_robot
 from engine.robot.floor_map import FloorMap
 from engine.robot.robot import Robot, RobotState, Scan
 from engine.scheduling import collect_in_small_steps, prefer, workers
@@ -228,6 +229,7 @@ class Engine:
         log = self._open_log()
         self._emit(events.SessionStarted(__version__, self._mode, self._robot.name, os.getpid()))
         places = Places(self._settings.places)
+        dock = description_of(self._settings.robot).dock
         place_names = {symbol: place.name for symbol, place in self._settings.places.items()}
         self._registry = registry = build_registry(self._settings, places)
         robot: Part[Robot] = self._part("robot")
@@ -249,7 +251,7 @@ class Engine:
         needs = Needs(
             robot=robot,
             planner=planner,
-            dispatcher=lambda up: Dispatcher(registry, up, places, self._epoch, holds, understood, eyes, vision),
+            dispatcher=lambda up: Dispatcher(registry, up, places, self._epoch, holds, understood, eyes, vision, dock),
             hearing=hearing,
             voice=voice,
             voice_for_typed=voice if self._settings.voice.when == "always" else SilentVoice(),
@@ -330,11 +332,12 @@ class Engine:
             background.append(self._keep(self._rebuild(planner, build)))
 
         places.on_added = added
+        charging = Charging(robot, places, dock, self._session.request, self._emit)
         background = [
             self._keep(self._beat()),
             self._keep(self._keep_robot(robot, places), "robot"),
             self._keep(self._estop.keep()),
-            self._keep(Health(robot, paths().state, self._emit).keep()),
+            self._keep(Health(robot, paths().state, self._emit, on_low=charging.go).keep()),
             self._keep(self._keep_planner(planner, build), "planner"),
             self._keep(ears.keep(), "microphone", "recogniser"),
             self._keep(self._keep_voice(voice), "voice"),

@@ -26,6 +26,8 @@ HOTTEST_C: Final = 80.0
 """A Raspberry Pi slows down from here on."""
 OLDEST: Final = 1_767_225_600.0
 """The beginning of 2026: a clock that is behind it has not been set since the machine was switched on."""
+RECOVERY_V: Final = 0.4
+"""By so much a low battery must rise to be well again: it does by less as soon as the robot stands."""
 THERMAL: Final = Path("/sys/class/thermal")
 
 
@@ -40,13 +42,17 @@ class Health:
         *,
         clock: Callable[[], float] = time.time,
         thermal: Path = THERMAL,
+        on_low: Callable[[float], object] = lambda volts: None,
     ) -> None:
-        """``folder`` is on the disk that is looked at; ``clock`` gives s since 1970."""
+        """``folder`` is on the disk that is looked at; ``clock`` gives s since 1970; ``on_low`` is told the volts of a
+        battery that has become low, once."""
         self._robot = robot
         self._folder = folder
         self._emit = emit
         self._clock = clock
         self._thermal = thermal
+        self._on_low = on_low
+        self._low: float | None = None  # V of the battery when it became low
         self._told: dict[str, str] = {}
 
     async def keep(self) -> None:
@@ -70,7 +76,14 @@ class Health:
             return
         with contextlib.suppress(RobotError):  # its loss is told by whoever keeps it
             battery = robot.state().battery
-            if battery is not None and battery.low:
+            if battery is None:
+                return
+            if self._low is not None and battery.volts > self._low + RECOVERY_V:
+                self._low = None
+            if battery.low and self._low is None:
+                self._low = battery.volts
+                self._on_low(battery.volts)
+            if self._low is not None:
                 yield "battery", f"The battery is low ({battery.volts:g} V): charge it soon."
 
     def _machine(self) -> Iterator[tuple[str, str]]:

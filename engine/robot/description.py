@@ -180,6 +180,9 @@ class Description(Section):
     trim: float = Field(
         default=0, ge=-0.5, le=0.5, description="rad of turn per metre ahead, added to what the motors are told."
     )
+    dock: str | None = Field(
+        default=None, description="Where it is charged when it stands there: the name of a place of its house."
+    )
     calibrated: dict[str, str] = Field(default_factory=dict, description="What was measured, when, and how well.")
     lidar: LidarOf | None = Field(
         default=None, description="Without one nothing is seen in the way: it drives slowly then."

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
@@ -20,7 +21,7 @@ from ulid import ULID
 from engine.bus import Emit
 from engine.cancellation import GRACE_S, Remains, bounded
 from engine.epoch import Epoch
-from engine.errors import CameraError, RobotError
+from engine.errors import CameraError, PlanError, RobotError
 from engine.events import (
     ActionFinished,
     ActionProgress,
@@ -67,6 +68,8 @@ class Ran:
     duration_s: float  # robot time
 
 
+FAR_M: Final = 8.0
+"""A place from this far on is not driven to with a low battery."""
 _HEARD: Final = frozenset({"say", "finishtask"})
 """Actions of which nothing is left to be told: their words were heard, or they have none for people."""
 
@@ -143,7 +146,9 @@ class Dispatcher:
         describe_skills: Callable[[], str],
         eyes: Eyes,
         onlooker: Onlooker | None = None,
+        dock: str | None = None,
     ) -> None:
+        """``dock`` is the name of the place where the robot is charged, where there is one."""
         self._registry = registry
         self._robot = robot
         self._places = places
@@ -152,6 +157,7 @@ class Dispatcher:
         self._describe_skills = describe_skills
         self._eyes = eyes
         self._onlooker = onlooker
+        self._dock = dock
         self._last_time = 0.0
 
     def is_endless(self, plan: Plan) -> bool:
@@ -205,7 +211,7 @@ class Dispatcher:
             world=self._eyes.world,
             ask_about=self._asking(run),
         )
-        if (refused := self._refused(self._registry[action.name])) is not None:
+        if (refused := self._refused(self._registry[action.name], action)) is not None:
             self._write(run, action, key, refused, began)
             return refused
         remains: Remains[Result] = Remains(lambda found: self._drop(run, action, found))
@@ -324,7 +330,7 @@ class Dispatcher:
 
         return asking
 
-    def _refused(self, skill: Skill) -> Result | None:
+    def _refused(self, skill: Skill, action: Action) -> Result | None:
         """Why the robot does not begin this as it stands; None where it does."""
         try:
             state = self._robot.state()
@@ -332,9 +338,26 @@ class Dispatcher:
             return None  # its loss is the outcome of the action
         if state.estop and skill.occupies & _MOVING:
             return fail("robot_halted", "The emergency stop is pressed: release it first.")
-        if skill.endless and state.battery is not None and state.battery.low:
-            return fail("battery_low", f"My battery is low ({state.battery.volts:g} V): charge me first.")
+        if state.battery is None or not state.battery.low:
+            return None
+        low = f"My battery is low ({state.battery.volts:g} V)"
+        if skill.endless or skill.lasting:
+            return fail("battery_low", f"{low}: charge me first.")
+        away = max((self._away(str(action.args[p.name])) for p in skill.parameters if p.word == "place"), default=0.0)
+        if away > FAR_M:
+            return fail("battery_low", f"{low}, and that is {away:.0f} m away: charge me first.")
         return None
+
+    def _away(self, place: str) -> float:
+        """How far a place is as the crow flies, m; 0 where it is not known, or the way to it is that to be charged."""
+        with contextlib.suppress(PlanError, KeyError):
+            symbol = self._places.symbol(place)
+            goal, dock = self._places.pose(symbol), self._dock
+            if goal is None or (dock is not None and symbol == self._places.symbol(dock)):
+                return 0.0
+            here = self._robot.state().pose
+            return math.dist((here.x, here.y), (goal.x, goal.y))
+        return 0.0
 
     def _report_robot(self, emit: Emit) -> None:
         """Where the action left the robot; the periodic reports may come too late for that."""

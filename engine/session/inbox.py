@@ -121,8 +121,8 @@ class Inbox(Generic[T]):
                 return None if adds or epoch < self._newest else "replaced"
             case Heard(text):
                 return _scope_of_words(text) if self._state() in EXPRESSING and is_stop(text) else None
-            case Say(text):
-                return _scope_of_words(text) or ("replaced" if self._busy == "interrupt" else None)
+            case Say(text, wait=wait):
+                return _scope_of_words(text) or ("replaced" if self._busy == "interrupt" and not wait else None)
         return None
 
     # In the loop

@@ -166,7 +166,7 @@ class Session:
             await self._halt(request, command)
         elif scope is not None:
             await self._interrupt(scope, request)
-        elif self._turn is not None and isinstance(command, Say) and self._settings.busy == "reject":
+        elif self._turn is not None and isinstance(command, Say) and self._rejects(command):
             self._ack(request, "Busy: the command was not taken (session.busy is reject).", ok=False)
             return False
         elif (self._turn is not None or self._waiting) and isinstance(command, Say | Quit | Added):
@@ -175,6 +175,9 @@ class Session:
                 self._log("info", f"After this: “{command.heard.text}”.")
             return False
         return True
+
+    def _rejects(self, command: Say) -> bool:
+        return self._settings.busy == "reject" and not command.wait
 
     def _wait(self, requests: Iterable[Request]) -> None:
         """Let them wait until the turn has ended that runs by then."""

@@ -109,6 +109,8 @@ class Skill:
     run: Run
     endless: bool = False
     """It goes on until told otherwise: no time limit ends it."""
+    lasting: bool = False
+    """It may take many minutes: it is not begun with a low battery."""
     own_words: SkillRecord | None = None
     """Of an external skill."""
     flat: bool = False
@@ -146,9 +148,12 @@ class Skill:
         }
 
 
-def skill(*, occupies: Iterable[Capability] = (), endless: bool = False, flat: bool = False) -> Callable[[Run], Skill]:
+def skill(
+    *, occupies: Iterable[Capability] = (), endless: bool = False, lasting: bool = False, flat: bool = False
+) -> Callable[[Run], Skill]:
     """Make a coroutine function ``(context, …parameters) -> Result`` a skill that occupies these capabilities; an
-    ``endless`` one goes on until told otherwise, a ``flat`` one sees without depth."""
+    ``endless`` one goes on until told otherwise, a ``lasting`` one for many minutes, a ``flat`` one sees without
+    depth."""
 
     def register(function: Run) -> Skill:
         hints = get_type_hints(function, include_extras=True)
@@ -159,7 +164,7 @@ def skill(*, occupies: Iterable[Capability] = (), endless: bool = False, flat: b
         if not doc:
             raise TypeError(f"skill {function.__name__} needs a docstring: planners read it")
         parameters = tuple(_parameter(p, hints[p.name]) for p in names[1:])
-        return Skill(function.__name__, doc, parameters, frozenset(occupies), function, endless, flat=flat)
+        return Skill(function.__name__, doc, parameters, frozenset(occupies), function, endless, lasting, flat=flat)
 
     return register
 

@@ -109,3 +109,29 @@ def test_a_camera_on_usb_shows_what_it_sees(board: Emulator, tmp_path: Path) -> 
 def test_what_needs_a_camera_is_not_offered(board: Emulator, running: Engine) -> None:
     running.send(do="say", text="pick up the red cup")
     assert running.until("state.changed", ended)["result"]["outcome"] != "done"
+
+
+def test_with_a_low_battery_it_refuses_what_is_long_and_goes_to_its_dock(tmp_path: Path) -> None:
+    with Emulator(tmp_path, model="emulated") as board:
+        options = (
+            "--set",
+            "robot.kind=rosmaster",
+            "--set",
+            "robot.model=emulated",
+            "--set",
+            f"robot.port={board.path}",
+        )
+        with engine(tmp_path / "state", "", *options) as running:
+            running.until("log", lambda body: body["source"] == "robot")
+            board.tell("volts 10.0")
+            board.until(lambda state: state["volts"] < 10.1)
+            running.send(do="say", text="patrol")
+            result = running.until("state.changed", ended)["result"]
+            assert result["outcome"] == "failed"
+            assert "My battery is low" in result["message"]
+            told = running.until("log", lambda body: "going to" in body["message"])
+            assert told["message"].endswith("I am going to the charging dock.")
+            assert running.until("state.changed", ended)["result"]["outcome"] == "done"
+            state = board.until(lambda state: state["volts"] > 11)
+            assert math.dist((state["x"], state["y"]), (4.2, -0.3)) < 0.15
+            running.until("log", lambda body: body["message"] == "The battery is well again.")

@@ -1,4 +1,4 @@
-"""Tasks of the suite, done through the frames of an emulated board: driving, the arm, and a camera that looks from it."""
+"""Tasks of the suite, done through the frames of an emulated board: driving, the arm, and a camera on it."""
 
 from __future__ import annotations
 

@@ -26,13 +26,21 @@ class Looked:
 
     def __init__(self, folder: Path) -> None:
         self.told: list[str] = []
+        self.lows: list[float] = []
         self.battery: BatteryState | None = None
         self.now = NOW
         robot: Any = SimpleNamespace(value=SimpleNamespace(state=lambda: SimpleNamespace(battery=self.battery)))
         self.zone = folder / "thermal_zone0" / "temp"
         self.zone.parent.mkdir()
         self.zone.write_text("45000")
-        self._health = Health(robot, folder, self._tell, clock=lambda: self.now, thermal=folder)  # type: ignore[arg-type]
+        self._health = Health(
+            robot,
+            folder,
+            self._tell,  # type: ignore[arg-type]
+            clock=lambda: self.now,
+            thermal=folder,
+            on_low=self.lows.append,
+        )
 
     def _tell(self, body: Body) -> None:
         assert isinstance(body, Log)
@@ -90,3 +98,15 @@ def test_a_battery_knows_how_full_it_is() -> None:
 @pytest.mark.parametrize(("charge", "told"), [(0.62, "about 60 % full"), (None, "this robot does not tell me")])
 def test_it_says_how_full_its_battery_is(charge: float | None, told: str) -> None:
     assert told in of("battery", OnRecord(charge=charge), "", "en")
+
+
+def test_a_battery_that_is_low_only_while_the_robot_drives_stays_low_until_it_is_charged(looked: Looked) -> None:
+    for volts, low in ((10.1, True), (10.3, False), (10.1, True), (10.4, False)):
+        looked.battery = BatteryState(volts, 0.3, low)
+        looked.look()
+    assert looked.lows == [10.1]
+    looked.battery = BatteryState(11.0, 0.5, False)
+    assert looked.look() == ["info: The battery is well again."]
+    looked.battery = BatteryState(10.0, 0.2, True)
+    looked.look()
+    assert looked.lows == [10.1, 10.0]

@@ -98,6 +98,8 @@ def robot_show(settings: Settings, name: str | None, *, json: bool = False) -> i
         data(f"  arm      {len(robot.arm.joints)} joints, {100 * reach:.0f} cm, gripper {grip:.0f} cm")
     data(f"  camera   {_camera(robot)}")
     none = "none: it drives slowly, and stops short of what is on the map alone"
+    if robot.dock is not None:
+        data(f"  dock     {robot.dock}: with a low battery it goes there by itself")
     data(f"  lidar    {none if robot.lidar is None else robot.lidar.model or 'simulated'}")
     return int(ExitCode.DONE)
 
@@ -180,6 +182,7 @@ def robot_emulate(
     from engine.robot.emulation.line import run as run_line
     from engine.robot.sim.scene_file import load_scene, scene_path
     from engine.robot.sim.simulated import SimulatedBody
+    from engine.skills.places import Places
 
     model = name or (settings.robot.made_as if settings.robot.kind == "rosmaster" else "x3plus")
     description = described(model)
@@ -189,7 +192,10 @@ def robot_emulate(
         raise UsageError(f"{model!r} has no lidar to emulate.", hint="`sayso robot list` shows which have.")
     scene = load_scene(scene_path(settings.robot.scene))
     body = SimulatedBody(scene, settings.robot, pictures=False)
-    board = EmulatedBoard(body, description, stops_after=stops_after, pull=pull)
+    places = Places(settings.places)
+    known = description.dock is not None and description.dock in places.names()
+    dock = places.pose(places.symbol(description.dock or "")) if known else None
+    board = EmulatedBoard(body, description, stops_after=stops_after, pull=pull, dock=dock)
     line, eyes = Line((port or Path("board")).absolute()), None
     where = f"--set robot.port={line.path}"
     if lidar is not None and description.lidar is not None:

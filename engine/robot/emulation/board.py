@@ -16,7 +16,7 @@ from typing import Final, Literal, get_args
 from engine.framing import Framer
 from engine.robot.arm import ARM_JOINTS
 from engine.robot.description import Description
-from engine.robot.geometry import ZERO, Twist
+from engine.robot.geometry import ZERO, Pose, Twist
 from engine.robot.host.body import STEP_S
 from engine.robot.rosmaster import frames
 from engine.robot.rosmaster.frames import Order, ToBoard
@@ -35,6 +35,10 @@ REPORT_STEPS: Final = 5
 FULL_V, BROWNOUT_V = 12.4, 8.0
 DRAIN_V_S: Final = 0.0004
 """V that the battery loses in a second of standing; ten times that in one of driving."""
+CHARGE_V_S: Final = 0.2
+"""V that it gains in a second at the dock; a real one takes hours."""
+DOCK_M: Final = 0.3
+"""As near as this the robot stands at its dock."""
 BOOT_S: Final = 0.4
 """s that it says nothing after a reset. (A real one behind a CH341 takes up to 1.5.)"""
 _VERSION: Final = (3, 5)
@@ -71,16 +75,18 @@ class EmulatedBoard:
         *,
         stops_after: float | None = None,
         pull: float = 0.0,
+        dock: Pose | None = None,
         seed: int = 0,
     ) -> None:
         """``stops_after``: it stands by itself when no motion frame has come for so long, s; None: it never does.
-        ``pull``: by how much it turns on the way ahead without being told to, rad/m."""
+        ``pull``: by how much it turns on the way ahead without being told to, rad/m. ``dock``: where it is charged."""
         assert description.board is not None, "checked by whoever emulates"
         self._body = body
         self._description = description
         self._random = random.Random(seed)
         self._stops_after = math.inf if stops_after is None else stops_after
         self._pull = pull
+        self._dock = dock
         self._told_at = 0.0
         self._servos = Servos(description.arm) if description.arm is not None else None
         self._car_type = description.board.car_type
@@ -156,7 +162,7 @@ class EmulatedBoard:
             self._body.drive(ZERO)
         turned = counts_of(self._description, self._body.twist, STEP_S)
         self._counts = [count + more for count, more in zip(self._counts, turned, strict=True)]
-        self._volts -= DRAIN_V_S * STEP_S * (1 if self._told.is_zero else 10)
+        self._use_battery()
         if self._reports and self._steps % REPORT_STEPS == 0:
             self._report(self._steps // REPORT_STEPS % 4)
 
@@ -168,7 +174,18 @@ class EmulatedBoard:
             self._battery, self._zeros, self._zero_at, self._orders,
         )  # fmt: skip
 
+    def give(self, volts: float) -> None:
+        """Have a battery that gives so much."""
+        self._volts = volts
+
     # What it does
+
+    def _use_battery(self) -> None:
+        pose, dock = self._body.true_pose, self._dock
+        if dock is not None and math.dist((pose.x, pose.y), (dock.x, dock.y)) < DOCK_M:
+            self._volts = min(FULL_V, self._volts + CHARGE_V_S * STEP_S)
+        else:
+            self._volts -= DRAIN_V_S * STEP_S * (1 if self._told.is_zero else 10)
 
     @property
     def _battery(self) -> float:

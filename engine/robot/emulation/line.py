@@ -23,7 +23,10 @@ from engine.robot.host.body import STEP_S
 
 STATE_S: Final = 0.05
 """Between two states that are told."""
-COMMANDS: Final = (*(f"{fault} on" for fault in FAULTS if fault != "reset"), "reset", "unplug", "plug", "quit")
+COMMANDS: Final = (
+    *(f"{fault} on" for fault in FAULTS if fault != "reset"),
+    *("reset", "unplug", "plug", "volts V", "quit"),
+)
 """What it understands; a fault ends with ``off``. ``unplug lidar`` and ``plug lidar`` are for the other cable."""
 _LEAST_DEBT: Final = 0.1
 """s that real time may run ahead before it is let go."""
@@ -147,6 +150,8 @@ def obey(text: str, cables: Mapping[str, Line], board: EmulatedBoard) -> bool:
             (cable.plug if what == "plug" else cable.unplug)()
         case ["reset"]:
             board.begin("reset")
+        case ["volts", number] if number.replace(".", "", 1).isdecimal():
+            board.give(float(number))
         case [fault, "on" | "off" as switch] if fault in FAULTS:
             chosen = next(known for known in FAULTS if known == fault)
             (board.begin if switch == "on" else board.end)(chosen)

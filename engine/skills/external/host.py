@@ -62,7 +62,16 @@ def external_skill(name: str, declaration: ExternalSkill) -> Skill:
     parameters = tuple(_parameter(key, parameter) for key, parameter in declaration.parameters.items())
     occupies = frozenset(declaration.occupies)
     words = declaration.words if declaration.words != SkillRecord() else None  # a program of ours has a file of them
-    return Skill(name, declaration.does, parameters, occupies, run, declaration.endless, words, not declaration.depth)
+    return Skill(
+        name,
+        declaration.does,
+        parameters,
+        occupies,
+        run,
+        declaration.endless,
+        own_words=words,
+        flat=not declaration.depth,
+    )
 
 
 def _parameter(name: str, declared: ExternalParameter) -> Parameter:

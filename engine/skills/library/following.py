@@ -135,7 +135,7 @@ async def follow_line(context: SkillContext, color: ThingColour = "") -> Result:
     return _ended(driver, colour, await driver.run())
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], lasting=True)
 async def follow_line_clear(context: SkillContext, color: ThingColour = "") -> Result:
     """Drive along a line on the floor to its end, and put aside what stands on it.
 

@@ -78,7 +78,7 @@ async def carry(
     return ok(f"I brought the {held.name} to {name}.{elsewhere}") if put.ok else put
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], lasting=True)
 async def clean_room(context: SkillContext, room: RoomName = "") -> Result:
     """Clean a room, the one that the robot is in unless another is named: everything that lies about goes into the
     bin."""
@@ -88,7 +88,7 @@ async def clean_room(context: SkillContext, room: RoomName = "") -> Result:
     return await _put_away(context, place, Wanted(), lambda: put_in(context, bin_), f"into the {bin_.name}", None)
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], lasting=True)
 async def tidy(
     context: SkillContext, color: Annotated[str, Word("thing_colour")], surface: Annotated[str, Word("surface")]
 ) -> Result:

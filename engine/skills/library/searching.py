@@ -48,7 +48,7 @@ async def _shown(context: SkillContext, sight: Sight) -> str:
         return ""  # what perception saw is an answer too
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], lasting=True)
 async def scan_room(context: SkillContext, room: RoomName = "") -> Result:
     """Look through a room, the one that the robot is in unless another is named, and say what lies about there."""
     place = room_called(context, room)

@@ -66,7 +66,7 @@ async def apriltag_sort(context: SkillContext, id: Tag) -> Result:
     return ok(f"Block {number} is {where}.", tag=number, place=tray.name if tray is not None else "floor")
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], lasting=True)
 async def apriltag_remove_higher(context: SkillContext, height: Height) -> Result:
     """Take away all blocks with tags that reach higher than a height, in metres, and put them aside.
 
@@ -75,7 +75,7 @@ async def apriltag_remove_higher(context: SkillContext, height: Height) -> Resul
     return await _remove(context, lambda thing: thing.kind == "block" or thing.tag is not None, height, "block")
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], lasting=True)
 async def color_remove_higher(context: SkillContext, color: ThingColour, height: Height) -> Result:
     """Take away all things of a colour that reach higher than a height, in metres, and put them aside.
 
