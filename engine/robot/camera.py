@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,6 +86,10 @@ class Mount:
         return found
 
 
+TILT: Final = math.radians(1.0)
+"""By how much a camera looks up or down otherwise than it is thought to: a wheel on a carpet's edge does that."""
+
+
 def floor_depth(lens: Lens, mount: Mount, farthest: float = 4.0) -> NDArray[np.float32]:
     """The depth that every pixel would have if it showed the floor, shape (height, width), m along the optical z; inf
     above the horizon and beyond ``farthest``. For a camera that measures none: right on the floor, too far above it."""
@@ -93,6 +98,12 @@ def floor_depth(lens: Lens, mount: Mount, farthest: float = 4.0) -> NDArray[np.f
         depth = np.where(down < 0, -mount.position[2] / down, np.inf)
     depth[depth > farthest] = np.inf
     return depth.reshape(lens.height, lens.width).astype(np.float32)
+
+
+def floor_error(height: float, away: float) -> float:
+    """How wrong a distance by :func:`floor_depth` may be, m, ``away`` m before a camera that is ``height`` m above the
+    floor: a place that is seen ``TILT`` too high or too low."""
+    return TILT * (away * away + height * height) / height
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,6 +117,7 @@ class Picture:
     mount: Mount  # in the base frame, by the arm's measured joints
     pose: Pose  # of the base at that time, as the robot believed
     labels: NDArray[np.int32] | None = None  # geom ids for debugging, −1 for none; no skill may use them
+    guessed: bool = False  # its depth is that of the floor, and none was measured
 
     def points(self, mask: NDArray[np.bool_] | None = None) -> Points:
         """What the pixels show, base frame: all of them row by row, or those of ``mask`` (height, width). Pixels

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from config.schema import Camera as CameraSettings
 from engine.errors import CameraError
-from engine.robot.camera import Lens, Mount, Picture, floor_depth
+from engine.robot.camera import Lens, Mount, Picture, floor_depth, floor_error
 from engine.robot.camera_news import Lost, Opened, Opening, TellOfCamera
 from engine.robot.description import Description
 from engine.robot.host.memory import Memory, believed
@@ -99,6 +99,12 @@ class Capture:
             raise CameraError(f"The camera {self.path} has a fault: {str(error).splitlines()[0]}.") from error
 
 
+def how_good(height: float) -> str:
+    """What distances are worth by a camera ``height`` m above the floor that measures none, for people."""
+    errors = (f"{100 * floor_error(height, away):.0f} cm at {away:g} m" for away in (0.5, 1.0, 2.0))
+    return f"on the floor it is right to about {', '.join(errors)}"
+
+
 class UsbCamera:
     """One camera, in one asyncio loop, in which ``tell`` is called too."""
 
@@ -153,7 +159,7 @@ class UsbCamera:
         mount = self._mount(record)
         pose = believed(record, self._memory.correction.scratch)
         pixels: NDArray[np.uint8] = np.asarray(rgb, dtype=np.uint8)
-        return Picture(float(record["t"]), pixels, floor_depth(lens, mount), lens, mount, pose)
+        return Picture(float(record["t"]), pixels, floor_depth(lens, mount), lens, mount, pose, guessed=True)
 
     def _mount(self, record: Any) -> Mount:
         if not self._about.on_arm:
@@ -192,7 +198,8 @@ class UsbCamera:
         self._newest, self._lost = (at, bgr), None
         if first:
             height, width = bgr.shape[:2]
-            self._tell(Opened(f"{path} {width}×{height}, no depth"))
+            mount = self._mount(self._memory.state.get())
+            self._tell(Opened(f"{path} {width}×{height}, no depth: {how_good(float(mount.position[2]))}"))
         self._came.set()
 
     def _lose(self, error: CameraError) -> None:

@@ -340,12 +340,13 @@ class Dispatcher:
             return fail("robot_halted", "The emergency stop is pressed: release it first.")
         if state.battery is None or not state.battery.low:
             return None
-        low = f"My battery is low ({state.battery.volts:g} V)"
+        volts = state.battery.volts
         if skill.endless or skill.lasting:
-            return fail("battery_low", f"{low}: charge me first.")
+            return fail("battery_low", f"My battery is low ({volts:g} V): charge me first.")
         away = max((self._away(str(action.args[p.name])) for p in skill.parameters if p.word == "place"), default=0.0)
         if away > FAR_M:
-            return fail("battery_low", f"{low}, and that is {away:.0f} m away: charge me first.")
+            far = f"My battery is low ({volts:g} V), and that is {away:.0f} m away: charge me first."
+            return fail("battery_low", far)
         return None
 
     def _away(self, place: str) -> float:

@@ -20,6 +20,7 @@ from engine.epoch import Epoch
 from engine.errors import CameraError
 from engine.perception.memory import WorldMemory
 from engine.perception.perceive import perceive
+from engine.robot.camera import Picture, floor_depth
 from engine.robot.geometry import Pose
 from engine.robot.sim.scene import Scene
 from engine.skills.context import SkillContext
@@ -379,6 +380,24 @@ def test_the_distance_at_a_pixel_is_right_to_two_centimetres(x: float, y: float)
     assert result.data["x"] == pytest.approx(x, abs=0.04)
     assert result.data["y"] == pytest.approx(y, abs=0.04)
     assert f"{result.data['distance']:.2f} m" in result.message
+
+
+@pytest.mark.parametrize("row", [70.0, 90.0, 115.0])
+def test_without_depth_the_distance_is_that_of_the_floor_and_says_how_good_it_is(row: float) -> None:
+    run = Run(hall())
+    look = run.robot.look
+
+    async def look_without_depth(**more: bool) -> Picture:
+        seen = await look(**more)
+        return replace(seen, depth=floor_depth(seen.lens, seen.mount), guessed=True)
+
+    run.robot.look = look_without_depth  # type: ignore[method-assign]
+    result = run.do(following.get_dist, 80.0, row)
+    assert result.ok, result
+    error = result.data["error"]
+    assert isinstance(error, float)
+    assert abs(float(str(result.data["distance"])) - _truth(run, 80.0, row)) < error
+    assert "if it lies on the floor, give or take" in result.message
 
 
 def _truth(run: Run, column: float, row: float) -> float:

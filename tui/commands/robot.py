@@ -75,6 +75,7 @@ def robot_list(*, json: bool = False) -> int:
 def robot_show(settings: Settings, name: str | None, *, json: bool = False) -> int:
     """How one is made. Without a name: the robot of the settings."""
     from engine.robot.description import described
+    from engine.robot.usb_camera import how_good
 
     robot = described(name or settings.robot.made_as)
     if json:
@@ -97,6 +98,8 @@ def robot_show(settings: Settings, name: str | None, *, json: bool = False) -> i
         grip = 100 * robot.arm.gripper.opens
         data(f"  arm      {len(robot.arm.joints)} joints, {100 * reach:.0f} cm, gripper {grip:.0f} cm")
     data(f"  camera   {_camera(robot)}")
+    if robot.camera is not None and not robot.camera.depth:
+        data(f"           {how_good(_eye_height(robot))}")
     none = "none: it drives slowly, and stops short of what is on the map alone"
     if robot.dock is not None:
         data(f"  dock     {robot.dock}: with a low battery it goes there by itself")
@@ -286,7 +289,18 @@ def _parts(robot: Description) -> list[str]:
     return parts
 
 
+def _eye_height(robot: Description) -> float:
+    """How far the camera is above the floor, m, with the arm as it looks ahead."""
+    from engine.perception.looking import LOOK_POSES
+
+    assert robot.camera is not None, "whoever asks knows that there is one"
+    mount = robot.arm_model.camera(LOOK_POSES["AHEAD"].joints) if robot.camera.on_arm else robot.camera.mount
+    return float(mount.position[2])
+
+
 def _camera(robot: Description) -> str:
     if robot.camera is None:
         return "none"
-    return "with depth" if robot.camera.depth else "colour only: distances are guessed"
+    if robot.camera.depth:
+        return "with depth"
+    return "colour only: it follows lines and tags, and finds no things"

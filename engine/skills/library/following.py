@@ -15,6 +15,7 @@ from engine.perception.depth import distance_at, thing_in_box
 from engine.perception.naming import Wanted
 from engine.perception.qr import find_qr
 from engine.perception.sighting import EVERYTHING, Colour, Part, PixelBox, Sight, Sighting
+from engine.robot.camera import floor_error
 from engine.robot.floor_map import FloorMap
 from engine.robot.geometry import Point, Pose, wrap
 from engine.skills.context import SkillContext
@@ -81,7 +82,7 @@ async def track(context: SkillContext, x1: Column, y1: Row, x2: Column, y2: Row)
     return await follow(context, found, keep=None)
 
 
-@skill(occupies=["camera"])
+@skill(occupies=["camera"], flat=True)
 async def get_dist(context: SkillContext, x: Column, y: Row) -> Result:
     """Measure how far away from the camera is what a pixel of the picture shows.
 
@@ -97,7 +98,16 @@ async def get_dist(context: SkillContext, x: Column, y: Row) -> Result:
     ray = picture.lens.rays(np.array([[x, y]]))
     [place] = picture.on_map(picture.mount.out(ray * away / np.linalg.norm(ray)))
     at_x, at_y, at_z = (round(value, 3) for value in place.tolist())
-    return ok(f"What pixel ({x:g}, {y:g}) shows is {away:.2f} m away.", distance=round(away, 3), x=at_x, y=at_y, z=at_z)
+    found = {"distance": round(away, 3), "x": at_x, "y": at_y, "z": at_z}
+    if not picture.guessed:
+        return ok(f"What pixel ({x:g}, {y:g}) shows is {away:.2f} m away.", **found)
+    height = float(picture.mount.position[2])
+    error = floor_error(height, math.sqrt(max(0.0, away**2 - height**2)))
+    return ok(
+        f"What pixel ({x:g}, {y:g}) shows is {away:.2f} m away if it lies on the floor, give or take {error:.2f} m.",
+        **found,
+        error=round(error, 3),
+    )
 
 
 def _things(wanted: Wanted) -> Callable[[Sight, Point | None], Point | None]:
