@@ -208,12 +208,12 @@ class HostedRobot:
         finally:
             process.release()
 
-    # Commands. A stop is two stores into shared memory, a pause is one: they take no lock and meet no queue.
+    # Commands. A stop is one store into shared memory, and so is a pause: they take no lock and meet no queue, and
+    # whoever loses the processor before it has not stopped yet, and after it has.
 
     def stop(self, epoch: int) -> None:
         memory = self._memory  # also while there is no process: the next one obeys it
         if memory is not None:
-            memory.times[m.STOP_TIME] = time.monotonic()
             memory.ints[m.STOP_EPOCH] = epoch
 
     def press(self, pressed: bool) -> None:

@@ -63,7 +63,7 @@ CORRECTION = np.dtype([("pose", "f8", 3)])  # of the frame in which odometry add
 LOOP = np.dtype([("late", "f4"), ("busy", "f4")])
 
 # Words of the engine.
-STOP_EPOCH, STOP_TIME, HEARTBEAT, WAITERS, QUIT, PAUSE, RESUME, ESTOP = range(8)
+STOP_EPOCH, HEARTBEAT, WAITERS, QUIT, PAUSE, RESUME, ESTOP = range(7)
 """PAUSE and RESUME hold tokens: the newest pause, and the newest that is over."""
 # Words of the robot process.
 READY, STOPPED_EPOCH, ZERO_TIME, REST_TIME, TICKS, ALIVE, OVERRUNS, STEPS, SCHEDULING, GUARD = range(8, 18)
