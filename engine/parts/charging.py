@@ -47,4 +47,5 @@ class Charging:
             return
         name = self._places.name(symbol)
         self._emit(Log("warning", "robot", f"The battery is low ({volts:g} V): I am going to {name}."))
-        self._ask(Say(f"navigation({symbol})", wait=True))
+        plain = self._dock.replace(" ", "").isalnum()
+        self._ask(Say(f"navigation({self._dock if plain else symbol})", wait=True))

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from config import paths
 from engine.errors import ExitCode
 from tests.board import Emulator
 from tests.e2e.sayso import sayso
@@ -31,6 +32,19 @@ def test_robots_are_listed_with_what_they_have(capsys: pytest.CaptureFixture[str
     assert {"sim", "x1", "x3", "x3plus", "r2"} <= listed.keys()
     assert listed["x3plus"]["has"] == ["arm", "base", "voice"]
     assert (listed["r2"]["drive"], listed["x3"]["has"]) == ("ackermann", ["base", "voice"])
+
+
+def test_a_broken_file_hides_no_other_robot(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("SAYSO_CONFIG_DIR", str(tmp_path))
+    mine = paths().robots / "mine.yaml"
+    mine.parent.mkdir()
+    mine.write_text("name: mine\ndrive: hovercraft\n", "utf-8")
+    assert main(["robot", "list"]) == ExitCode.DONE
+    told = capsys.readouterr()
+    assert "x3plus" in told.out
+    assert "mine.yaml" in told.err
 
 
 def test_a_robot_is_shown(capsys: pytest.CaptureFixture[str]) -> None:

@@ -40,7 +40,7 @@ class Low:
 def test_it_goes_to_its_dock_after_what_it_does() -> None:
     low = Low()
     low.charging.go(10.1)
-    assert low.asked == [Say("navigation(F)", wait=True)]
+    assert low.asked == [Say("navigation(charging dock)", wait=True)]
     assert low.told == [Log("warning", "robot", "The battery is low (10.1 V): I am going to the charging dock.")]
 
 

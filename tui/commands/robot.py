@@ -64,7 +64,11 @@ def robot_list(*, json: bool = False) -> int:
     from engine.robot.description import described, known
 
     for name in known():
-        robot = described(name)
+        try:
+            robot = described(name)
+        except UsageError as error:  # one of this user's own, which hides none of the others
+            say(f"sayso: {error.message}")
+            continue
         if json:
             json_line({"name": name, **_facts(robot)})
         else:
