@@ -7,6 +7,7 @@ says what is allowed. Every model forbids unknown keys. Settings are frozen: not
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Collection
 from pathlib import Path
@@ -291,16 +292,17 @@ EMULATED: Final = "emulated"
 class Robot(Section):
     """Which robot, and how fast it may be."""
 
-    kind: Literal["sim", "rosmaster"] = Field(
-        description="sim: the MuJoCo robot; rosmaster: one with Yahboom's Rosmaster motor board."
+    kind: Literal["sim", "rosmaster", "ros2"] = Field(
+        description="sim: the MuJoCo robot; rosmaster: one with Yahboom's Rosmaster motor board; ros2: one of ROS 2."
     )
     model: str | None = Field(
-        description="How it is made: a name from `sayso robot list`, or a file; null: sim, and x3plus on a board."
+        description="How it is made: a name from `sayso robot list`, or a file; null: sim, x3plus on a board, and ros2."
     )
     port: str | None = Field(
         description="Serial port of the motor board; /dev/serial/by-id/… names stay the same. `emulated`: one in here,"
         " which drives the simulated robot."
     )
+    door: str | None = Field(description="The way to a robot of ROS 2: ws://HOST:PORT of a rosbridge.")
     lidar: str | None = Field(description="On a real robot: serial port of its lidar; null: it drives without one.")
     scene: str = Field(
         description="The house: name of a scene in assets/scenes, or the path of a scene file. On a real robot it is "
@@ -323,6 +325,11 @@ class Robot(Section):
     def _board_has_a_port(self) -> Robot:
         if self.kind == "rosmaster" and not self.port:
             raise ValueError("a rosmaster needs robot.port; `sayso robot check` lists the ports there are")
+        devices = [os.path.realpath(path) for path in (self.lidar, self.port) if path]
+        if len(set(devices)) < len(devices):
+            raise ValueError("robot.lidar and robot.port are one and the same port")
+        if self.kind == "ros2" and not (self.door or "").startswith(("ws://", "wss://")):
+            raise ValueError("a robot of ros2 needs robot.door, such as ws://127.0.0.1:9090")
         if self.kind == "sim" and self.map is not None:
             raise ValueError("robot.map is for real robots; a simulated one lives in robot.scene")
         return self
@@ -335,7 +342,11 @@ class Robot(Section):
     @property
     def made_as(self) -> str:
         """The description: the one that is named, else the usual one of its kind."""
-        return self.model or ("sim" if self.kind == "sim" else EMULATED if self.emulated else "x3plus")
+        if self.model is not None:
+            return self.model
+        if self.kind == "rosmaster":
+            return EMULATED if self.emulated else "x3plus"
+        return self.kind
 
 
 class Quaternion(Section):

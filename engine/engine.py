@@ -332,12 +332,12 @@ class Engine:
             background.append(self._keep(self._rebuild(planner, build)))
 
         places.on_added = added
-        charging = Charging(robot, places, dock, self._session.request, self._emit)
+        charging = Charging(robot, places, dock, self._session.is_free, self._session.request, self._emit)
         background = [
             self._keep(self._beat()),
             self._keep(self._keep_robot(robot, places), "robot"),
             self._keep(self._estop.keep()),
-            self._keep(Health(robot, paths().state, self._emit, on_low=charging.go).keep()),
+            self._keep(Health(robot, paths().state, self._emit, on_battery=charging.look).keep()),
             self._keep(self._keep_planner(planner, build), "planner"),
             self._keep(ears.keep(), "microphone", "recogniser"),
             self._keep(self._keep_voice(voice), "voice"),

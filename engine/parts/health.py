@@ -17,9 +17,9 @@ from engine.bus import Emit
 from engine.errors import RobotError
 from engine.events import Log
 from engine.parts.part import Loading
-from engine.robot.robot import Robot
+from engine.robot.robot import BatteryState, Robot
 
-LOOK_S: Final = 10.0
+LOOK_S: Final = 5.0
 LEAST_FREE: Final = 200_000_000
 """Bytes on the disk of the logs; below this they may soon not be written."""
 HOTTEST_C: Final = 80.0
@@ -42,16 +42,16 @@ class Health:
         *,
         clock: Callable[[], float] = time.time,
         thermal: Path = THERMAL,
-        on_low: Callable[[float], object] = lambda volts: None,
+        on_battery: Callable[[BatteryState], object] = lambda battery: None,
     ) -> None:
-        """``folder`` is on the disk that is looked at; ``clock`` gives s since 1970; ``on_low`` is told the volts of a
-        battery that has become low, once."""
+        """``folder`` is on the disk that is looked at; ``clock`` gives s since 1970; ``on_battery`` is told
+        what the battery gives, at each look."""
         self._robot = robot
         self._folder = folder
         self._emit = emit
         self._clock = clock
         self._thermal = thermal
-        self._on_low = on_low
+        self._on_battery = on_battery
         self._low: float | None = None  # V of the battery when it became low
         self._told: dict[str, str] = {}
 
@@ -82,7 +82,7 @@ class Health:
                 self._low = None
             if battery.low and self._low is None:
                 self._low = battery.volts
-                self._on_low(battery.volts)
+            self._on_battery(battery)
             if self._low is not None:
                 yield "battery", f"The battery is low ({battery.volts:g} V): charge it soon."
 

@@ -21,30 +21,32 @@ if TYPE_CHECKING:
     from engine.robot.usb_lidar import UsbLidar
 
 
+EXAMPLES = {"camera": "{depth: false, view: 50, on_arm: false}", "lidar": "{model: RPLIDAR-A1, at: [0.04, 0.0]}"}
+"""How a description tells of them."""
+
+
 def description_of(settings: RobotSettings) -> Description:
     """How the configured robot is made, without a camera or lidar that nothing is plugged in for. Raises
     ``UsageError``."""
     found = described(settings.made_as)
-    if (settings.kind == "rosmaster") != (found.board is not None):
-        has = "has a Rosmaster board" if found.board is not None else "has no Rosmaster board"
+    if settings.kind != found.kind:
+        has = {"sim": "is simulated", "rosmaster": "has a Rosmaster board", "ros2": "speaks ROS 2"}[found.kind]
         raise UsageError(
             f"robot.model {settings.made_as!r} {has}, and robot.kind is {settings.kind}.",
             hint="`sayso robot list` shows which model goes with which kind.",
         )
     if settings.kind == "sim" or settings.emulated:
         return found
-    for part, device in (("camera", settings.camera.device), ("lidar", settings.lidar)):
+    devices = {"camera": settings.camera.device, "lidar": settings.lidar}
+    if settings.kind == "ros2":  # its lidar is a topic
+        devices = {"camera": settings.camera.device}
+    for part, device in devices.items():
         if device is not None and getattr(found, part) is None:
             raise UsageError(
                 f"The settings name a {part} ({device}), and the description of {settings.made_as} has none.",
-                hint=f"Name in robot.model a description with a {part}; CONTRIBUTING.md shows how one is written.",
+                hint=f"Name in robot.model one that has; in one of yours, {part}: {EXAMPLES[part]}",
             )
-    return found.model_copy(
-        update={
-            "camera": found.camera if settings.camera.device is not None else None,
-            "lidar": found.lidar if settings.lidar is not None else None,
-        }
-    )
+    return found.model_copy(update={part: None for part, device in devices.items() if device is None})
 
 
 def make_robot(settings: RobotSettings, on_camera: TellOfCamera | None = None) -> Robot:
@@ -58,7 +60,7 @@ def make_robot(settings: RobotSettings, on_camera: TellOfCamera | None = None) -
     if not settings.emulated:
         settings = settings.model_copy(update={"speed": "real"})
     build = Build(
-        name=f"{description.name} ({settings.port})",
+        name=f"{description.name} ({settings.port or settings.door})",
         capabilities=description.capabilities,
         footprint=description.footprint,
         floor_map=home(settings).floor_map,
@@ -94,7 +96,7 @@ def controlled(settings: RobotSettings, last: Record | None) -> Controller:
         return World(load_scene(scene_path(settings.scene)), settings, last, pictures=False)
     description, house = description_of(settings), home(settings)
     return Controller(
-        _on_a_board(settings, description, house.start, last),
+        _body(settings, description, house.start, last),
         house.start,
         settings.limits,
         description.footprint,
@@ -105,7 +107,13 @@ def controlled(settings: RobotSettings, last: Record | None) -> Controller:
     )
 
 
-def _on_a_board(settings: RobotSettings, description: Description, start: Pose, last: Record | None) -> Body:
+def _body(settings: RobotSettings, description: Description, start: Pose, last: Record | None) -> Body:
+    if settings.kind == "ros2":
+        from engine.robot.ros2.body import Ros2Body
+        from engine.ros.rosbridge import Rosbridge
+
+        assert settings.door is not None, "the configuration sees to that"
+        return Ros2Body(Rosbridge(settings.door), description, start, last)
     if settings.emulated:
         from engine.robot.emulation.inside import BoardInside
 

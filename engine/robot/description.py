@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Literal, Self
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+import yaml
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from config import paths
 from config.editing import NotEditable, Value, with_value
@@ -163,6 +164,18 @@ class LidarOf(Section):
     turned: float = Field(default=0.0, ge=-360, le=360, description="deg to the left, of where it calls 0°.")
     clockwise: bool = Field(default=True, description="Whether its angles grow to the right, seen from above.")
     range: float = Field(default=12.0, gt=0, le=100, description="m; what is farther is not believed.")
+    nearest: float = Field(default=0.15, ge=0, le=1, description="m; what is nearer, it does not see.")
+
+
+class RosOf(Section):
+    """A robot's topics in a graph of ROS 2."""
+
+    velocity: str = Field(default="/cmd_vel", description="It is told velocities here: Twist, or TwistStamped.")
+    stamped: bool = Field(default=False, description="Whether that is TwistStamped.")
+    frame: str = Field(default="base_link", description="Of a TwistStamped.")
+    odometry: str = Field(default="/odom", description="It says here where it is: Odometry.")
+    scan: str | None = Field(default="/scan", description="Of its lidar: LaserScan.")
+    battery: str | None = Field(default="/battery_state", description="Of its battery: BatteryState.")
 
 
 class Description(Section):
@@ -175,6 +188,7 @@ class Description(Section):
     speeds: Speeds
     wheels: Wheels | None = None
     board: Board | None = None
+    ros: RosOf | None = Field(default=None, description="Of a robot of ROS 2, what its topics are called.")
     arm: ArmOf | None = None
     camera: CameraOf | None = None
     trim: float = Field(
@@ -188,16 +202,29 @@ class Description(Section):
         default=None, description="Without one nothing is seen in the way: it drives slowly then."
     )
 
+    @field_validator("lidar", mode="before")
+    @classmethod
+    def _yes_or_no(cls, lidar: object) -> object:
+        """Descriptions used to say only whether there is one."""
+        return {} if lidar is True else None if lidar is False else lidar
+
     @model_validator(mode="after")
     def _fits(self) -> Self:
         if self.drive != "mecanum" and self.speeds.sideways:
             raise ValueError(f"a {self.drive} drive cannot go sideways: speeds.sideways is 0")
+        if self.board is not None and self.ros is not None:
+            raise ValueError("a robot has a board or speaks ROS 2: one of board and ros")
         if self.board is not None:
             if self.wheels is None:
                 raise ValueError("a board needs wheels: odometry is added up from them")
             if self.arm is not None and any(joint.servo is None for joint in self.arm.joints.values()):
                 raise ValueError("on a board, every joint needs a servo")
         return self
+
+    @property
+    def kind(self) -> Literal["sim", "rosmaster", "ros2"]:
+        """What ``robot.kind`` has to be for it."""
+        return "rosmaster" if self.board is not None else "ros2" if self.ros is not None else "sim"
 
     @property
     def footprint(self) -> Footprint:
@@ -270,9 +297,14 @@ def note(name: str, found: Mapping[str, Value]) -> Path:
         text = source.read_text("utf-8")
         for key, value in found.items():
             text = with_value(text, tuple(key.split(".")), value)
+        Description.model_validate(yaml.safe_load(text))
         write_whole(target, text.encode(), mode=0o644)
     except NotEditable as error:
         raise UsageError(f"{target} cannot be changed: {error}.") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"]))
+        raise UsageError(f"That fits no description, so nothing was written: {key}: {first['msg']}.") from error
     except OSError as error:
         raise UsageError(f"{target} cannot be written: {error.strerror}.") from error
     return target

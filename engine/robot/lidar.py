@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from engine.robot.geometry import Pose
 
 RAYS = 360
 """Directions."""
@@ -33,3 +36,30 @@ def points(ranges: NDArray[np.float64]) -> NDArray[np.float64]:
     hit = np.isfinite(ranges)
     found: NDArray[np.float64] = DIRECTIONS[hit] * ranges[hit, None]
     return found
+
+
+def outside(points: NDArray[np.float64], length: float, width: float) -> NDArray[np.bool_]:
+    """Which of these points, base frame, shape (n, 2), are not of the robot itself, whose hull has this size, m."""
+    own: NDArray[np.bool_] = (np.abs(points[:, 0]) < length / 2) & (np.abs(points[:, 1]) < width / 2)
+    return ~own
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """One turn: points in the base frame that the robot had when each came, shape (n, 2), m, and those moments, s."""
+
+    points: NDArray[np.float64]
+    times: NDArray[np.float64]
+
+    def seen_from(self, been: NDArray[np.float64], here: Pose) -> NDArray[np.float64]:
+        """Its points as they lie around the robot that is ``here`` by now, shape (n, 2), m. ``been`` is where it was:
+        rows of s, m, m and rad, in the order of time; in between, it is interpolated."""
+        when = been[:, 0]
+        x, y = np.interp(self.times, when, been[:, 1]), np.interp(self.times, when, been[:, 2])
+        yaw = np.interp(self.times, when, np.unwrap(been[:, 3]))
+        cos, sin = np.cos(yaw), np.sin(yaw)
+        ahead, aside = self.points.T
+        there = np.column_stack((x + cos * ahead - sin * aside - here.x, y + sin * ahead + cos * aside - here.y))
+        c, s = math.cos(here.yaw), math.sin(here.yaw)
+        around: NDArray[np.float64] = there @ np.array([[c, -s], [s, c]])
+        return around

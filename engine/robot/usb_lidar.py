@@ -12,7 +12,6 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
 import numpy as np
@@ -20,36 +19,26 @@ from numpy.typing import NDArray
 
 from engine.errors import DeviceError, UsageError
 from engine.robot.description import Hull, LidarOf
-from engine.robot.geometry import Pose
+from engine.robot.lidar import Turn, outside
+from engine.scheduling import prefer
 from engine.serial_port import opened
 
 AGAIN_S: Final = 1.0
 """Between two tries to open a lidar that is not there."""
-SILENT_S: Final = 2.0
-"""Without a byte for so long, it is opened again; a motor needs one to start."""
-_MOST_POINTS: Final = 20_000
-"""Of a turn; more than any lidar has."""
-
-
-@dataclass(frozen=True, slots=True)
-class Turn:
-    """One turn: points in the base frame that the robot had when each came, shape (n, 2), m, and those moments, s."""
-
-    points: NDArray[np.float64]
-    times: NDArray[np.float64]
-
-    def seen_from(self, been: NDArray[np.float64], here: Pose) -> NDArray[np.float64]:
-        """Its points as they lie around the robot that is ``here`` by now, shape (n, 2), m. ``been`` is where it was:
-        rows of s, m, m and rad, in the order of time; in between, it is interpolated."""
-        when = been[:, 0]
-        x, y = np.interp(self.times, when, been[:, 1]), np.interp(self.times, when, been[:, 2])
-        yaw = np.interp(self.times, when, np.unwrap(been[:, 3]))
-        cos, sin = np.cos(yaw), np.sin(yaw)
-        ahead, aside = self.points.T
-        there = np.column_stack((x + cos * ahead - sin * aside - here.x, y + sin * ahead + cos * aside - here.y))
-        c, s = math.cos(here.yaw), math.sin(here.yaw)
-        around: NDArray[np.float64] = there @ np.array([[c, -s], [s, c]])
-        return around
+STILL_S: Final = 4.0
+"""Without a whole turn for so long, it is opened again; a motor needs some of it to start."""
+LONGEST_S: Final = 0.5
+"""What takes longer is no turn: something is missing in it."""
+SECTORS: Final = 36
+"""Of a turn; in every one something must have been measured, be it that there is nothing."""
+LEAST_SEEN: Final = 0.03
+"""Of the points of a turn; a lidar that sees less is covered."""
+OWN_M: Final = 0.02
+"""By so much what it sees may be off: only what lies deeper in the hull is the robot itself."""
+_PIECE_S: Final = 0.005
+"""Between two reads, so that a thread that shares the interpreter with a control loop wakes seldom."""
+_AROUND: Final = 400.0
+"""deg; what is beyond is no angle. Some lidars correct theirs a little beyond a turn."""
 
 
 class Wire(Protocol):
@@ -100,50 +89,72 @@ class UsbLidar:
         self._thread.join(AGAIN_S)
 
     def _keep(self) -> None:
+        prefer()  # whoever stops the robot may have to wait for this thread to let go of the interpreter
         while not self._closing.is_set():
             try:
                 self._read_on()
             except DeviceError as error:
                 self.trouble = error.message
+            except Exception as error:  # noqa: BLE001 - lds2d and pyserial, on whatever comes over a cable
+                self.trouble = f"The lidar on {self._port} has a fault: {error!r:.120}."
             self._closing.wait(AGAIN_S)
 
     def _read_on(self) -> None:
         """Read until it is closed. Raises :class:`DeviceError` when it is lost, or cannot be opened."""
+        from lds2d.core import NotSupportedError
+
         wire = _Patient(self._open_wire(self._port, self._driver.DEFAULT_BAUD), self._port, self._closing, self._clock)
-        lidar: Any = self._driver(wire)
+        lidar: Any = None
         try:
-            self._collect(lidar)
+            lidar = self._driver(wire)
+            with contextlib.suppress(NotSupportedError):  # those that spin by themselves
+                lidar.start()
+            self._collect(lidar, wire)
         except OSError as error:
             raise DeviceError(f"The lidar on {self._port} was unplugged.") from error
         except _Closed:
             pass
         finally:
-            with contextlib.suppress(Exception):  # those that spin by themselves cannot be told to stand
+            with contextlib.suppress(Exception):  # it may be gone
                 lidar.stop()
             with contextlib.suppress(OSError):
                 wire.close()
 
-    def _collect(self, lidar: Any) -> None:
-        """One turn after another; a new one begins where the angle falls by more than half a turn."""
+    def _collect(self, lidar: Any, wire: _Patient) -> None:
+        """One whole turn after another, from wherever it begins: the way from point to point is added up, for angles
+        hop to and fro a little, and one that was misread hops there and back."""
         polar: list[tuple[float, float, float]] = []  # deg, m, s
-        before = 0.0
+        sectors: set[int] = set()
+        points, way, before, began = 0, 0.0, math.nan, self._clock()
         for point in lidar.points():
-            if (point.angle_deg + 180 < before or len(polar) > _MOST_POINTS) and polar:
-                self._turns.append(self._turn(polar))
-                self.trouble = ""
-                polar = []
-            before = point.angle_deg
+            if not -_AROUND < point.angle_deg < _AROUND:
+                continue
+            angle, now = point.angle_deg % 360, self._clock()
+            if now - began > LONGEST_S:
+                polar, sectors, points, way, before, began = [], set(), 0, 0.0, math.nan, now
+            way += 0.0 if math.isnan(before) else (angle - before + 180) % 360 - 180
+            before = angle
+            points += 1
+            sectors.add(int(angle * SECTORS / 360) % SECTORS)
             distance = point.dist_mm / 1000
             if 0 < distance <= self._about.range:
-                polar.append((point.angle_deg, distance, self._clock()))
+                polar.append((angle, distance, now))
+            if abs(way) >= 360 and len(sectors) == SECTORS:
+                wire.turned()
+                if len(polar) > LEAST_SEEN * points:
+                    self._turns.append(self._turn(polar))
+                    self.trouble = ""
+                else:
+                    self.trouble = f"The lidar on {self._port} sees nothing. Is it covered?"
+                polar, sectors, points, way, began = [], set(), 0, 0.0, now
 
     def _turn(self, polar: list[tuple[float, float, float]]) -> Turn:
         angles, distances, times = np.array(polar).T
         around = np.radians((-angles if self._about.clockwise else angles) + self._about.turned)
         seen = np.column_stack((np.cos(around), np.sin(around))) * distances[:, None]
         seen += self._about.at
-        own = (np.abs(seen[:, 0]) < self._hull.length / 2) & (np.abs(seen[:, 1]) < self._hull.width / 2)
-        return Turn(seen[~own], times[~own])
+        foreign = outside(seen, self._hull.length - 2 * OWN_M, self._hull.width - 2 * OWN_M)
+        return Turn(seen[foreign], times[foreign])
 
 
 def driver_of(about: LidarOf) -> Any:
@@ -176,21 +187,23 @@ class _Closed(Exception):
 
 
 class _Patient:
-    """A wire that gives up when nothing comes any more, or nobody wants it."""
+    """A wire that gives up when no whole turn comes any more, or nobody wants one."""
 
     def __init__(self, wire: Wire, port: str, closing: threading.Event, clock: Callable[[], float]) -> None:
         self._wire, self._port, self._closing, self._clock = wire, port, closing, clock
-        self._heard = clock()
+        self._turned = clock()
+
+    def turned(self) -> None:
+        """A turn has come."""
+        self._turned = self._clock()
 
     def read(self, size: int) -> bytes:
         if self._closing.is_set():
             raise _Closed
         data = self._wire.read(size)
-        now = self._clock()
-        if data:
-            self._heard = now
-        elif now - self._heard > SILENT_S:
-            raise DeviceError(f"The lidar on {self._port} is silent.", hint="Is it the right port, and does it turn?")
+        if self._clock() - self._turned > STILL_S:
+            why = "Is it the right port and model, and does it turn?"
+            raise DeviceError(f"The lidar on {self._port} makes no whole turn.", hint=why)
         return data
 
     def write(self, data: bytes) -> int:
@@ -207,7 +220,8 @@ class _Opened:
         self._port = port
 
     def read(self, size: int) -> bytes:
-        found: bytes = self._port.read(min(size, max(1, self._port.in_waiting)))
+        time.sleep(_PIECE_S)
+        found: bytes = self._port.read(max(1, min(size, self._port.in_waiting)))
         return found
 
     def write(self, data: bytes) -> int:

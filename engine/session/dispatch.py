@@ -37,7 +37,7 @@ from engine.perception.eyes import Eyes
 from engine.perception.sighting import EVERYTHING, Part, Sight, as_json
 from engine.plan import Action, Plan
 from engine.robot.camera import Picture
-from engine.robot.geometry import ZERO
+from engine.robot.geometry import ZERO, Pose
 from engine.robot.robot import Robot
 from engine.robot.watch import view
 from engine.session.holds import Holds
@@ -343,22 +343,30 @@ class Dispatcher:
         volts = state.battery.volts
         if skill.endless or skill.lasting:
             return fail("battery_low", f"My battery is low ({volts:g} V): charge me first.")
-        away = max((self._away(str(action.args[p.name])) for p in skill.parameters if p.word == "place"), default=0.0)
+        here = state.pose
+        places = (str(action.args[p.name]) for p in skill.parameters if p.word == "place")
+        away = max((self._away(place, here) for place in places), default=0.0)
         if away > FAR_M:
             far = f"My battery is low ({volts:g} V), and that is {away:.0f} m away: charge me first."
             return fail("battery_low", far)
         return None
 
-    def _away(self, place: str) -> float:
+    def _away(self, place: str, here: Pose) -> float:
         """How far a place is as the crow flies, m; 0 where it is not known, or the way to it is that to be charged."""
-        with contextlib.suppress(PlanError, KeyError):
+        try:
             symbol = self._places.symbol(place)
-            goal, dock = self._places.pose(symbol), self._dock
-            if goal is None or (dock is not None and symbol == self._places.symbol(dock)):
-                return 0.0
-            here = self._robot.state().pose
-            return math.dist((here.x, here.y), (goal.x, goal.y))
-        return 0.0
+        except PlanError:
+            return 0.0
+        goal = self._places.pose(symbol)
+        if goal is None or symbol == self._dock_symbol():
+            return 0.0
+        return math.dist((here.x, here.y), (goal.x, goal.y))
+
+    def _dock_symbol(self) -> str | None:
+        """Of the place where the robot is charged; None where the house has none."""
+        with contextlib.suppress(PlanError):
+            return None if self._dock is None else self._places.symbol(self._dock)
+        return None
 
     def _report_robot(self, emit: Emit) -> None:
         """Where the action left the robot; the periodic reports may come too late for that."""

@@ -52,9 +52,12 @@ from engine.session.history import Interrupted, TaskCycle
 from engine.session.inbox import Inbox, Request
 from engine.session.turn import PRESSED, Needs, Overtaken, Turn
 from engine.skills.outcome import ErrorCode
-from engine.states import EFFECTS, EXPRESSING, NEXT
+from engine.states import EFFECTS, EXPRESSING, NEXT, REST
 
 ARM_RETURN_SPEED = 0.5  # rad/s: after an interruption the arm goes home slowly, it may hold something
+
+FREE_S = 10.0
+"""Without a request for so long, nobody is about to ask for the next."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +93,7 @@ class Session:
         self._by_hand = ByHand(needs.robot)
         self._inbox: Inbox[TurnOver] = Inbox(epoch, settings.busy, lambda: self._state, mark_wake, needs.press)
         self._state: State = "IDLE"
+        self._asked_at = self._loop.time()
         self._cycle = TaskCycle(1)
         self._turn: Turn | None = None
         self._turns: asyncio.TaskGroup | None = None  # of the present cycle
@@ -106,8 +110,15 @@ class Session:
         """Where the session is; safe to read from any thread."""
         return self._state
 
+    def is_free(self) -> bool:
+        """Whether nothing runs or waits, and nobody has asked for anything for ``FREE_S``, not even by hand."""
+        asked = self._loop.time() - self._asked_at
+        return self._turn is None and not self._waiting and self._state in REST and asked > FREE_S
+
     def request(self, command: Command) -> None:
         """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot."""
+        if not isinstance(command, Snapshot | Audio):
+            self._asked_at = self._loop.time()
         self._inbox.request(command)
 
     # The loop

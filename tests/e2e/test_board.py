@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 import yaml
 
+from engine.robot.sim.scene_file import scene_path
 from tests.board import Emulator
 from tests.e2e.engine import Engine, engine
 from tests.unit.test_usb_camera import film
@@ -112,16 +113,14 @@ def test_what_needs_a_camera_is_not_offered(board: Emulator, running: Engine) ->
 
 
 def test_with_a_low_battery_it_refuses_what_is_long_and_goes_to_its_dock(tmp_path: Path) -> None:
-    with Emulator(tmp_path, model="emulated") as board:
-        options = (
-            "--set",
-            "robot.kind=rosmaster",
-            "--set",
-            "robot.model=emulated",
-            "--set",
-            f"robot.port={board.path}",
-        )
-        with engine(tmp_path / "state", "", *options) as running:
+    house = yaml.safe_load(scene_path("flat").read_text("utf-8"))
+    house["start"] = {"x": 2.5, "y": -0.3, "yaw": 0}  # not far from there
+    scene = tmp_path / "flat.yaml"
+    scene.write_text(yaml.safe_dump(house), "utf-8")
+    with Emulator(tmp_path, "--set", f"robot.scene={scene}", model="emulated") as board:
+        options = ("robot.kind=rosmaster", "robot.model=emulated", f"robot.port={board.path}", f"robot.scene={scene}")
+        told = (word for option in options for word in ("--set", option))
+        with engine(tmp_path / "state", "", *told) as running:
             running.until("log", lambda body: body["source"] == "robot")
             board.tell("volts 10.0")
             board.until(lambda state: state["volts"] < 10.1)
@@ -129,8 +128,8 @@ def test_with_a_low_battery_it_refuses_what_is_long_and_goes_to_its_dock(tmp_pat
             result = running.until("state.changed", ended)["result"]
             assert result["outcome"] == "failed"
             assert "My battery is low" in result["message"]
-            told = running.until("log", lambda body: "going to" in body["message"])
-            assert told["message"].endswith("I am going to the charging dock.")
+            log = running.until("log", lambda body: "going to" in body["message"])
+            assert log["message"].endswith("I am going to the charging dock.")
             assert running.until("state.changed", ended)["result"]["outcome"] == "done"
             state = board.until(lambda state: state["volts"] > 11)
             assert math.dist((state["x"], state["y"]), (4.2, -0.3)) < 0.15

@@ -26,7 +26,7 @@ class Looked:
 
     def __init__(self, folder: Path) -> None:
         self.told: list[str] = []
-        self.lows: list[float] = []
+        self.seen: list[float] = []
         self.battery: BatteryState | None = None
         self.now = NOW
         robot: Any = SimpleNamespace(value=SimpleNamespace(state=lambda: SimpleNamespace(battery=self.battery)))
@@ -39,7 +39,7 @@ class Looked:
             self._tell,  # type: ignore[arg-type]
             clock=lambda: self.now,
             thermal=folder,
-            on_low=self.lows.append,
+            on_battery=lambda battery: self.seen.append(battery.volts),
         )
 
     def _tell(self, body: Body) -> None:
@@ -104,9 +104,9 @@ def test_a_battery_that_is_low_only_while_the_robot_drives_stays_low_until_it_is
     for volts, low in ((10.1, True), (10.3, False), (10.1, True), (10.4, False)):
         looked.battery = BatteryState(volts, 0.3, low)
         looked.look()
-    assert looked.lows == [10.1]
+    assert looked.seen == [10.1, 10.3, 10.1, 10.4]
+    assert looked.told == [], "the last look told nothing new"
     looked.battery = BatteryState(11.0, 0.5, False)
     assert looked.look() == ["info: The battery is well again."]
     looked.battery = BatteryState(10.0, 0.2, True)
-    looked.look()
-    assert looked.lows == [10.1, 10.0]
+    assert looked.look() == ["warning: The battery is low (10 V): charge it soon."]

@@ -34,6 +34,9 @@ def run(settings: Settings, arguments: Namespace) -> int:
         return write_sheet(arguments)
     if settings.robot.kind == "sim":
         raise UsageError("The simulated robot needs no calibration.", hint="--set robot.kind=rosmaster, robot.port=…")
+    if settings.robot.emulated and arguments.name != "camera":
+        hint = "`sayso robot emulate` puts one on a terminal; name that in robot.port."
+        raise UsageError("A board without a cable cannot be calibrated.", hint=hint)
     match arguments.name:
         case "wheels":
             return asyncio.run(_wheels(settings))

@@ -28,6 +28,10 @@ OTHER_SHAPE: Final = 0.01
 """Of a picture's proportions, by which those that are used may differ."""
 ASKEW: Final = math.radians(2)
 """From this on it is said that a camera is turned about its line of sight."""
+HIGHEST: Final = 2.0
+"""m above the floor; no camera of a robot that drives indoors is higher."""
+OTHER_WAY: Final = 45.0
+"""deg by which a camera cannot look otherwise than it is described: then the board is not where it should be."""
 NOT_THE_FLOOR: Final = math.radians(20)
 """What is turned by more than this does not lie on the floor before the camera."""
 
@@ -82,7 +86,7 @@ def _keep_lens(settings: Settings, found: FoundLens, about: CameraOf) -> None:
     from engine.robot.calibration.lens import MOST_BENT, MOST_UNSURE
     from engine.robot.description import note
 
-    if found.unsure > MOST_UNSURE:
+    if not found.unsure <= MOST_UNSURE:
         raise RobotError(
             f"The angle of view is known to ± {math.degrees(found.unsure):.1f}° only: nothing was written.",
             hint="Hold the board nearer, and tilt it more.",
@@ -113,6 +117,12 @@ def _keep_place(
             hint="Lay it flat before the robot, and begin again.",
         )
     x, y, z = about.at
+    if not 0 < place.height < HIGHEST or abs(math.degrees(place.down) - about.down) > OTHER_WAY:
+        raise RobotError(
+            f"That would be {place.height:.2f} m above the floor, looking {math.degrees(place.down):.0f}° down:"
+            " the board does not lie on the floor. Only the view was written.",
+            hint=f"Lay it flat; or put about where the camera looks into camera.down, which says {about.down:g}°.",
+        )
     height, down = round(place.height, 4), round(math.degrees(place.down), 2)
     told = f"{_told(found)}; height and angle by a board on the floor"
     file = note(settings.robot.made_as, {"camera.at": (x, y, height), "camera.down": down, "calibrated.camera": told})
@@ -133,9 +143,9 @@ def _told(found: FoundLens) -> str:
 
 def _camera(settings: Settings) -> CameraOf:
     """The camera that is configured and described. Raises ``UsageError``."""
-    from engine.robot.bodies import description_of
+    from engine.robot.description import described
 
-    description = description_of(settings.robot)
+    description = described(settings.robot.made_as)
     if description.camera is None:
         raise UsageError(
             f"{description.name} is described without a camera.",

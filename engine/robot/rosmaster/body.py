@@ -13,7 +13,6 @@ from __future__ import annotations
 import contextlib
 import math
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
@@ -28,12 +27,12 @@ from engine.robot.geometry import ZERO, Pose, Twist
 from engine.robot.host.controller import added_up
 from engine.robot.host.guard import Guard
 from engine.robot.host.memory import Record
-from engine.robot.lidar import ranges_of
 from engine.robot.rosmaster import frames
 from engine.robot.rosmaster.frames import ArmAt, Attitude, Encoders, FromBoard, Report, Speed
 from engine.robot.rosmaster.line import Line, Opener, SerialLine
 from engine.robot.rosmaster.odometry import Odometry
 from engine.robot.rosmaster.servos import Servos
+from engine.robot.surroundings import Surroundings
 from engine.serial_port import PortError
 
 if TYPE_CHECKING:
@@ -66,9 +65,6 @@ OPEN_LIMIT_S: Final = 4.0
 NO_GUARD: Final = "the guard process was lost"
 BUSY_LIMIT_S: Final = 1.5
 """In which a guard of ours that was left behind lets go of the port."""
-
-BEEN: Final = 100
-"""How many of the last poses are remembered, one of each control period: a turn of the lidar is younger than they."""
 
 Clock = Callable[[], float]
 
@@ -119,7 +115,8 @@ class RosmasterBody:
         self._twist, self._twist_at = ZERO, -math.inf
         self._odometry = Odometry(description, start if last is None else added_up(last))
         self._lidar = lidar
-        self._been: deque[tuple[float, float, float, float]] = deque(maxlen=BEEN)  # when, and where by odometry
+        about = description.lidar
+        self._around = Surroundings(about.at, about.nearest) if about is not None else None
         self.volts = 0.0
         self._battery = description.board.battery
         self._sagged: float | None = None  # since when
@@ -216,15 +213,15 @@ class RosmasterBody:
 
     def odometry(self) -> Pose:
         pose = self._odometry.pose
-        if self._lidar is not None:
-            self._been.append((self._clock(), pose.x, pose.y, pose.yaw))
+        if self._lidar is not None and self._around is not None:
+            self._around.was(self._clock(), pose)
         return pose
 
     def scan(self) -> NDArray[np.float64] | None:
         turn = self._lidar.newest() if self._lidar is not None else None
-        if turn is None or not self._been:
+        if turn is None or self._around is None:
             return None
-        return ranges_of(turn.seen_from(np.array(self._been), self._odometry.pose))
+        return self._around.scan(turn, self._clock(), self._odometry.pose)
 
     def fill(self, record: Record) -> None:
         record["volts"] = self.volts
