@@ -1,0 +1,203 @@
+"""A robot of ROS 2, behind a door to its graph, as a body of the host.
+
+It is told velocities on its topic for them, at once when they change and ten times a second while it moves; where it
+stands and what its lidar sees come on others. No guard can share a door, so a robot whose peer is gone is stopped by
+its own time limit for velocities, which every base controller of ROS has; when odometry is late, the host stands.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.errors import DeviceError
+from engine.robot.arm import ARM_JOINTS
+from engine.robot.description import Description
+from engine.robot.geometry import ZERO, Pose, Twist, compose, inverse
+from engine.robot.host.controller import added_up
+from engine.robot.host.memory import Record
+from engine.robot.lidar import Turn, outside
+from engine.robot.ros2 import messages
+from engine.robot.surroundings import Surroundings
+from engine.ros.door import Door, Message
+
+REPEAT_S: Final = 0.1
+"""Between two velocities that are the same."""
+REST_S: Final = 1.0
+"""For so long a robot that stands is told so; then others may drive it."""
+LATE_S: Final = 0.5
+"""Without odometry for so long, nobody knows what the robot does."""
+OPEN_LIMIT_S: Final = 10.0
+"""In which a robot must have said where it is."""
+_OWN_M: Final = 0.02
+"""By so much a scan may be off: only what lies deeper in the hull is the robot itself."""
+_JUMP_M: Final = 0.2
+"""By so much a pose may change at once."""
+
+Clock = Callable[[], float]
+
+
+class Ros2Body:
+    """A :class:`engine.robot.host.body.Body`. What it hears comes in the door's thread, one value at a time."""
+
+    lag = 0.0
+    guard_pid = 0
+    opening = 0.0
+
+    def __init__(
+        self,
+        door: Door,
+        description: Description,
+        start: Pose,
+        last: Record | None = None,
+        *,
+        clock: Clock = time.monotonic,
+        wall: Clock = time.time,
+    ) -> None:
+        """Wait until the robot has said where it is. ``door`` is closed with it. Raises ``DeviceError``."""
+        assert description.ros is not None, "checked by whoever has chosen this body"
+        self._door, self._about, self._description = door, description.ros, description
+        self._clock, self._wall = clock, wall
+        self._began = clock() - (float(last["t"]) if last is not None else 0.0)
+        self._heard: tuple[float, Pose, Twist] | None = None  # the newest odometry, and when it came
+        self._origin = start if last is None else added_up(last)  # of the frame in which the peer adds up, on the map
+        self._fastest = 1.5 * (description.speeds.forward + description.speeds.sideways)
+        about = description.lidar
+        self._around = Surroundings(about.at, about.nearest) if about is not None else None
+        self._turns: deque[Turn] = deque(maxlen=1)
+        self._volts = 0.0
+        self._here = start
+        self._told, self._told_at, self._stood_at = ZERO, -math.inf, clock()
+        door.subscribe(self._about.odometry, messages.ODOMETRY, self._take_odometry)
+        if description.lidar is not None and self._about.scan is not None:
+            door.subscribe(self._about.scan, messages.SCAN, self._take_scan)
+        if self._about.battery is not None:
+            door.subscribe(self._about.battery, messages.BATTERY, self._take_battery, every_s=1.0)
+        limit = clock() + OPEN_LIMIT_S
+        while self.trouble:
+            if clock() > limit:
+                why = self.trouble
+                self.close()
+                raise DeviceError(f"The robot cannot be driven: {why}.", hint="Are the robot and its bridge running?")
+            time.sleep(0.01)
+
+    # What a body is
+
+    @property
+    def trouble(self) -> str:
+        if shut := self._door.trouble:
+            return shut
+        if self._heard is None or self._clock() - self._heard[0] > LATE_S:
+            return f"no odometry comes on {self._about.odometry}"
+        return ""
+
+    @property
+    def t(self) -> float:
+        return self._clock() - self._began
+
+    @property
+    def twist(self) -> Twist:
+        return self._heard[2] if self._heard is not None else ZERO
+
+    @property
+    def joints(self) -> tuple[float, ...]:
+        return (0.0,) * len(ARM_JOINTS)
+
+    def step(self) -> None:
+        now = self._clock()
+        moves = not self._told.is_zero
+        if now - self._told_at >= REPEAT_S and (moves or now - self._stood_at < REST_S):
+            self._tell(now)
+
+    def drive(self, twist: Twist) -> None:
+        limited = self._within(twist) if not self.trouble else ZERO
+        if limited == self._told:
+            return
+        now = self._clock()
+        self._told = limited
+        if limited.is_zero:
+            self._stood_at = now
+        self._tell(now)
+
+    def place_arm(self, joints: Sequence[float], opening: float) -> None:
+        """It has none that is driven from here."""
+
+    def shine(self, rgb: tuple[int, int, int]) -> None:
+        """It has no light."""
+
+    def beep(self, seconds: float) -> None:
+        """It makes no sound."""
+
+    def odometry(self) -> Pose:
+        heard = self._heard
+        assert heard is not None, "it was waited for"
+        pose = compose(self._origin, heard[1])
+        if self._around is not None:
+            self._around.was(heard[0], pose)
+        self._here = pose
+        return pose
+
+    def scan(self) -> NDArray[np.float64] | None:
+        if not self._turns or self._around is None:
+            return None
+        return self._around.scan(self._turns.pop(), self._clock(), self._here)
+
+    def fill(self, record: Record) -> None:
+        record["volts"] = self._volts
+
+    def close(self) -> None:
+        self._told = ZERO
+        self._tell(self._clock())
+        self._door.close()
+
+    # What it tells
+
+    def _tell(self, now: float) -> None:
+        self._told_at = now
+        message = messages.twist_message(self._told)
+        if self._about.stamped:
+            framed = messages.stamped(message, self._about.frame, self._wall())
+            self._door.publish(self._about.velocity, messages.TWIST_STAMPED, framed)
+        else:
+            self._door.publish(self._about.velocity, messages.TWIST, message)
+
+    def _within(self, twist: Twist) -> Twist:
+        """What this robot's drive can do, in proportion along the floor."""
+        most = self._description.speeds
+        vy = twist.vy if most.sideways else 0.0
+        over = max(abs(twist.vx) / most.forward, abs(vy) / most.sideways if most.sideways else 0.0, 1.0)
+        return Twist(twist.vx / over, vy / over, max(-most.turn, min(most.turn, twist.wz)))
+
+    # What it hears, in the door's thread
+
+    def _take_odometry(self, message: Message) -> None:
+        found = messages.odometry(message)
+        if found is None:
+            return
+        now, (pose, twist) = self._clock(), found
+        if (before := self._heard) is None:
+            self._origin = compose(self._origin, inverse(pose))
+        elif math.dist((pose.x, pose.y), (before[1].x, before[1].y)) > self._fastest * (now - before[0]) + _JUMP_M:
+            self._origin = compose(compose(self._origin, before[1]), inverse(pose))  # the peer has begun anew
+        self._heard = (now, pose, twist)
+
+    def _take_scan(self, message: Message) -> None:
+        found, about = messages.scan_points(message), self._description.lidar
+        if found is None or about is None:
+            return
+        points, after = found
+        turned = math.radians(about.turned)
+        c, s = math.cos(turned), math.sin(turned)
+        points = points @ np.array([[c, s], [-s, c]]) + about.at
+        foreign = outside(points, self._description.hull.length - 2 * _OWN_M, self._description.hull.width - 2 * _OWN_M)
+        took = float(after[-1]) if len(after) else 0.0
+        self._turns.append(Turn(points[foreign], (self._clock() - took + after)[foreign]))
+
+    def _take_battery(self, message: Message) -> None:
+        self._volts = messages.volts(message) or self._volts

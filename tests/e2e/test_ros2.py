@@ -1,0 +1,96 @@
+"""A robot of ROS 2 behind a rosbridge: it is driven by sentences, and its bridge may go and come back."""
+
+from __future__ import annotations
+
+import json
+import math
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+from tests.e2e.engine import engine
+from tests.e2e.test_board import ended
+
+LIMIT_S = 60.0
+
+
+def free_port() -> int:
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        port: int = one.getsockname()[1]
+        return port
+
+
+class Peer:
+    """:mod:`tests.ros_peer` as a process."""
+
+    def __init__(self, port: int) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "tests.ros_peer", str(port)],
+            stdout=subprocess.PIPE,
+            cwd=Path(__file__).parents[2],
+            text=True,
+        )
+
+    def __enter__(self) -> Peer:
+        self.until(lambda state: True)
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.kill()
+
+    def kill(self) -> None:
+        self._process.kill()
+        self._process.wait()
+        if self._process.stdout is not None:
+            self._process.stdout.close()
+
+    def until(self, condition: Any) -> dict[str, Any]:
+        """The first state from now on that fulfils this."""
+        assert self._process.stdout is not None
+        since = time.monotonic()
+        over = threading.Timer(LIMIT_S, self._process.kill)
+        over.start()
+        try:
+            for line in self._process.stdout:
+                state: dict[str, Any] = json.loads(line)
+                if state["at"] >= since and condition(state):
+                    return state
+        finally:
+            over.cancel()
+        raise AssertionError("the robot never came to that")
+
+
+def test_it_is_driven_by_sentences_and_its_bridge_goes_and_comes_back(tmp_path: Path) -> None:
+    port = free_port()
+    told = ("--set", "robot.kind=ros2", "--set", f"robot.door=ws://127.0.0.1:{port}")
+    with Peer(port) as peer, engine(tmp_path / "state", "", *told) as running:
+        running.until("log", lambda body: body["source"] == "robot" and "ready" in body["message"])
+        running.send(do="say", text="go to the kitchen")
+        assert running.until("state.changed", ended)["result"]["outcome"] == "done"
+        state = peer.until(lambda state: state["speed"] < 0.01)
+        assert math.dist((state["x"], state["y"]), (0.2, 2.0)) < 0.1
+
+        running.send(do="say", text="go to the hall")
+        peer.until(lambda state: state["speed"] > 0.1)
+        running.send(do="interrupt")
+        running.until("state.changed", ended)
+        peer.until(lambda state: not state["told"] and state["speed"] < 0.01)
+
+        running.send(do="say", text="go to the hall")
+        peer.until(lambda state: state["speed"] > 0.1)
+        peer.kill()
+        result = running.until("state.changed", ended)["result"]
+        assert result["outcome"] == "failed"
+        assert "is gone" in result["message"] or "no odometry" in result["message"]
+        with Peer(port) as again:
+            for _ in range(10):  # it is found again by itself
+                running.send(do="say", text="drive forward 20 centimetres")
+                if running.until("state.changed", ended)["result"]["outcome"] == "done":
+                    break
+            state = again.until(lambda state: state["speed"] < 0.01)
+            assert math.hypot(state["x"], state["y"]) > 0.15
