@@ -18,7 +18,7 @@ from tui.output import data, json_line, say
 
 if TYPE_CHECKING:
     from config.schema import Settings
-    from engine.robot.description import Description
+    from engine.robot.description import Description, LidarOf, RosOf
     from engine.robot.emulation.board import BoardState
 
 CHECK_S = 1.5
@@ -107,7 +107,7 @@ def robot_show(settings: Settings, name: str | None, *, json: bool = False) -> i
     none = "none: it drives slowly, and stops short of what is on the map alone"
     if robot.dock is not None:
         data(f"  dock     {robot.dock}: with a low battery it goes there by itself")
-    data(f"  lidar    {none if robot.lidar is None else robot.lidar.model or 'simulated'}")
+    data(f"  lidar    {none if robot.lidar is None else _lidar(robot.lidar, robot.ros)}")
     return int(ExitCode.DONE)
 
 
@@ -118,6 +118,8 @@ def robot_check(settings: Settings, *, json: bool = False) -> int:
     from engine.robot.usb_camera import cameras
     from engine.serial_port import attached
 
+    if settings.robot.kind == "ros2":
+        return _ros_check(settings, json=json)
     ports = attached()
     port = settings.robot.port
     pictures = cameras()
@@ -150,6 +152,30 @@ def robot_check(settings: Settings, *, json: bool = False) -> int:
     if not board.reports:
         raise DeviceError(f"{port} is open, but no Rosmaster board reports there.", hint="Is the robot switched on?")
     return int(ExitCode.DONE)
+
+
+def _ros_check(settings: Settings, *, json: bool) -> int:
+    """What comes from a robot of ROS 2. Raises ``UsageError`` or ``DeviceError``."""
+    from engine.robot.bodies import description_of
+    from engine.robot.ros2.inspection import inspect
+    from engine.ros.rosbridge import Rosbridge
+
+    about = description_of(settings.robot).ros
+    assert about is not None, "this kind has them"
+    door = Rosbridge(settings.robot.door or "")
+    try:
+        found = inspect(door, about, LIDAR_S)
+    finally:
+        door.close()
+    if json:
+        json_line(asdict(found))
+    for topic in () if json else found.heard:
+        data(f"heard     {topic}")
+    for topic in () if json else found.silent:
+        data(f"silent    {topic}")
+    if found.trouble:
+        raise DeviceError(f"Nothing can be heard: {found.trouble}.", hint="Does its rosbridge run?")
+    return int(ExitCode.DONE if about.odometry in found.heard else ExitCode.MISSING)
 
 
 def robot_estop(*, pressed: bool) -> int:
@@ -277,7 +303,7 @@ class _Shown:
 def _facts(robot: Description) -> dict[str, Any]:
     return {
         "title": robot.name,
-        "kind": "rosmaster" if robot.board is not None else "sim",
+        "kind": robot.kind,
         "drive": robot.drive,
         "has": sorted(robot.capabilities),
         "lidar": robot.lidar is not None,
@@ -289,8 +315,14 @@ def _parts(robot: Description) -> list[str]:
     parts += ["arm"] if robot.arm is not None else []
     parts += [f"camera {_camera(robot)}"] if robot.camera is not None else []
     parts += ["lidar"] if robot.lidar else []
-    parts += ["Rosmaster board"] if robot.board is not None else ["simulated"]
+    parts.append({"sim": "simulated", "rosmaster": "Rosmaster board", "ros2": "ROS 2"}[robot.kind])
     return parts
+
+
+def _lidar(lidar: LidarOf, ros: RosOf | None) -> str:
+    if ros is not None:
+        return f"on {ros.scan}"
+    return lidar.model or "simulated"
 
 
 def _eye_height(robot: Description) -> float:

@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 from config import paths
 from config.schema import Settings
@@ -26,8 +26,13 @@ from engine.llm.local import LocalChat
 from engine.parts.loading import gguf_of, make_isolated_recogniser
 from tui.terminal.terminal import MIN_COLUMNS, MIN_ROWS
 
+if TYPE_CHECKING:
+    from engine.robot.description import RosOf
+
 BOARD_S: Final = 1.0
 """How long a motor board is listened to, s."""
+ROS_S: Final = 4.0
+"""In which every topic of a robot of ROS 2 must have been heard, s."""
 WAKE_MODULE_S: Final = 1.0
 """How long a wake module is listened to, s."""
 _GL_PROBE = """
@@ -281,8 +286,12 @@ def _robot(settings: Settings) -> Finding:
     robot = settings.robot
     if robot.kind == "sim":
         return Finding("robot", "ok", "simulated (robot.kind)")
+    if robot.emulated:
+        return Finding("robot", "ok", "an emulated board, in the robot's own process (robot.port)")
     try:
         description = description_of(robot)
+        if description.ros is not None:
+            return _ros_robot(description.name, robot.door or "", description.ros)
         assert robot.port is not None, "the configuration sees to that"
         found = inspect(robot.port, BOARD_S)
     except SaysoError as error:
@@ -304,6 +313,32 @@ def _robot(settings: Settings) -> Finding:
             "robot", "limited", "nobody knows whether the board stops by itself when the line falls silent", fix
         )
     return Finding("robot", "ok", detail)
+
+
+def _ros_robot(name: str, url: str, about: RosOf) -> Finding:
+    """Its topics are listened to."""
+    from engine.robot.ros2.inspection import inspect
+    from engine.ros.rosbridge import Rosbridge
+
+    door = Rosbridge(url)
+    try:
+        found = inspect(door, about, ROS_S)
+    finally:
+        door.close()
+    if found.trouble:
+        return Finding(
+            "robot", "missing", found.trouble, "Does its rosbridge run, and is robot.door right?", needed=True
+        )
+    if about.odometry in found.silent:
+        detail = f"no odometry comes on {about.odometry}"
+        return Finding(
+            "robot", "missing", detail, "Put the topics of your robot into ros: of its description.", needed=True
+        )
+    if found.silent:
+        silent = ", ".join(found.silent)
+        fix = "Put the topics of your robot into ros: of its description."
+        return Finding("robot", "limited", f"nothing comes on {silent}", fix)
+    return Finding("robot", "ok", f"{name} at {url}")
 
 
 def _wake_module(settings: Settings) -> Finding:
