@@ -326,18 +326,13 @@ def _ros_robot(name: str, url: str, about: RosOf) -> Finding:
     finally:
         door.close()
     if found.trouble:
-        return Finding(
-            "robot", "missing", found.trouble, "Does its rosbridge run, and is robot.door right?", needed=True
-        )
+        fix = "Does its rosbridge run, and is robot.door right?"
+        return Finding("robot", "missing", found.trouble, fix, needed=True)
+    fix = "Put the topics of your robot into ros: of its description."
     if about.odometry in found.silent:
-        detail = f"no odometry comes on {about.odometry}"
-        return Finding(
-            "robot", "missing", detail, "Put the topics of your robot into ros: of its description.", needed=True
-        )
+        return Finding("robot", "missing", f"no odometry comes on {about.odometry}", fix, needed=True)
     if found.silent:
-        silent = ", ".join(found.silent)
-        fix = "Put the topics of your robot into ros: of its description."
-        return Finding("robot", "limited", f"nothing comes on {silent}", fix)
+        return Finding("robot", "limited", f"nothing comes on {', '.join(found.silent)}", fix)
     return Finding("robot", "ok", f"{name} at {url}")
 
 
