@@ -12,7 +12,9 @@ import time
 from pathlib import Path
 from typing import Any
 
+from engine.errors import ExitCode
 from tests.e2e.engine import engine
+from tests.e2e.sayso import sayso
 from tests.e2e.test_board import ended
 
 LIMIT_S = 60.0
@@ -63,6 +65,18 @@ class Peer:
         finally:
             over.cancel()
         raise AssertionError("the robot never came to that")
+
+
+def test_what_it_says_is_listened_to_before_anything_moves(tmp_path: Path) -> None:
+    port = free_port()
+    told = ("--set", "robot.kind=ros2", "--set", f"robot.door=ws://127.0.0.1:{port}")
+    with Peer(port):
+        done = sayso("robot", "check", *told, state=tmp_path)
+        assert done.returncode == ExitCode.DONE
+        assert {b"/odom", b"/scan", b"/battery_state"} <= set(done.stdout.split())
+    done = sayso("robot", "check", *told, state=tmp_path)
+    assert done.returncode == ExitCode.MISSING
+    assert b"Nothing can be heard" in done.stderr
 
 
 def test_it_is_driven_by_sentences_and_its_bridge_goes_and_comes_back(tmp_path: Path) -> None:
