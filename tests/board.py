@@ -205,10 +205,10 @@ class Emulator:
 class Turning:
     """:mod:`tests.turning` as a process: a robot that turns on the spot through an emulated board."""
 
-    def __init__(self, port: Path, model: str = "x3plus") -> None:
+    def __init__(self, port: Path, model: str = "x3plus", lidar: Path | None = None) -> None:
         self._held = b""
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "tests.turning", str(port), model],
+            [sys.executable, "-m", "tests.turning", str(port), model, *([str(lidar)] if lidar is not None else [])],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             cwd=Path(__file__).parents[1],

@@ -1,4 +1,4 @@
-"""A program that turns a robot on the spot, as an engine would: ``python -m tests.turning PORT MODEL``.
+"""A program that turns a robot on the spot, as an engine would: ``python -m tests.turning PORT MODEL [LIDAR]``.
 
 It tells what happens as JSON lines, and takes ``go`` (begin a new epoch and turn) and ``stop`` on stdin. A robot that
 is lost is started again, and stands.
@@ -26,8 +26,8 @@ def tell(**what: Any) -> None:
     print(json.dumps({"at": time.monotonic(), **what}), flush=True)
 
 
-async def main(port: str, model: str) -> None:
-    robot = make_robot(settings(kind="rosmaster", port=port, model=model, speed="real"))
+async def main(port: str, model: str, lidar: str | None = None) -> None:
+    robot = make_robot(settings(kind="rosmaster", port=port, model=model, lidar=lidar, speed="real"))
     await robot.start()
     threading.Thread(target=beat, args=(robot,), daemon=True).start()
     orders: asyncio.Queue[str] = asyncio.Queue()

@@ -27,13 +27,14 @@ def main(argv: list[str] | None = None) -> None:
     args = parser.parse_args(argv)
     found: dict[str, Figure] = {}
     over = count = 0
-    with tempfile.TemporaryDirectory() as folder, Emulator(Path(folder)) as board:
+    with tempfile.TemporaryDirectory() as folder, Emulator(Path(folder), f"--lidar={folder}/lidar") as board:
         for name, strike in STRIKES.items():
             samples = [strike(board) for _ in range(args.n)]
             found[name] = figures(samples, "ms")
             over += sum(sample > LIMIT_MS for sample in samples)
             count += len(samples)
         found["stop() → zero frame"] = figures(stops(board, 10 * args.n), "ms")
+        found["… with a lidar"] = figures(stops(board, 10 * args.n, Path(folder) / "lidar"), "ms")
     print_report(report("board", args.n, found, {f"later than {LIMIT_MS} ms": over / count}), args.json)
 
 
@@ -82,10 +83,10 @@ STRIKES = {
 }
 
 
-def stops(board: Emulator, n: int) -> list[float]:
-    """From stop() to the zero frame, ms."""
+def stops(board: Emulator, n: int, lidar: Path | None = None) -> list[float]:
+    """From stop() to the zero frame, ms; with a lidar that is read beside it where one is named."""
     samples = []
-    with Turning(board.path) as turning:
+    with Turning(board.path, lidar=lidar) as turning:
         for _ in range(n):
             turn(board, turning)
             turning.say("stop")
