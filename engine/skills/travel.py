@@ -37,6 +37,7 @@ DOOR_RANGE = 1.5  # m from which the lidar can tell whether a door is shut
 FILLED = 0.6  # part of a door's width
 
 TURNING = 0.01  # rad/s
+NEARLY = 0.06  # m; a base that cannot go sideways, or is told late, may come no nearer
 
 HEMMED = 3  # times that something small on the floor may leave no way on before the robot gives up
 
@@ -155,6 +156,8 @@ async def _follow(context: SkillContext, follower: Follower, name: str, watch: L
         turning = abs(state.twist.wz) > TURNING  # at a corner, or into the goal's direction: not a stall
         if stall.update(state.t, guidance.remaining) and not turning:
             await settle(context)
+            if guidance.remaining < NEARLY and why_held(state)[0] == "no_progress":
+                return "arrived", state  # as near as its drive can bring it
             return "held" if twist == guidance.twist else "hemmed", state
 
 

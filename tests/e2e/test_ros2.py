@@ -85,7 +85,8 @@ def test_it_is_driven_by_sentences_and_its_bridge_goes_and_comes_back(tmp_path: 
     with Peer(port) as peer, engine(tmp_path / "state", "", *told) as running:
         running.until("log", lambda body: body["source"] == "robot" and "ready" in body["message"])
         running.send(do="say", text="go to the kitchen")
-        assert running.until("state.changed", ended)["result"]["outcome"] == "done"
+        result = running.until("state.changed", ended)["result"]
+        assert result["outcome"] == "done", result
         state = peer.until(lambda state: state["speed"] < 0.01)
         assert math.dist((state["x"], state["y"]), (0.2, 2.0)) < 0.1
 
