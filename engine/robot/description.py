@@ -26,7 +26,7 @@ from engine import yaml_file
 from engine.errors import UsageError
 from engine.robot.arm import ARM_JOINTS, ArmModel
 from engine.robot.camera import Mount
-from engine.robot.geometry import Point
+from engine.robot.geometry import Point, Twist
 from engine.robot.robot import Capability, Footprint
 from engine.yaml_file import BadFile
 
@@ -47,6 +47,12 @@ class Speeds(Section):
     forward: float = Field(gt=0, le=3, description="m/s.")
     sideways: float = Field(ge=0, le=3, description="m/s; 0 where the wheels cannot.")
     turn: float = Field(gt=0, le=10, description="rad/s.")
+
+    def within(self, twist: Twist) -> Twist:
+        """What the drive can do of this: never more than these, and in proportion along the floor."""
+        vy = twist.vy if self.sideways else 0.0
+        over = max(abs(twist.vx) / self.forward, abs(vy) / self.sideways if self.sideways else 0.0, 1.0)
+        return Twist(twist.vx / over, vy / over, max(-self.turn, min(self.turn, twist.wz)))
 
 
 class Wheels(Section):

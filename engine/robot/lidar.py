@@ -12,6 +12,8 @@ from engine.robot.geometry import Pose
 
 RAYS = 360
 """Directions."""
+OWN_M = 0.02
+"""By so much a scan may be off: only what lies deeper in the hull is the robot itself."""
 
 _turn = np.arange(RAYS, dtype=np.float64) * (2 * math.pi / RAYS)
 LIDAR_ANGLES: NDArray[np.float64] = np.where(_turn <= math.pi, _turn, _turn - 2 * math.pi)
@@ -40,7 +42,8 @@ def points(ranges: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def outside(points: NDArray[np.float64], length: float, width: float) -> NDArray[np.bool_]:
     """Which of these points, base frame, shape (n, 2), are not of the robot itself, whose hull has this size, m."""
-    own: NDArray[np.bool_] = (np.abs(points[:, 0]) < length / 2) & (np.abs(points[:, 1]) < width / 2)
+    deep = np.array((length, width)) / 2 - OWN_M
+    own: NDArray[np.bool_] = np.all(np.abs(points) < deep, axis=1)
     return ~own
 
 

@@ -33,8 +33,6 @@ SECTORS: Final = 36
 """Of a turn; in every one something must have been measured, be it that there is nothing."""
 LEAST_SEEN: Final = 0.03
 """Of the points of a turn; a lidar that sees less is covered."""
-OWN_M: Final = 0.02
-"""By so much what it sees may be off: only what lies deeper in the hull is the robot itself."""
 _PIECE_S: Final = 0.005
 """Between two reads, so that a thread that shares the interpreter with a control loop wakes seldom."""
 _AROUND: Final = 400.0
@@ -153,7 +151,7 @@ class UsbLidar:
         around = np.radians((-angles if self._about.clockwise else angles) + self._about.turned)
         seen = np.column_stack((np.cos(around), np.sin(around))) * distances[:, None]
         seen += self._about.at
-        foreign = outside(seen, self._hull.length - 2 * OWN_M, self._hull.width - 2 * OWN_M)
+        foreign = outside(seen, self._hull.length, self._hull.width)
         return Turn(seen[foreign], times[foreign])
 
 

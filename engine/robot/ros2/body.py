@@ -35,8 +35,6 @@ LATE_S: Final = 0.5
 """Without odometry for so long, nobody knows what the robot does."""
 OPEN_LIMIT_S: Final = 10.0
 """In which a robot must have said where it is."""
-_OWN_M: Final = 0.02
-"""By so much a scan may be off: only what lies deeper in the hull is the robot itself."""
 _JUMP_M: Final = 0.2
 """By so much a pose may change at once."""
 
@@ -116,7 +114,7 @@ class Ros2Body:
             self._tell(now)
 
     def drive(self, twist: Twist) -> None:
-        limited = self._within(twist) if not self.trouble else ZERO
+        limited = self._description.speeds.within(twist) if not self.trouble else ZERO
         if limited == self._told:
             return
         now = self._clock()
@@ -167,13 +165,6 @@ class Ros2Body:
         else:
             self._door.publish(self._about.velocity, messages.TWIST, message)
 
-    def _within(self, twist: Twist) -> Twist:
-        """What this robot's drive can do, in proportion along the floor."""
-        most = self._description.speeds
-        vy = twist.vy if most.sideways else 0.0
-        over = max(abs(twist.vx) / most.forward, abs(vy) / most.sideways if most.sideways else 0.0, 1.0)
-        return Twist(twist.vx / over, vy / over, max(-most.turn, min(most.turn, twist.wz)))
-
     # What it hears, in the door's thread
 
     def _take_odometry(self, message: Message) -> None:
@@ -195,7 +186,7 @@ class Ros2Body:
         turned = math.radians(about.turned)
         c, s = math.cos(turned), math.sin(turned)
         points = points @ np.array([[c, s], [-s, c]]) + about.at
-        foreign = outside(points, self._description.hull.length - 2 * _OWN_M, self._description.hull.width - 2 * _OWN_M)
+        foreign = outside(points, self._description.hull.length, self._description.hull.width)
         took = float(after[-1]) if len(after) else 0.0
         self._turns.append(Turn(points[foreign], (self._clock() - took + after)[foreign]))
 

@@ -408,12 +408,10 @@ class RosmasterBody:
         return self._within(Twist(twist.vx, twist.vy, twist.wz + turn)) if turn else twist
 
     def _within(self, twist: Twist) -> Twist:
-        """What this robot's drive can do: never more than its limits, and in proportion along the floor."""
-        most = self._description.speeds
-        vy = twist.vy if most.sideways else 0.0
-        over = max(abs(twist.vx) / most.forward, abs(vy) / most.sideways if most.sideways else 0.0, 1.0)
-        turn = most.turn
-        if self._description.drive == "ackermann":  # as far as the front wheels can be steered
-            assert self._description.wheels is not None, "a board has wheels"
-            turn = min(turn, abs(twist.vx / over) * math.tan(STEERING) / self._description.wheels.base)
-        return Twist(twist.vx / over, vy / over, max(-turn, min(turn, twist.wz)))
+        """What this robot's drive can do."""
+        limited, wheels = self._description.speeds.within(twist), self._description.wheels
+        if self._description.drive != "ackermann":
+            return limited
+        assert wheels is not None, "a board has wheels"
+        turn = abs(limited.vx) * math.tan(STEERING) / wheels.base  # as far as the front wheels can be steered
+        return Twist(limited.vx, limited.vy, max(-turn, min(turn, limited.wz)))
