@@ -123,7 +123,7 @@ def test_with_a_low_battery_it_refuses_what_is_long_and_goes_to_its_dock(tmp_pat
         with engine(tmp_path / "state", "", *told) as running:
             running.until("log", lambda body: body["source"] == "robot")
             board.tell("volts 10.0")
-            board.until(lambda state: state["volts"] < 10.1)
+            running.until("log", lambda body: body["message"].startswith("The battery is low"))
             running.send(do="say", text="patrol")
             result = running.until("state.changed", ended)["result"]
             assert result["outcome"] == "failed"

@@ -68,6 +68,7 @@ class Rig:
 
     def __post_init__(self) -> None:
         self.epoch = Epoch(self.robot.stop)
+        self._before = psutil.Process().children(recursive=True)  # the robot's own, and those of other tests
 
     async def run(self, program: str, *, args: Mapping[str, Any] | None = None, **declared: Any) -> Result:
         """Run a program in the language of ``SPEAK`` as a skill of the name ``tried``."""
@@ -98,9 +99,9 @@ class Rig:
         return self.robot.state().pose
 
     def left_behind(self) -> list[psutil.Process]:
-        """Processes of ours, the robot's own aside."""
-        own = (self.robot.pid, self.robot.camera_pid)
-        return [child for child in psutil.Process().children(recursive=True) if child.pid not in own]
+        """The processes that have come since the robot stood there, its camera's aside, which comes at a first look."""
+        children = psutil.Process().children(recursive=True)
+        return [child for child in children if child not in self._before and child.pid != self.robot.camera_pid]
 
     async def until(self, met: Callable[[], bool], *, doing: asyncio.Task[Any]) -> None:
         """Wait until a report or an end of the action brings it about."""
