@@ -1,0 +1,37 @@
+"""The doors there are, by how a setting writes them. Only the one that is asked for is loaded."""
+
+from __future__ import annotations
+
+from typing import Final
+from urllib.parse import urlsplit
+
+from engine.errors import UsageError
+from engine.ros.door import Door
+
+FORMS: Final = "ws://HOST:PORT of a rosbridge, zenoh://HOST:PORT[/DOMAIN] of a zenoh router, or rclpy"
+"""What a setting may say, in words for people."""
+ZENOH_PORT: Final = 7447
+
+
+def open_door(door: str, name: str = "sayso") -> Door:
+    """The door that a setting names, opening in the background; ``name`` is that of our node. Raises ``UsageError``."""
+    if door == "rclpy":
+        from engine.ros.rclpy_door import RclpyDoor
+
+        return RclpyDoor(name)
+    try:
+        parts = urlsplit(door)
+        port = parts.port
+    except ValueError:
+        parts, port = urlsplit(""), None
+    if parts.scheme in ("ws", "wss") and parts.hostname:
+        from engine.ros.rosbridge import Rosbridge
+
+        return Rosbridge(door)
+    domain = parts.path.strip("/") or "0"
+    if parts.scheme == "zenoh" and parts.hostname and domain.isdecimal():
+        from engine.ros.zenoh_door import ZenohDoor
+
+        host = f"[{parts.hostname}]" if ":" in parts.hostname else parts.hostname
+        return ZenohDoor(f"tcp/{host}:{port or ZENOH_PORT}", int(domain), name=name)
+    raise UsageError(f"{door!r} leads to no graph of ROS 2.", hint=f"It may be {FORMS}.")
