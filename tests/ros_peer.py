@@ -1,9 +1,15 @@
-"""A robot behind a rosbridge, for tests: ``python -m tests.ros_peer PORT``. It speaks the operations that sayso uses
-(advertise, subscribe, publish), carries the simulated robot, and stands when no velocity has come for half a second, as
-a base controller of ROS does. What it does goes out as JSON lines."""
+"""A robot behind a rosbridge, for tests: ``python -m tests.ros_peer PORT [--no-navigation] [--stubborn]``.
+
+It speaks the operations that sayso uses, with the habits of rosbridge_suite: what comes over one connection is done one
+after the other, a goal that is refused gets no answer, and ``cancel_action_goal`` finds a goal of another connection.
+It carries the simulated robot, stands when no velocity has come for half a second, as a base controller of ROS does,
+and finds its way by ``/navigate_to_pose``. Its odometry begins where it stands: only ``/tf`` tells where that is on the
+map. What it does goes out as JSON lines.
+"""
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import json
 import math
@@ -12,38 +18,111 @@ import time
 from typing import Any
 
 from websockets.asyncio.server import ServerConnection, serve
+from websockets.exceptions import ConnectionClosed
 
-from engine.robot.geometry import ZERO, Twist
+from engine.robot.follow import Follower
+from engine.robot.geometry import ZERO, Pose, Twist, compose, inverse
 from engine.robot.host.body import STEP_S
 from engine.robot.lidar import RAYS
+from engine.robot.occupancy import Unreachable, route
+from engine.robot.robot import Footprint
+from engine.robot.sim.floor import floor_map
 from engine.robot.sim.simulated import SimulatedBody
 from tests.sim.rig import flat, settings
 
 LIFETIME_S = 0.5
 """Of a velocity."""
+ACTION = "/navigate_to_pose"
+HULL = Footprint(0.3, 0.24)
 
 
 class Peer:
     """One robot, and whoever listens to it."""
 
-    def __init__(self) -> None:
-        self.body = SimulatedBody(flat(), settings(), pictures=False)
+    def __init__(self, *, navigates: bool, stubborn: bool) -> None:
+        scene = flat()
+        self.floor = floor_map(scene)
+        self.body = SimulatedBody(scene, settings(), pictures=False)
         self.told, self.told_at = ZERO, -math.inf
+        self.start = self.body.true_pose
+        self.way: Follower | None = None
+        self.cancelled: set[str] = set()
+        self.zeros = 0
+        self._navigates, self._stubborn = navigates, stubborn
         self._listeners: dict[str, set[ServerConnection]] = {}
 
     async def listen(self, connection: ServerConnection) -> None:
-        """Take what comes over one connection."""
-        async for text in connection:
-            order = json.loads(text)
+        """Take what comes over one connection, one after the other; only a goal is cancelled beside that."""
+        waiting: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+        working = asyncio.create_task(self._work(connection, waiting))
+        try:
+            async for text in connection:
+                order = json.loads(text)
+                if order["op"] == "cancel_action_goal":
+                    self.cancelled.add(order["id"])
+                else:
+                    waiting.put_nowait(order)
+        finally:
+            working.cancel()
+            for listeners in self._listeners.values():
+                listeners.discard(connection)
+
+    async def _work(self, connection: ServerConnection, waiting: asyncio.Queue[dict[str, Any]]) -> None:
+        while True:
+            order = await waiting.get()
             match order["op"]:
                 case "subscribe":
                     self._listeners.setdefault(order["topic"], set()).add(connection)
                 case "publish" if order["topic"] == "/cmd_vel":
                     linear, angular = order["msg"]["linear"], order["msg"]["angular"]
-                    self.told, self.told_at = Twist(linear["x"], linear["y"], angular["z"]), self.body.t
-                    self.body.drive(self.told)
-        for listeners in self._listeners.values():
-            listeners.discard(connection)
+                    twist = Twist(linear["x"], linear["y"], angular["z"])
+                    self.zeros += twist.is_zero
+                    self.drive(twist)
+                case "call_service":
+                    there = self._navigates and order["service"] == f"{ACTION}/_action/get_result"
+                    why = "Unable to import srv class" if there else f"Service {order['service']} does not exist"
+                    about = {"id": order["id"], "service": order["service"], "values": why, "result": False}
+                    await self._send(connection, {"op": "service_response", **about})
+                case "send_action_goal":
+                    await self._navigate(connection, order)
+
+    def drive(self, twist: Twist) -> None:
+        self.told, self.told_at = twist, self.body.t
+        self.body.drive(twist)
+
+    async def _navigate(self, connection: ServerConnection, order: dict[str, Any]) -> None:
+        """Drive there as a navigation does: by velocities, 20 times a second."""
+        about = {"id": order["id"], "action": order["action"]}
+        stamped = order["args"]["pose"]
+        at, turn = stamped["pose"]["position"], stamped["pose"]["orientation"]
+        goal = Pose(at["x"], at["y"], 2 * math.atan2(turn["z"], turn["w"]))
+        if stamped["header"]["frame_id"] == "odom":
+            goal = compose(self.start, goal)
+        way = route(self.floor, self.body.true_pose, goal, HULL)
+        if isinstance(way, Unreachable):
+            result = {"error_code": 208, "error_msg": "no valid path"}
+            ended = {"op": "action_result", **about, "values": result, "status": 6, "result": True}
+            await self._send(connection, ended)
+            return
+        follower = self.way = Follower(way.points, goal.yaw, speed=0.4)
+        status = 4
+        while self.way is follower:
+            guidance = follower.guide(self.body.true_pose)
+            if guidance.arrived:
+                break
+            if order["id"] in self.cancelled and not self._stubborn:
+                status = 5
+                break
+            self.drive(guidance.twist)
+            await self._send(
+                connection,
+                {"op": "action_feedback", **about, "values": {"distance_remaining": guidance.remaining}},
+            )
+            await asyncio.sleep(0.05)
+        self.drive(ZERO)
+        self.way = None
+        ended = {"op": "action_result", **about, "values": {"error_code": 0}, "status": status, "result": True}
+        await self._send(connection, ended)
 
     async def live(self) -> None:
         """Let time pass, as fast as it does."""
@@ -56,6 +135,7 @@ class Peer:
                     await self._say("/odom", self._odometry())
                 if steps % 50 == 0:
                     await self._say("/scan", self._scan())
+                    await self._say("/tf", self._frames())
                     self._tell()
                 if steps % 500 == 0:
                     await self._say("/battery_state", {"voltage": 14.2})
@@ -71,25 +151,30 @@ class Peer:
         pose, twist = self.body.true_pose, self.body.twist
         state = {"at": time.monotonic(), "x": pose.x, "y": pose.y, "yaw": pose.yaw}
         speed = math.hypot(twist.vx, twist.vy) + abs(twist.wz)
-        print(json.dumps({**state, "speed": speed, "told": not self.told.is_zero}), flush=True)
+        more = {"speed": speed, "told": not self.told.is_zero, "sent": self.way is not None, "zeros": self.zeros}
+        print(json.dumps(state | more), flush=True)
 
     async def _say(self, topic: str, message: dict[str, Any]) -> None:
-        text = json.dumps({"op": "publish", "topic": topic, "msg": message})
         for connection in tuple(self._listeners.get(topic, ())):
-            try:
-                await connection.send(text)
-            except OSError:
-                self._listeners[topic].discard(connection)
-            except Exception:  # noqa: BLE001 - whatever a connection that is being closed says
-                self._listeners[topic].discard(connection)
+            await self._send(connection, {"op": "publish", "topic": topic, "msg": message})
+
+    async def _send(self, connection: ServerConnection, order: dict[str, Any]) -> None:
+        try:
+            await connection.send(json.dumps(order))
+        except (OSError, ConnectionClosed):
+            for listeners in self._listeners.values():
+                listeners.discard(connection)
 
     def _odometry(self) -> dict[str, Any]:
-        pose, twist = self.body.true_pose, self.body.twist
-        half = pose.yaw / 2
-        turn = {"x": 0.0, "y": 0.0, "z": math.sin(half), "w": math.cos(half)}
+        pose, twist = compose(inverse(self.start), self.body.true_pose), self.body.twist
         moves = {"linear": {"x": twist.vx, "y": twist.vy, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": twist.wz}}
-        at = {"position": {"x": pose.x, "y": pose.y, "z": 0.0}, "orientation": turn}
-        return {"pose": {"pose": at}, "twist": {"twist": moves}}
+        at = {"position": {"x": pose.x, "y": pose.y, "z": 0.0}, "orientation": _turn(pose.yaw)}
+        header = {"frame_id": "odom", "stamp": {"sec": 0, "nanosec": 0}}
+        return {"header": header, "pose": {"pose": at}, "twist": {"twist": moves}}
+
+    def _frames(self) -> dict[str, Any]:
+        moved = {"translation": {"x": self.start.x, "y": self.start.y, "z": 0.0}, "rotation": _turn(self.start.yaw)}
+        return {"transforms": [{"header": {"frame_id": "map"}, "child_frame_id": "odom", "transform": moved}]}
 
     def _scan(self) -> dict[str, Any]:
         ranges = [value if math.isfinite(value) else None for value in self.body.scan().tolist()]
@@ -98,12 +183,21 @@ class Peer:
         return {**limits, "time_increment": 0.0, "ranges": ranges}
 
 
-async def main(port: int) -> None:
+def _turn(yaw: float) -> dict[str, float]:
+    return {"x": 0.0, "y": 0.0, "z": math.sin(yaw / 2), "w": math.cos(yaw / 2)}
+
+
+async def main(argv: list[str]) -> None:
     """Serve until killed."""
-    peer = Peer()
-    async with serve(peer.listen, "127.0.0.1", port, compression=None):
+    parser = argparse.ArgumentParser(prog="python -m tests.ros_peer")
+    parser.add_argument("port", type=int)
+    parser.add_argument("--no-navigation", action="store_true", help="nobody there finds the way")
+    parser.add_argument("--stubborn", action="store_true", help="its navigation ignores who cancels")
+    arguments = parser.parse_args(argv)
+    peer = Peer(navigates=not arguments.no_navigation, stubborn=arguments.stubborn)
+    async with serve(peer.listen, "127.0.0.1", arguments.port, compression=None):
         await peer.live()
 
 
 if __name__ == "__main__":
-    asyncio.run(main(int(sys.argv[1])))
+    asyncio.run(main(sys.argv[1:]))

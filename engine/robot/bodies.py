@@ -11,7 +11,7 @@ from engine.robot.camera_news import TellOfCamera
 from engine.robot.description import Description, described
 from engine.robot.geometry import Pose
 from engine.robot.home import home
-from engine.robot.host.body import Body
+from engine.robot.host.body import Body, Navigator
 from engine.robot.host.controller import Controller
 from engine.robot.host.hosted import Build, Eye, HostedRobot
 from engine.robot.host.memory import Memory, Record
@@ -66,7 +66,8 @@ def make_robot(settings: RobotSettings, on_camera: TellOfCamera | None = None) -
         floor_map=home(settings).floor_map,
         arm=description.arm_model,
         eye=_eye(settings, description),
-        battery=description.board.battery if description.board is not None else None,
+        battery=description.battery,
+        navigates=_navigates(description),
     )
     return HostedRobot(settings, build, on_camera)
 
@@ -95,8 +96,9 @@ def controlled(settings: RobotSettings, last: Record | None) -> Controller:
 
         return World(load_scene(scene_path(settings.scene)), settings, last, pictures=False)
     description, house = description_of(settings), home(settings)
+    body, navigator = _body(settings, description, house.start, last)
     return Controller(
-        _body(settings, description, house.start, last),
+        body,
         house.start,
         settings.limits,
         description.footprint,
@@ -104,24 +106,33 @@ def controlled(settings: RobotSettings, last: Record | None) -> Controller:
         house.edges(blind=description.lidar is None),
         last,
         blind=description.lidar is None,
+        navigator=navigator,
     )
 
 
-def _body(settings: RobotSettings, description: Description, start: Pose, last: Record | None) -> Body:
+def _body(
+    settings: RobotSettings, description: Description, start: Pose, last: Record | None
+) -> tuple[Body, Navigator | None]:
+    """What is driven, and the same again where it finds its way itself."""
     if settings.kind == "ros2":
         from engine.robot.ros2.body import Ros2Body
-        from engine.ros.rosbridge import Rosbridge
+        from engine.ros.opening import open_door
 
         assert settings.door is not None, "the configuration sees to that"
-        return Ros2Body(Rosbridge(settings.door), description, start, last)
+        body = Ros2Body(open_door(settings.door), description, start, last)
+        return body, body if _navigates(description) else None
     if settings.emulated:
         from engine.robot.emulation.inside import BoardInside
 
-        return BoardInside(settings, description, start, last)
+        return BoardInside(settings, description, start, last), None
     from engine.robot.rosmaster.body import RosmasterBody
 
     assert settings.port is not None, "the configuration sees to that"
-    return RosmasterBody(settings.port, description, start, last, lidar=_lidar(settings, description))
+    return RosmasterBody(settings.port, description, start, last, lidar=_lidar(settings, description)), None
+
+
+def _navigates(description: Description) -> bool:
+    return description.ros is not None and description.ros.navigation is not None
 
 
 def _lidar(settings: RobotSettings, description: Description) -> UsbLidar | None:

@@ -180,8 +180,19 @@ class RosOf(Section):
     stamped: bool = Field(default=False, description="Whether that is TwistStamped.")
     frame: str = Field(default="base_link", description="Of a TwistStamped.")
     odometry: str = Field(default="/odom", description="It says here where it is: Odometry.")
+    navigation: str | None = Field(
+        default="/navigate_to_pose",
+        description="Finds its way: an action NavigateToPose, such as Nav2's; null, or none there: sayso drives.",
+    )
+    map_frame: str | None = Field(
+        default="map", description="In which it finds itself on its map; null: where it starts is what is known."
+    )
+    tf: str = Field(default="/tf", description="It says here where its frames are: TFMessage.")
     scan: str | None = Field(default="/scan", description="Of its lidar: LaserScan.")
     battery: str | None = Field(default="/battery_state", description="Of its battery: BatteryState.")
+    volts: Battery | None = Field(
+        default=None, description="What its battery gives when it is full, low and empty; null: low is not noticed."
+    )
 
 
 class Description(Section):
@@ -245,6 +256,13 @@ class Description(Section):
         if self.camera is not None:
             has.add("camera")
         return frozenset(has)
+
+    @property
+    def battery(self) -> Battery | None:
+        """What is known of its battery, where one is measured."""
+        if self.board is not None:
+            return self.board.battery
+        return self.ros.volts if self.ros is not None else None
 
     @property
     def ranges(self) -> tuple[tuple[float, float], ...]:

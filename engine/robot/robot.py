@@ -44,6 +44,21 @@ class BatteryState:
     low: bool  # it wants to be charged
 
 
+Faring = Literal["going", "arrived", "failed", "canceled", "rejected", "no_server", "timed_out", "lost", "bad_type"]
+"""How a robot that finds its way itself fares: under way, there, or why not (``engine.ros.door.Code``)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Going:
+    """Where a robot that finds its way itself was last told to go."""
+
+    ticket: int  # what ``Robot.go`` gave
+    how: Faring
+    left: float  # m that are left of its way, where it tells; else nan
+    code: int = 0  # its own number for what went wrong (nav2_msgs)
+    why: str = ""  # in words, where it says any
+
+
 @dataclass(frozen=True, slots=True)
 class RobotState:
     """One snapshot of the robot."""
@@ -65,6 +80,7 @@ class RobotState:
     paused_s: float = 0.0  # s of ``t`` in which it was paused
     estop: bool = False  # the emergency stop is pressed
     battery: BatteryState | None = None  # where something measures it
+    going: Going | None = None  # of a robot that finds its way itself
 
     @property
     def work_t(self) -> float:
@@ -124,6 +140,11 @@ class Robot(Protocol):
     @property
     def arm(self) -> ArmModel:
         """The geometry of its arm and of the camera on it."""
+        ...
+
+    @property
+    def navigates(self) -> bool:
+        """Whether it may find its way itself (``go``)."""
         ...
 
     async def start(self) -> None:
@@ -189,6 +210,11 @@ class Robot(Protocol):
 
     def drive(self, twist: Twist, epoch: int) -> None:
         """Set the velocity; it dies after the command lifetime, so repeat it every tick."""
+        ...
+
+    def go(self, goal: Pose, epoch: int) -> int:
+        """Have a robot that ``navigates`` go to ``goal`` (map frame) by itself, as ``state().going`` tells; gives the
+        ticket by which it does. It ends with the epoch, and with whatever else the base is told."""
         ...
 
     def move_arm(self, joints: Sequence[float], epoch: int, *, speed: float = 1.0) -> None:

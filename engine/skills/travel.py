@@ -24,6 +24,7 @@ from engine.skills.drive import Stall, settle, why_held
 from engine.skills.hand import look
 from engine.skills.lookout import Lookout, lookout
 from engine.skills.outcome import Result, fail, ok
+from engine.skills.sent import send_to
 from engine.skills.strewn import heed, in_the_way, nearest_to, outline, strewn
 
 DETOURS = 3  # times that a blocked way is planned anew
@@ -48,7 +49,9 @@ Ending = Literal["arrived", "held", "astray", "strewn", "hemmed"]
 
 async def go_to(context: SkillContext, goal: Pose, name: str) -> Result:
     """Drive to ``goal`` and face its direction; ``name`` is what people call it. Fails with how far away it stopped
-    and why."""
+    and why. A robot that finds its way itself is sent there."""
+    if context.robot.navigates and (result := await send_to(context, goal, name)) is not None:
+        return result
     async with lookout(context) as watch:
         return await _go_to(context, goal, name, watch)
 

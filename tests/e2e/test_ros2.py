@@ -30,9 +30,9 @@ def free_port() -> int:
 class Peer:
     """:mod:`tests.ros_peer` as a process."""
 
-    def __init__(self, port: int) -> None:
+    def __init__(self, port: int, *options: str) -> None:
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "tests.ros_peer", str(port)],
+            [sys.executable, "-m", "tests.ros_peer", str(port), *options],
             stdout=subprocess.PIPE,
             cwd=Path(__file__).parents[2],
             text=True,
@@ -82,7 +82,7 @@ def test_what_it_says_is_listened_to_before_anything_moves(tmp_path: Path) -> No
 def test_it_is_driven_by_sentences_and_its_bridge_goes_and_comes_back(tmp_path: Path) -> None:
     port = free_port()
     told = ("--set", "robot.kind=ros2", "--set", f"robot.door=ws://127.0.0.1:{port}")
-    with Peer(port) as peer, engine(tmp_path / "state", "", *told) as running:
+    with Peer(port, "--no-navigation") as peer, engine(tmp_path / "state", "", *told) as running:
         running.until("log", lambda body: body["source"] == "robot" and "ready" in body["message"])
         running.send(do="say", text="go to the kitchen")
         result = running.until("state.changed", ended)["result"]
@@ -102,10 +102,52 @@ def test_it_is_driven_by_sentences_and_its_bridge_goes_and_comes_back(tmp_path: 
         result = running.until("state.changed", ended)["result"]
         assert result["outcome"] == "failed"
         assert "is gone" in result["message"] or "no odometry" in result["message"]
-        with Peer(port) as again:
+        with Peer(port, "--no-navigation") as again:
             for _ in range(10):  # it is found again by itself
                 running.send(do="say", text="drive forward 20 centimetres")
                 if running.until("state.changed", ended)["result"]["outcome"] == "done":
                     break
             state = again.until(lambda state: state["speed"] < 0.01)
             assert math.hypot(state["x"], state["y"]) > 0.15
+
+
+def test_its_own_navigation_finds_the_way_and_gives_up_when_told(tmp_path: Path) -> None:
+    port = free_port()
+    told = ("--set", "robot.kind=ros2", "--set", f"robot.door=ws://127.0.0.1:{port}")
+    with Peer(port) as peer, engine(tmp_path / "state", "", *told) as running:
+        running.until("log", lambda body: body["source"] == "robot" and "ready" in body["message"])
+        running.send(do="say", text="go to the kitchen")
+        peer.until(lambda state: state["sent"])
+        progress = running.until("action.progress", lambda body: (body["fraction"] or 0) > 0.3)
+        assert progress["message"].endswith("to the kitchen")
+        result = running.until("state.changed", ended)["result"]
+        assert result["outcome"] == "done", result
+        state = peer.until(lambda state: state["speed"] < 0.01 and not state["sent"])
+        assert math.dist((state["x"], state["y"]), (0.2, 2.0)) < 0.1
+
+        running.send(do="say", text="go to the hall")
+        driving = peer.until(lambda state: state["sent"] and state["speed"] > 0.1)
+        running.send(do="interrupt")
+        running.until("state.changed", ended)
+        stopped = peer.until(lambda state: not state["sent"] and not state["told"] and state["speed"] < 0.01)
+        assert stopped["zeros"] > driving["zeros"], "it is told zero, and its navigation to give up"
+
+        running.send(do="say", text="drive forward 20 centimetres")
+        assert running.until("state.changed", ended)["result"]["outcome"] == "done", "it obeys as before"
+
+
+def test_a_navigation_that_does_not_give_up_is_held_at_zero_and_told(tmp_path: Path) -> None:
+    port = free_port()
+    told = ("--set", "robot.kind=ros2", "--set", f"robot.door=ws://127.0.0.1:{port}")
+    with Peer(port, "--stubborn") as peer, engine(tmp_path / "state", "", *told) as running:
+        running.until("log", lambda body: body["source"] == "robot" and "ready" in body["message"])
+        running.send(do="say", text="go to the kitchen")
+        driving = peer.until(lambda state: state["sent"] and state["speed"] > 0.1)
+        running.send(do="interrupt")
+        running.until("state.changed", ended)
+        held = peer.until(lambda state: state["zeros"] > driving["zeros"] + 50)
+        assert held["sent"], "its navigation goes on"
+        running.send(do="say", text="drive forward 20 centimetres")
+        result = running.until("state.changed", ended)["result"]
+        assert result["outcome"] == "failed"
+        assert "goes on although it was told to stop" in result["message"]

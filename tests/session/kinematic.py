@@ -28,6 +28,7 @@ class KinematicRobot:
     """Moves exactly as told, at once."""
 
     name = "kinematic robot"
+    navigates = False
     capabilities: frozenset[Capability] = frozenset({"base", "arm", "camera", "voice"})
     footprint = Footprint(0.3, 0.24)
     arm: ArmModel = ARM
@@ -65,6 +66,9 @@ class KinematicRobot:
     def press(self, pressed: bool) -> None:
         self._advance()
         self.estop, self._twist = pressed, ZERO
+
+    def go(self, goal: Pose, epoch: int) -> int:
+        raise AssertionError("it does not navigate")
 
     def stop(self, epoch: int) -> None:
         self._advance()

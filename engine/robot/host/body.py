@@ -94,3 +94,15 @@ class Body(Protocol):
     def close(self) -> None:
         """Let go of everything; it has been brought to rest before."""
         ...
+
+
+class Navigator(Protocol):
+    """What a body has beside that where it finds its way itself."""
+
+    def go(self, goal: Pose, ticket: int) -> None:
+        """Go there, in the frame of ``odometry``; how it fares, ``fill`` tells under this ticket."""
+        ...
+
+    def give_up(self) -> None:
+        """Go nowhere any more, and stand: at once, and without waiting for anybody."""
+        ...

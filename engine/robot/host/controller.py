@@ -19,7 +19,7 @@ from config.schema import Limits
 from engine.robot.clearance import Points
 from engine.robot.geometry import UNMOVED, ZERO, Pose, Twist, compose, inverse
 from engine.robot.host.arm_motion import ArmMotion, Ranges
-from engine.robot.host.body import STEP_S, Body
+from engine.robot.host.body import STEP_S, Body, Navigator
 from engine.robot.host.envelope import SCAN_LIFETIME, Envelope, into_base_frame, into_map_frame
 from engine.robot.host.memory import Record
 from engine.robot.lidar import RAYS, points
@@ -50,10 +50,12 @@ class Controller:
         last: Record | None = None,
         *,
         blind: bool = False,
+        navigator: Navigator | None = None,
     ) -> None:
         """``start`` is where the body's odometry begins; ``ranges`` are those of the arm's joints, ``edges`` points on
         the map that the hull may not cross. ``last`` is the state that the body goes on from, standing still. A body
-        that is ``blind`` has no lidar: it stops short of the edges alone, and drives no faster than ``BLIND``."""
+        that is ``blind`` has no lidar: it stops short of the edges alone, and drives no faster than ``BLIND``.
+        ``navigator`` is the body where it finds its way itself: what is in its way is its own business then."""
         if blind:
             limits = limits.model_copy(
                 update={
@@ -63,6 +65,8 @@ class Controller:
             )
         self.body = body
         self.arm = ArmMotion(body, ranges)
+        self._navigator = navigator
+        self._goal: tuple[Pose, int] | None = None  # it goes there by itself: where on the map, and the ticket
         self._envelope = Envelope(limits, footprint)
         self._edges = edges
         self._blind = blind
@@ -91,9 +95,19 @@ class Controller:
 
     def drive(self, twist: Twist) -> bool:
         """Drive until the command lifetime is over."""
+        self._give_up()
         if self._blind and (over := math.hypot(twist.vx, twist.vy) / BLIND.vx) > 1:
             twist = Twist(twist.vx / over, twist.vy / over, twist.wz)
         return self._envelope.command(twist, self.t)
+
+    def go(self, goal: Pose, ticket: int) -> bool:
+        """Have the body go there by itself, map frame."""
+        if self._navigator is None:
+            return False
+        self._envelope.command(ZERO, self.t)
+        self._goal = goal, ticket
+        self._navigator.go(compose(inverse(self._correction), goal), ticket)
+        return True
 
     def move_arm(self, joints: Sequence[float], speed: float) -> bool:
         """Move the arm's joints, at no more than ``speed`` rad/s."""
@@ -126,12 +140,14 @@ class Controller:
     def stop(self, *, anew: bool = False) -> None:
         """Base to zero velocity now, arm where it is, gripper as it grips. ``anew``: it may have been moved since, or
         have been without power."""
+        self._give_up()
         self.pause()
         self.arm.hold(anew=anew)
         self.resume()
 
     def pause(self) -> None:
         """Base to zero velocity now, arm and gripper where they are, until :meth:`resume`."""
+        self._halt_navigator()
         self._envelope.halt()
         self._blocked = None
         self._tell(ZERO)
@@ -139,12 +155,24 @@ class Controller:
 
     def rest(self) -> None:
         """The same, but the base comes to rest as gently as it drives."""
+        self._halt_navigator()
         self._envelope.command(ZERO, self.t)
         self.arm.paused = True
 
     def resume(self) -> None:
-        """The arm goes on to its goal, the base with its next command."""
+        """The arm goes on to its goal, the base with its next command, and a body that finds its way itself to where it
+        was to go."""
         self.arm.paused = False
+        if self._goal is not None:
+            self.go(*self._goal)
+
+    def _halt_navigator(self) -> None:
+        if self._goal is not None and self._navigator is not None:
+            self._navigator.give_up()
+
+    def _give_up(self) -> None:
+        self._halt_navigator()
+        self._goal = None
 
     # Time
 

@@ -59,7 +59,8 @@ class Host:
         self._paused_at: float | None = None  # since when somebody has it paused
         self._paused_s = float(memory.state.get()["paused_s"]) if memory.state.count else 0.0
         self._stopping = False
-        self._seen = {box: box.count for box in (memory.drive, memory.arm, memory.gripper, memory.light, memory.buzzer)}
+        self._motions = (memory.drive, memory.goal, memory.arm, memory.gripper)
+        self._seen = {box: box.count for box in (*self._motions, memory.light, memory.buzzer)}
         self._seen[memory.correction] = 0  # what came while there was no robot process holds all the same
         self._scanned = -1.0
 
@@ -176,6 +177,10 @@ class Host:
             record = box.get()
             if self._is_ours(box, record):
                 controller.drive(Twist(*record["twist"].tolist()))
+        if (box := memory.goal).count != self._seen[box]:
+            record = box.get()
+            if self._is_ours(box, record):
+                controller.go(Pose(*record["pose"].tolist()), int(record["ticket"]))
         if (box := memory.arm).count != self._seen[box]:
             record = box.get()
             if self._is_ours(box, record):
@@ -212,9 +217,7 @@ class Host:
         """Whether somebody wants it to move in an epoch that has not heard yet why it does not."""
         if self._epoch == self._halted_in:
             return False
-        memory = self._memory
-        boxes = (memory.drive, memory.arm, memory.gripper)
-        return any(box.count != self._seen[box] and box.get()["epoch"] == self._epoch for box in boxes)
+        return any(box.count != self._seen[box] and box.get()["epoch"] == self._epoch for box in self._motions)
 
     def _is_ours(self, box: Mailbox, record: m.Record) -> bool:
         """Whether a command is of the epoch in force. One of a coming epoch is left for when its stop has arrived:

@@ -18,7 +18,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -35,7 +35,7 @@ from engine.robot.host.guard import end_guard
 from engine.robot.host.memory import Memory, Record, believed
 from engine.robot.host.process import HostProcess
 from engine.robot.lidar import LIDAR_ANGLES, RAYS
-from engine.robot.robot import BatteryState, Capability, Footprint, RobotState, Scan
+from engine.robot.robot import BatteryState, Capability, Footprint, Going, RobotState, Scan
 
 ANSWER_LIMIT = 2.5
 """s of silence after which a robot process that has not ended counts as lost."""
@@ -73,6 +73,8 @@ class Build:
     """Opens the camera; None where there is none."""
     battery: Battery | None = None
     """Where one is measured."""
+    navigates: bool = False
+    """Whether it finds its way itself."""
     environment: Mapping[str, str] = field(default_factory=dict)
     """Of the host's process."""
 
@@ -124,6 +126,10 @@ class HostedRobot:
     @property
     def arm(self) -> ArmModel:
         return self._build.arm
+
+    @property
+    def navigates(self) -> bool:
+        return self._build.navigates
 
     @property
     def memory(self) -> Memory:
@@ -253,6 +259,14 @@ class HostedRobot:
         with self._writing:
             box.scratch["epoch"], box.scratch["twist"] = epoch, velocities
             box.put()
+
+    def go(self, goal: Pose, epoch: int) -> int:
+        box = self._running(*_numbers(goal)).goal
+        with self._writing:
+            ticket = int(box.scratch["ticket"]) + 1
+            box.scratch["epoch"], box.scratch["ticket"], box.scratch["pose"] = epoch, ticket, _numbers(goal)
+            box.put()
+        return ticket
 
     def move_arm(self, joints: Sequence[float], epoch: int, *, speed: float = 1.0) -> None:
         box = self._running(*joints, speed).arm
@@ -432,6 +446,14 @@ def _battery(volts: float, battery: Battery | None) -> BatteryState | None:
     return BatteryState(round(volts, 1), battery.charge(volts), volts < battery.low)
 
 
+def _going(record: Record) -> Going | None:
+    if not record["going"]:
+        return None
+    how: Any = record["going_how"].item().decode()
+    why = record["going_why"].item().decode(errors="replace")
+    return Going(int(record["going"]), how, float(record["going_left"]), int(record["going_code"]), why)
+
+
 def _state(record: Record, pose: Pose, estop: bool, battery: Battery | None) -> RobotState:
     halted = record["halted"].item().decode() or None
     return RobotState(
@@ -452,4 +474,5 @@ def _state(record: Record, pose: Pose, estop: bool, battery: Battery | None) -> 
         paused_s=float(record["paused_s"]),
         estop=estop,
         battery=_battery(float(record["volts"]), battery),
+        going=_going(record),
     )

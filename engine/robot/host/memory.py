@@ -48,6 +48,11 @@ STATE = np.dtype(
         ("paused", "i8"),  # 0 or 1
         ("paused_s", "f8"),  # of ``t``
         ("volts", "f8"),  # of the battery; 0 where nothing measures it
+        ("going", "i8"),  # the ticket of a robot that finds its way itself; 0 where it was told to go nowhere
+        ("going_how", "S16"),
+        ("going_left", "f8"),  # m
+        ("going_code", "i8"),
+        ("going_why", "S96"),
         ("correction", "f8", 3),  # of odometry, in ``pose`` already
         ("true_pose", "f8", 3),  # in a simulation, without odometry noise: for tests and evaluation
         ("qpos", "f8", MAX_QPOS),  # in a simulation, of the whole scene: for its camera
@@ -55,6 +60,7 @@ STATE = np.dtype(
 )
 SCAN = np.dtype([("t", "f8"), ("ranges", "f8", RAYS)])
 DRIVE = np.dtype([("epoch", "i8"), ("twist", "f8", 3)])
+GOAL = np.dtype([("epoch", "i8"), ("ticket", "i8"), ("pose", "f8", 3)])
 ARM = np.dtype([("epoch", "i8"), ("joints", "f8", 5), ("speed", "f8")])
 GRIPPER = np.dtype([("epoch", "i8"), ("opening", "f8")])
 LIGHT = np.dtype([("epoch", "i8"), ("light", "i8", 3)])
@@ -154,7 +160,8 @@ class Memory:
         for dtype in _MAILBOXES:
             boxes.append(Mailbox(self._map, offset, dtype))
             offset += _aligned(Mailbox.size(dtype))
-        self.state, self.scan, self.drive, self.arm, self.gripper, self.light, self.buzzer, self.correction = boxes
+        self.state, self.scan, self.drive, self.goal, self.arm, self.gripper, self.light, *rest = boxes
+        self.buzzer, self.correction = rest
         self.loop: NDArray[Any] = np.ndarray((LOOP_SAMPLES,), LOOP, self._map, offset)
 
     @classmethod
@@ -181,7 +188,7 @@ class Memory:
             self.ints[word] = 0  # zero seconds, too
 
 
-_MAILBOXES = (STATE, SCAN, DRIVE, ARM, GRIPPER, LIGHT, BUZZER, CORRECTION)
+_MAILBOXES = (STATE, SCAN, DRIVE, GOAL, ARM, GRIPPER, LIGHT, BUZZER, CORRECTION)
 
 
 def _aligned(size: int) -> int:

@@ -1,8 +1,11 @@
 """A robot of ROS 2, behind a door to its graph, as a body of the host.
 
 It is told velocities on its topic for them, at once when they change and ten times a second while it moves; where it
-stands and what its lidar sees come on others. No guard can share a door, so a robot whose peer is gone is stopped by
-its own time limit for velocities, which every base controller of ROS has; when odometry is late, the host stands.
+stands and what its lidar sees come on others. Where it has a navigation of its own, that finds its way; to stop is to
+have the navigation give up *and* to be told zero, again and again until both have happened.
+
+No guard can share a door, so a robot whose peer is gone is stopped by its own time limit for velocities, which every
+base controller of ROS has; when odometry is late, the host stands.
 """
 
 from __future__ import annotations
@@ -24,11 +27,14 @@ from engine.robot.host.controller import added_up
 from engine.robot.host.memory import Record
 from engine.robot.lidar import Turn, outside
 from engine.robot.ros2 import messages
+from engine.robot.ros2.navigation import Navigation
 from engine.robot.surroundings import Surroundings
 from engine.ros.door import Door, Message
 
 REPEAT_S: Final = 0.1
 """Between two velocities that are the same."""
+ENDING_S: Final = 0.02
+"""Between two zeros while a navigation that was told to stop may still drive."""
 REST_S: Final = 1.0
 """For so long a robot that stands is told so; then others may drive it."""
 LATE_S: Final = 0.5
@@ -65,6 +71,9 @@ class Ros2Body:
         self._began = clock() - (float(last["t"]) if last is not None else 0.0)
         self._heard: tuple[float, Pose, Twist] | None = None  # the newest odometry, and when it came
         self._origin = start if last is None else added_up(last)  # of the frame in which the peer adds up, on the map
+        self._located: Pose | None = None  # the same, where the peer finds itself on its map
+        self._frame = "odom"  # in which it adds up
+        self._navigation = Navigation(door, self._about.navigation, clock) if self._about.navigation else None
         self._fastest = 1.5 * (description.speeds.forward + description.speeds.sideways)
         about = description.lidar
         self._around = Surroundings(about.at, about.nearest) if about is not None else None
@@ -73,6 +82,8 @@ class Ros2Body:
         self._here = start
         self._told, self._told_at, self._stood_at = ZERO, -math.inf, clock()
         door.subscribe(self._about.odometry, messages.ODOMETRY, self._take_odometry)
+        if self._about.map_frame is not None:
+            door.subscribe(self._about.tf, messages.TF, self._take_frames)
         if description.lidar is not None and self._about.scan is not None:
             door.subscribe(self._about.scan, messages.SCAN, self._take_scan)
         if self._about.battery is not None:
@@ -93,6 +104,8 @@ class Ros2Body:
             return shut
         if self._heard is None or self._clock() - self._heard[0] > LATE_S:
             return f"no odometry comes on {self._about.odometry}"
+        if self._navigation is not None and self._navigation.is_stubborn:
+            return "its navigation goes on although it was told to stop"
         return ""
 
     @property
@@ -109,8 +122,11 @@ class Ros2Body:
 
     def step(self) -> None:
         now = self._clock()
+        ending = self._navigation is not None and self._navigation.is_ending
+        if ending:
+            self._stood_at = now
         moves = not self._told.is_zero
-        if now - self._told_at >= REPEAT_S and (moves or now - self._stood_at < REST_S):
+        if now - self._told_at >= (ENDING_S if ending else REPEAT_S) and (moves or now - self._stood_at < REST_S):
             self._tell(now)
 
     def drive(self, twist: Twist) -> None:
@@ -121,6 +137,23 @@ class Ros2Body:
         self._told = limited
         if limited.is_zero:
             self._stood_at = now
+        self._tell(now)
+
+    def go(self, goal: Pose, ticket: int) -> None:
+        """See :class:`engine.robot.host.body.Navigator`."""
+        assert self._navigation is not None, "it is told to where it has one"
+        self._told, self._stood_at = ZERO, -math.inf  # from now on others drive it
+        if self._located is not None and self._about.map_frame is not None:
+            self._navigation.go(goal, self._about.map_frame, ticket)
+        else:
+            self._navigation.go(compose(inverse(self._origin), goal), self._frame, ticket)
+
+    def give_up(self) -> None:
+        """See :class:`engine.robot.host.body.Navigator`."""
+        assert self._navigation is not None, "it is told to where it has one"
+        self._navigation.give_up()
+        now = self._clock()
+        self._told, self._stood_at = ZERO, now
         self._tell(now)
 
     def place_arm(self, joints: Sequence[float], opening: float) -> None:
@@ -135,7 +168,7 @@ class Ros2Body:
     def odometry(self) -> Pose:
         heard = self._heard
         assert heard is not None, "it was waited for"
-        pose = compose(self._origin, heard[1])
+        pose = compose(self._located or self._origin, heard[1])
         if self._around is not None:
             self._around.was(heard[0], pose)
         self._here = pose
@@ -148,8 +181,12 @@ class Ros2Body:
 
     def fill(self, record: Record) -> None:
         record["volts"] = self._volts
+        if self._navigation is not None:
+            self._navigation.fill(record)
 
     def close(self) -> None:
+        if self._navigation is not None:
+            self._navigation.give_up()
         self._told = ZERO
         self._tell(self._clock())
         self._door.close()
@@ -177,6 +214,12 @@ class Ros2Body:
         elif math.dist((pose.x, pose.y), (before[1].x, before[1].y)) > self._fastest * (now - before[0]) + _JUMP_M:
             self._origin = compose(compose(self._origin, before[1]), inverse(pose))  # the peer has begun anew
         self._heard = (now, pose, twist)
+        self._frame = messages.frame(message) or self._frame
+
+    def _take_frames(self, message: Message) -> None:
+        for parent, child, pose in messages.transforms(message):
+            if (parent, child) == (self._about.map_frame, self._frame):
+                self._located = pose
 
     def _take_scan(self, message: Message) -> None:
         found, about = messages.scan_points(message), self._description.lidar

@@ -4,7 +4,7 @@ are ours too. What a peer sends is checked: a message that makes no sense is non
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -15,6 +15,7 @@ from engine.robot.geometry import Pose, Twist
 TWIST: Final = "geometry_msgs/msg/Twist"
 TWIST_STAMPED: Final = "geometry_msgs/msg/TwistStamped"
 ODOMETRY: Final = "nav_msgs/msg/Odometry"
+TF: Final = "tf2_msgs/msg/TFMessage"
 SCAN: Final = "sensor_msgs/msg/LaserScan"
 BATTERY: Final = "sensor_msgs/msg/BatteryState"
 _MOST_RAYS: Final = 100_000
@@ -39,16 +40,49 @@ def odometry(message: Mapping[str, Any]) -> tuple[Pose, Twist] | None:
     """Pose in the odometry's frame and velocity in the base frame, of an ``Odometry``; None where it makes no sense."""
     try:
         pose, twist = message["pose"]["pose"], message["twist"]["twist"]
-        position, turn = pose["position"], pose["orientation"]
-        x, y, z, w = (float(turn[name]) for name in "xyzw")
-        yaw = math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-        found = (float(position["x"]), float(position["y"]), yaw)
+        position = pose["position"]
+        found = (float(position["x"]), float(position["y"]), _yaw(pose["orientation"]))
         moves = (float(twist["linear"]["x"]), float(twist["linear"]["y"]), float(twist["angular"]["z"]))
     except (KeyError, TypeError, ValueError, OverflowError):
         return None
-    if not all(math.isfinite(value) for value in (*found, *moves)) or abs(x * x + y * y + z * z + w * w - 1) > 0.1:
+    if not all(math.isfinite(value) for value in (*found, *moves)):
         return None
     return Pose(*found), Twist(*moves)
+
+
+def frame(message: Mapping[str, Any]) -> str:
+    """The frame of a message that has a header, without the slash of old; empty where it tells none."""
+    header = message.get("header")
+    found = header.get("frame_id") if isinstance(header, Mapping) else None
+    return found.removeprefix("/") if isinstance(found, str) else ""
+
+
+def transforms(message: Mapping[str, Any]) -> list[tuple[str, str, Pose]]:
+    """What a ``TFMessage`` says: frames, and where the second one is in the first, on the floor."""
+    found = []
+    several = message.get("transforms")
+    for one in several if isinstance(several, Sequence) else ():
+        if (read := _transform(one)) is not None:
+            found.append(read)
+    return found
+
+
+def _transform(one: Any) -> tuple[str, str, Pose] | None:
+    try:
+        parent, child = frame(one), one["child_frame_id"].removeprefix("/")
+        moved, turn = one["transform"]["translation"], one["transform"]["rotation"]
+        pose = Pose(float(moved["x"]), float(moved["y"]), _yaw(turn))
+    except (AttributeError, KeyError, TypeError, ValueError, OverflowError):
+        return None
+    return (parent, child, pose) if all(map(math.isfinite, (pose.x, pose.y, pose.yaw))) else None
+
+
+def _yaw(turn: Mapping[str, Any]) -> float:
+    """Of a quaternion, rad; nan where it is none."""
+    x, y, z, w = (float(turn[name]) for name in "xyzw")
+    if not abs(x * x + y * y + z * z + w * w - 1) < 0.1:
+        return math.nan
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
 def scan_points(message: Mapping[str, Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:

@@ -21,6 +21,7 @@ import sys
 from collections.abc import Callable, Collection, Coroutine, Sequence
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from engine.errors import RobotError
 from engine.perception.memory import WorldMemory
 from engine.perception.sighting import EVERYTHING, Part, Sight
 from engine.robot.arm import ArmModel
@@ -149,6 +150,11 @@ class GuestRobot:
     def floor_map(self) -> FloorMap:
         return self._floor_map
 
+    @property
+    def navigates(self) -> bool:
+        """A program drives by itself."""
+        return False
+
     async def start(self) -> None:
         """The engine has done that."""
 
@@ -172,6 +178,10 @@ class GuestRobot:
 
     def heartbeat(self) -> None:
         """The engine's own is what counts."""
+
+    def go(self, goal: Pose, epoch: int) -> int:
+        """Nobody asks a robot that does not navigate."""
+        raise RobotError("A program's robot finds no way by itself.")
 
     def state(self) -> RobotState:
         return self._state

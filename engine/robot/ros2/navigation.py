@@ -1,0 +1,109 @@
+"""Nav2, or whatever else serves ``NavigateToPose``, as what finds the way for a robot of ROS 2.
+
+Commands come in the host's thread and wait for nothing; how it fares comes in the door's. What is heard of a goal that
+has been given up, or of one before the last, changes nothing but that its end is known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, Final
+
+from engine.robot.geometry import Pose
+from engine.robot.host.memory import Record
+from engine.robot.robot import Faring
+from engine.ros.door import Code, Door, Goal, Message, Outcome
+
+NAVIGATE: Final = "nav2_msgs/action/NavigateToPose"
+STUBBORN_S: Final = 2.0
+"""In which a navigation has to end once it is told to."""
+_FARING: Final[dict[Code, Faring]] = {"succeeded": "arrived", "aborted": "failed"}
+
+
+class Navigation:
+    """One action server, and the last goal that it was sent."""
+
+    def __init__(self, door: Door, action: str, clock: Callable[[], float]) -> None:
+        self._door, self._action, self._clock = door, action, clock
+        self._sent = 0  # goals
+        self._goal: Goal | None = None  # under way
+        self._open: set[int] = set()  # which of them have not ended
+        self._given_up_at = -math.inf
+        self._ticket = 0
+        self._how: Faring = "going"
+        self._left, self._code, self._why = math.nan, 0, ""
+
+    @property
+    def is_ending(self) -> bool:
+        """It has been told to stop, and has not said yet that it has."""
+        return bool(self._open) and self._goal is None
+
+    @property
+    def is_stubborn(self) -> bool:
+        """It goes on although it was told to stop, for all that is known."""
+        return self.is_ending and self._clock() - self._given_up_at > STUBBORN_S
+
+    def go(self, goal: Pose, frame: str, ticket: int) -> None:
+        """Send the robot there, in this frame; it leaves off whatever it did."""
+        self._sent += 1
+        number = self._sent
+        self._ticket, self._how = ticket, "going"
+        self._left, self._code, self._why = math.nan, 0, ""
+        self._open.add(number)
+        self._goal = self._door.send_goal(
+            self._action,
+            NAVIGATE,
+            goal_message(goal, frame),
+            lambda outcome: self._ended(number, outcome),
+            feedback=lambda message: self._told(number, message),
+        )
+
+    def give_up(self) -> None:
+        """Go nowhere any more. Nobody waits for it: who wants the robot to stand tells it so beside this."""
+        goal, self._goal = self._goal, None
+        if goal is None:
+            return
+        self._given_up_at = self._clock()
+        if self._how == "going":
+            self._how = "canceled"
+        goal.cancel()
+
+    def fill(self, record: Record) -> None:
+        """Write how it fares into a record of ``memory.STATE``."""
+        record["going"], record["going_how"] = self._ticket, self._how.encode()
+        record["going_left"], record["going_code"] = self._left, self._code
+        record["going_why"] = self._why.encode()[:96]
+
+    # In the door's thread
+
+    def _told(self, number: int, message: Message) -> None:
+        if number == self._sent:
+            self._left = _number(message.get("distance_remaining"), math.nan)
+
+    def _ended(self, number: int, outcome: Outcome) -> None:
+        self._open.discard(number)
+        if number != self._sent or self._goal is None:
+            return
+        self._goal = None
+        self._code = int(_number(outcome.result.get("error_code"), 0.0))
+        told = outcome.result.get("error_msg")
+        self._why = told if isinstance(told, str) and told else outcome.why
+        self._how = _FARING.get(outcome.code, outcome.code)  # type: ignore[arg-type]
+
+
+def goal_message(goal: Pose, frame: str) -> dict[str, Any]:
+    """A goal of ``NavigateToPose``; with no time in it, for whatever is known of the frames by then."""
+    half = goal.yaw / 2
+    turn = {"x": 0.0, "y": 0.0, "z": math.sin(half), "w": math.cos(half)}
+    pose = {"position": {"x": goal.x, "y": goal.y, "z": 0.0}, "orientation": turn}
+    header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": frame}
+    return {"pose": {"header": header, "pose": pose}, "behavior_tree": ""}
+
+
+def _number(value: object, otherwise: float) -> float:
+    try:
+        found = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        return otherwise
+    return found if abs(found) < 1e9 else otherwise
