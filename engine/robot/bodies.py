@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 from config.schema import Robot as RobotSettings
@@ -11,13 +12,14 @@ from engine.robot.camera_news import TellOfCamera
 from engine.robot.description import Description, described
 from engine.robot.geometry import Pose
 from engine.robot.home import home
-from engine.robot.host.body import Body, Navigator
+from engine.robot.host.body import Body
 from engine.robot.host.controller import Controller
 from engine.robot.host.hosted import Build, Eye, HostedRobot
 from engine.robot.host.memory import Memory, Record
 from engine.robot.robot import Robot
 
 if TYPE_CHECKING:
+    from engine.robot.ros2.body import Ros2Body
     from engine.robot.usb_lidar import UsbLidar
 
 
@@ -38,8 +40,8 @@ def description_of(settings: RobotSettings) -> Description:
     if settings.kind == "sim" or settings.emulated:
         return found
     devices = {"camera": settings.camera.device, "lidar": settings.lidar}
-    if settings.kind == "ros2":  # its lidar is a topic
-        devices = {"camera": settings.camera.device}
+    if found.ros is not None:  # its lidar is a topic, and its camera may be some
+        devices = {} if found.ros.camera is not None else {"camera": settings.camera.device}
     for part, device in devices.items():
         if device is not None and getattr(found, part) is None:
             raise UsageError(
@@ -82,6 +84,12 @@ def _eye(settings: RobotSettings, description: Description) -> Callable[[Memory,
 
         path = scene_path(settings.scene)
         return lambda memory, tell: SimCamera(path, settings.camera, memory, tell)
+    if description.ros is not None and description.ros.camera is not None:
+        from engine.robot.ros2.camera import RosCamera
+        from engine.ros.opening import open_door
+
+        door = settings.door or ""
+        return lambda memory, tell: RosCamera(open_door(door), settings.camera, description, memory, tell)
     from engine.robot.usb_camera import UsbCamera
 
     return lambda memory, tell: UsbCamera(settings.camera, description, memory, tell)
@@ -96,39 +104,41 @@ def controlled(settings: RobotSettings, last: Record | None) -> Controller:
 
         return World(load_scene(scene_path(settings.scene)), settings, last, pictures=False)
     description, house = description_of(settings), home(settings)
-    body, navigator = _body(settings, description, house.start, last)
-    return Controller(
-        body,
-        house.start,
-        settings.limits,
-        description.footprint,
-        description.ranges,
-        house.edges(blind=description.lidar is None),
-        last,
-        blind=description.lidar is None,
-        navigator=navigator,
+    blind = description.lidar is None
+    control = partial(
+        Controller,
+        start=house.start,
+        limits=settings.limits,
+        footprint=description.footprint,
+        ranges=description.ranges,
+        edges=house.edges(blind=blind),
+        last=last,
+        blind=blind,
     )
-
-
-def _body(
-    settings: RobotSettings, description: Description, start: Pose, last: Record | None
-) -> tuple[Body, Navigator | None]:
-    """What is driven, and the same again where it finds its way itself."""
     if settings.kind == "ros2":
-        from engine.robot.ros2.body import Ros2Body
-        from engine.ros.opening import open_door
+        body = _of_ros(settings, description, house.start, last)
+        arm_mover = body if description.arm is not None else None
+        return control(body, navigator=body if _navigates(description) else None, arm_mover=arm_mover)
+    return control(_on_board(settings, description, house.start, last))
 
-        assert settings.door is not None, "the configuration sees to that"
-        body = Ros2Body(open_door(settings.door), description, start, last)
-        return body, body if _navigates(description) else None
+
+def _of_ros(settings: RobotSettings, description: Description, start: Pose, last: Record | None) -> Ros2Body:
+    from engine.robot.ros2.body import Ros2Body
+    from engine.ros.opening import open_door
+
+    assert settings.door is not None, "the configuration sees to that"
+    return Ros2Body(open_door(settings.door), description, start, last)
+
+
+def _on_board(settings: RobotSettings, description: Description, start: Pose, last: Record | None) -> Body:
     if settings.emulated:
         from engine.robot.emulation.inside import BoardInside
 
-        return BoardInside(settings, description, start, last), None
+        return BoardInside(settings, description, start, last)
     from engine.robot.rosmaster.body import RosmasterBody
 
     assert settings.port is not None, "the configuration sees to that"
-    return RosmasterBody(settings.port, description, start, last, lidar=_lidar(settings, description)), None
+    return RosmasterBody(settings.port, description, start, last, lidar=_lidar(settings, description))
 
 
 def _navigates(description: Description) -> bool:

@@ -173,6 +173,57 @@ class LidarOf(Section):
     nearest: float = Field(default=0.15, ge=0, le=1, description="m; what is nearer, it does not see.")
 
 
+class RosJointOf(Section):
+    """A joint in a graph of ROS 2, and how its angle goes with ours: theirs = zero + sign · ours."""
+
+    name: str
+    zero: float = Field(default=0, ge=-7, le=7, description="rad of theirs where ours is at 0.")
+    sign: Literal[1, -1] = 1
+
+
+class RosGripperOf(Section):
+    """A gripper in a graph of ROS 2."""
+
+    action: str = Field(description="It is moved by this: an action GripperCommand.")
+    joint: str | None = Field(default=None, description="Its name among the joints.")
+    closed: float = Field(description="Its position there, m or rad.")
+    open: float = Field(description="The same.")
+    effort: float = Field(default=0, ge=0, description="Most that it presses with; 0: what it is made for.")
+
+    @model_validator(mode="after")
+    def _moves(self) -> Self:
+        if self.closed == self.open:
+            raise ValueError("closed and open are one and the same position")
+        return self
+
+
+class RosArmOf(Section):
+    """The arm in a graph of ROS 2; what it is like stands in ``arm``."""
+
+    trajectory: str = Field(
+        default="/arm_controller/follow_joint_trajectory",
+        description="It is moved by this: an action FollowJointTrajectory.",
+    )
+    states: str = Field(default="/joint_states", description="It says here where its joints are: JointState.")
+    joints: dict[str, RosJointOf]
+    gripper: RosGripperOf | None = None
+
+    @model_validator(mode="after")
+    def _all_joints(self) -> Self:
+        if tuple(self.joints) != ARM_JOINTS:
+            raise ValueError(f"the joints are, in this order: {', '.join(ARM_JOINTS)}")
+        return self
+
+
+class RosCameraOf(Section):
+    """Topics of a camera in a graph of ROS 2; what it is like stands in ``camera``."""
+
+    image: str = Field(description="Its colours: Image, or CompressedImage.")
+    compressed: bool = Field(default=False, description="Whether that is CompressedImage.")
+    info: str | None = Field(default=None, description="Its lens: CameraInfo; null: camera.view tells.")
+    depth: str | None = Field(default=None, description="Distances of the same pixels: Image; null: none are measured.")
+
+
 class RosOf(Section):
     """A robot's topics in a graph of ROS 2."""
 
@@ -190,6 +241,8 @@ class RosOf(Section):
     tf: str = Field(default="/tf", description="It says here where its frames are: TFMessage.")
     scan: str | None = Field(default="/scan", description="Of its lidar: LaserScan.")
     battery: str | None = Field(default="/battery_state", description="Of its battery: BatteryState.")
+    arm: RosArmOf | None = Field(default=None, description="Its arm; null: none.")
+    camera: RosCameraOf | None = Field(default=None, description="Its camera; null: none.")
     volts: Battery | None = Field(
         default=None, description="What its battery gives when it is full, low and empty; null: low is not noticed."
     )
@@ -231,6 +284,12 @@ class Description(Section):
             raise ValueError(f"a {self.drive} drive cannot go sideways: speeds.sideways is 0")
         if self.board is not None and self.ros is not None:
             raise ValueError("a robot has a board or speaks ROS 2: one of board and ros")
+        if self.ros is not None:
+            for part in ("arm", "camera"):
+                if getattr(self.ros, part) is not None and getattr(self, part) is None:
+                    raise ValueError(f"ros.{part} names topics, and {part} does not tell what it is like")
+            if self.arm is not None and self.ros.arm is None:
+                raise ValueError("an arm in a graph of ROS 2 needs ros.arm: its joints, and what moves them")
         if self.board is not None:
             if self.wheels is None:
                 raise ValueError("a board needs wheels: odometry is added up from them")

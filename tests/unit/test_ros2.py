@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import base64
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,11 +14,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from engine.errors import DeviceError
-from engine.robot.description import described
+from engine.robot.description import Description, described
 from engine.robot.geometry import ZERO, Pose, Twist
-from engine.robot.ros2 import messages
+from engine.robot.host.memory import STATE
+from engine.robot.host.sent_arm import SentArm
+from engine.robot.ros2 import messages, pictures
 from engine.robot.ros2.body import LATE_S, REPEAT_S, REST_S, Ros2Body
-from engine.ros.door import Message, Take
+from engine.robot.ros2.navigation import STUBBORN_S
+from engine.ros.door import Graph, Message, Outcome, Reply, Take, Then, Work
 
 ROBOT = described("ros2")
 START = Pose(1.0, 2.0, 0.0)
@@ -24,8 +30,40 @@ START = Pose(1.0, 2.0, 0.0)
 def odometry(x: float, y: float, yaw: float, vx: float = 0.0) -> dict[str, Any]:
     turn = {"x": 0.0, "y": 0.0, "z": math.sin(yaw / 2), "w": math.cos(yaw / 2)}
     moves = {"linear": {"x": vx, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": 0.0}}
+    header = {"frame_id": "odom"}
     at = {"position": {"x": x, "y": y, "z": 0.0}, "orientation": turn}
-    return {"pose": {"pose": at}, "twist": {"twist": moves}}
+    return {"header": header, "pose": {"pose": at}, "twist": {"twist": moves}}
+
+
+def joint_states(angle: float, gripper: float) -> dict[str, Any]:
+    return {"name": [*"abcde", "finger"], "position": [0.1, angle, 0.0, 0.0, 0.0, gripper]}
+
+
+def tf(x: float, y: float, yaw: float) -> dict[str, Any]:
+    turn = {"x": 0.0, "y": 0.0, "z": math.sin(yaw / 2), "w": math.cos(yaw / 2)}
+    moved = {"translation": {"x": x, "y": y, "z": 0.0}, "rotation": turn}
+    return {"transforms": [{"header": {"frame_id": "map"}, "child_frame_id": "odom", "transform": moved}]}
+
+
+def fares(body: Ros2Body) -> tuple[int, str, int, str]:
+    record = np.zeros((), STATE)
+    body.fill(record)
+    ticket, how, code, why = (record[f"going{name}"].item() for name in ("", "_how", "_code", "_why"))
+    return ticket, how.decode(), code, why.decode()
+
+
+@dataclass
+class Sent:
+    """A goal that was sent; whoever holds the table ends it."""
+
+    action: str
+    goal: Message
+    then: Then
+    feedback: Take
+    cancelled: bool = False
+
+    def cancel(self) -> None:
+        self.cancelled = True
 
 
 class Table:
@@ -35,6 +73,7 @@ class Table:
         self.trouble = ""
         self.t = 0.0
         self.said: list[Message] = []
+        self.goals: list[Sent] = []
         self.takes: dict[str, Take] = {}
         self.closed = False
         self.opens = True
@@ -44,20 +83,47 @@ class Table:
         if self.opens and "/odom" in self.takes:
             self.opens = False
             self.takes["/odom"](odometry(5.0, 5.0, math.pi / 2))
+            if "/joint_states" in self.takes:
+                self.takes["/joint_states"](joint_states(0.0, 1.0))
         return self.t
 
-    def publish(self, topic: str, type: str, message: Message) -> None:
-        assert (topic, type) == ("/cmd_vel", messages.TWIST)
+    def publish(self, topic: str, type: str, message: Message, *, every: bool = False) -> None:
+        assert (topic, type, every) == ("/cmd_vel", messages.TWIST, False)
         self.said.append(message)
 
-    def subscribe(self, topic: str, type: str, take: Take, *, every_s: float = 0.0) -> None:
+    def subscribe(self, topic: str, type: str, take: Take, *, every_s: float = 0.0, latched: bool = False) -> None:
         self.takes[topic] = take
+
+    def send_goal(
+        self,
+        action: str,
+        type: str,
+        goal: Message,
+        then: Then,
+        *,
+        feedback: Take = lambda message: None,
+        limit_s: float | None = None,
+    ) -> Sent:
+        self.goals.append(Sent(action, goal, then, feedback))
+        return self.goals[-1]
+
+    def call(self, service: str, type: str, request: Message, then: Then, *, limit_s: float = 0.0) -> None:
+        raise AssertionError("no body does")
+
+    def serve(self, service: str, type: str, answer: Callable[[Message, Reply], object]) -> None:
+        raise AssertionError("no body does")
+
+    def serve_action(self, action: str, type: str, work: Work) -> None:
+        raise AssertionError("no body does")
+
+    def graph(self, then: Callable[[Graph], object]) -> None:
+        raise AssertionError("no body does")
 
     def close(self) -> None:
         self.closed = True
 
-    def body(self) -> Ros2Body:
-        return Ros2Body(self, ROBOT, START, clock=self)
+    def body(self, robot: Description = ROBOT) -> Ros2Body:
+        return Ros2Body(self, robot, START, clock=self)
 
     def speeds(self) -> list[float]:
         said, self.said = self.said, []
@@ -114,14 +180,14 @@ def test_it_is_told_no_more_than_it_can_do() -> None:
 def test_late_odometry_and_a_shut_door_are_trouble_and_nothing_is_driven_then() -> None:
     table = Table()
     body = table.body()
-    assert not body.trouble
     table.t += LATE_S
     assert body.trouble == "no odometry comes on /odom"
     table.speeds()
     body.drive(Twist(0.2))
     assert table.speeds() == []
     table.takes["/odom"](odometry(5.0, 5.0, math.pi / 2))
-    assert not body.trouble
+    body.drive(Twist(0.2))
+    assert table.speeds() == [0.2]
     table.trouble = "the bridge is gone"
     assert body.trouble == "the bridge is gone"
 
@@ -150,9 +216,146 @@ def test_a_scan_lies_around_it() -> None:
     assert body.scan() is None, "nothing newer has come"
 
 
+def test_where_it_finds_itself_on_its_map_is_where_it_is() -> None:
+    table = Table()
+    body = table.body()
+    table.takes["/tf"](tf(2.0, 1.0, -math.pi / 2))
+    at = body.odometry()
+    assert (at.x, at.y, at.yaw) == pytest.approx((7.0, -4.0, 0.0))
+
+
+def test_it_is_sent_in_the_frame_of_its_map_or_in_that_of_its_odometry() -> None:
+    table = Table()
+    body = table.body()
+    body.odometry()
+    body.go(Pose(2.0, 2.0, 0.0), 7)
+    stamped = table.goals[-1].goal["pose"]
+    assert stamped["header"]["frame_id"] == "odom"
+    assert stamped["pose"]["position"] == {"x": pytest.approx(5.0), "y": pytest.approx(6.0), "z": 0.0}
+    table.takes["/tf"](tf(0.0, 0.0, 0.0))
+    body.go(Pose(2.0, 2.0, 0.0), 8)
+    stamped = table.goals[-1].goal["pose"]
+    assert stamped["header"]["frame_id"] == "map"
+    assert stamped["pose"]["position"]["x"] == 2.0
+
+
+def test_to_stop_is_a_cancel_and_zero_and_zero_again_until_it_has_ended() -> None:
+    table = Table()
+    body = table.body()
+    body.go(Pose(2.0, 2.0, 0.0), 1)
+    sent = table.goals[-1]
+    table.speeds()
+    for _ in range(300):
+        body.step()
+    assert table.speeds() == [], "others drive it"
+    body.give_up()
+    assert sent.cancelled
+    assert table.speeds() == [0.0], "at once"
+    for _ in range(300):
+        body.step()
+    assert len(table.speeds()) > 10
+    assert fares(body)[:2] == (1, "canceled")
+    table.takes["/odom"](odometry(5.0, 5.0, math.pi / 2))
+    table.t += STUBBORN_S
+    table.takes["/odom"](odometry(5.0, 5.0, math.pi / 2))
+    assert body.trouble == "its navigation goes on although it was told to stop"
+    sent.then(Outcome("canceled"))
+    assert not body.trouble
+
+
+def test_how_a_journey_fares_and_what_of_it_is_over() -> None:
+    table = Table()
+    body = table.body()
+    assert fares(body)[0] == 0
+    body.go(Pose(2.0, 2.0, 0.0), 1)
+    first = table.goals[-1]
+    body.go(Pose(3.0, 2.0, 0.0), 2)
+    first.then(Outcome("aborted"))
+    assert fares(body)[:2] == (2, "going"), "that was the one before"
+    table.goals[-1].then(Outcome("aborted", {"error_code": 208, "error_msg": "no valid path"}))
+    assert fares(body) == (2, "failed", 208, "no valid path")
+    body.go(Pose(3.0, 2.0, 0.0), 3)
+    table.goals[-1].then(Outcome("succeeded", {"error_code": "nonsense"}))
+    assert fares(body)[:2] == (3, "arrived")
+    body.give_up()
+    assert not table.goals[-1].cancelled, "it has ended"
+
+
+WITH_ARM = Description.model_validate(
+    ROBOT.model_dump()
+    | {"arm": described("x3plus").arm}
+    | {
+        "ros": {
+            "arm": {
+                "joints": {
+                    "yaw": {"name": "a", "zero": 0.1},
+                    "shoulder": {"name": "b", "sign": -1},
+                    **{ours: {"name": name} for ours, name in zip(("elbow", "wrist", "roll"), "cde", strict=True)},
+                },
+                "gripper": {"action": "/grip", "joint": "finger", "closed": 0.0, "open": 2.0},
+            }
+        }
+    }
+)
+
+
+def test_an_arm_is_sent_and_holds_when_told() -> None:
+    table = Table()
+    body = table.body(WITH_ARM)
+    assert body.joints == pytest.approx((0, 0, 0, 0, 0))
+    assert body.opening == 0.5
+    table.takes["/joint_states"](joint_states(0.5, 2.0))
+    assert body.joints == pytest.approx((0, -0.5, 0, 0, 0)), "their shoulder turns the other way"
+    arm = SentArm(body, body, WITH_ARM.ranges)
+    arm.move((0.5, -0.5, 0.0, 0.0, 0.0), 0.25)
+    sent = table.goals[-1]
+    point = sent.goal["trajectory"]["points"][0]
+    assert point["positions"] == pytest.approx([0.6, 0.5, 0, 0, 0])
+    assert point["time_from_start"] == {"sec": 2, "nanosec": 0}, "0.5 rad at 0.25 rad/s"
+    arm.paused = True
+    assert sent.cancelled
+    arm.paused = False
+    assert table.goals[-1] is not sent, "it goes on"
+    arm.hold()
+    assert table.goals[-1].cancelled
+    count = len(table.goals)
+    arm.hold()
+    arm.grip(0.25)
+    arm.grip(0.25)
+    assert [goal.goal for goal in table.goals[count:]] == [{"command": {"position": 0.5, "max_effort": 0.0}}]
+
+
+def test_pictures_of_every_encoding_and_what_fills_up_their_rows() -> None:
+    rows = np.array([[[10, 20, 30], [40, 50, 60]], [[1, 2, 3], [4, 5, 6]]], np.uint8)
+    padded = b"".join(row.tobytes() + b"xx" for row in rows)
+    about = {"width": 2, "height": 2, "step": 8}
+    for data in (padded, list(padded), base64.b64encode(padded).decode()):
+        found = pictures.colours({**about, "encoding": "rgb8", "data": data})
+        assert found is not None
+        assert found.tolist() == rows.tolist()
+    found = pictures.colours({**about, "encoding": "bgr8", "data": padded})
+    assert found is not None
+    assert found[0, 0].tolist() == [30, 20, 10]
+    millimetres = np.array([[1500, 0]], "<u2").tobytes()
+    depth = pictures.depths({"width": 2, "height": 1, "step": 4, "encoding": "16UC1", "data": millimetres})
+    assert depth is not None
+    assert depth.tolist() == [[pytest.approx(1.5), math.inf]]
+    for wrong in ({"data": padded[:9]}, {"step": 2}, {"width": -2}, {"encoding": "bayer"}, {"height": 10**9}):
+        assert pictures.colours({**about, "encoding": "rgb8", "data": padded} | wrong) is None
+
+
+def test_a_lens_is_brought_to_the_size_of_the_pictures() -> None:
+    k = [500.0, 0, 320.0, 0, 510.0, 240.0, 0, 0, 1]
+    found = pictures.lens({"width": 640, "height": 480, "k": k}, 320, 240)
+    assert found is not None
+    assert (found.fx, found.fy, found.cx, found.cy) == (250, 255, 160, 120)
+    assert pictures.lens({"width": 0, "height": 480, "k": k}, 320, 240) is None
+
+
 NAMES = (
     *("pose", "twist", "position", "orientation", "x", "y", "z", "w"),
-    *("linear", "angular", "ranges", "angle_min", "voltage"),
+    *("linear", "angular", "ranges", "angle_min", "voltage", "transforms", "transform", "translation", "rotation"),
+    *("width", "height", "step", "encoding", "data", "k", "name", "header", "frame_id", "child_frame_id"),
 )
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=4),
@@ -163,5 +366,8 @@ JSON = st.recursive(
 
 @given(st.dictionaries(st.sampled_from(NAMES), JSON, max_size=5))
 def test_whatever_a_peer_says_is_read_or_is_nothing(message: dict[str, Any]) -> None:
-    for read in (messages.odometry, messages.scan_points, messages.volts):
+    for read in (messages.odometry, messages.scan_points, messages.volts, messages.transforms, messages.frame):
         read(message)
+    for see in (pictures.colours, pictures.depths, pictures.unpacked):
+        see(message)
+    pictures.lens(message, 320, 240)

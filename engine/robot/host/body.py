@@ -106,3 +106,19 @@ class Navigator(Protocol):
     def give_up(self) -> None:
         """Go nowhere any more, and stand: at once, and without waiting for anybody."""
         ...
+
+
+class ArmMover(Protocol):
+    """What a body has beside that where its arm finds its own way from one posture to the next."""
+
+    def send_arm(self, joints: Sequence[float], speed: float) -> None:
+        """Move the arm there, rad, no joint faster than ``speed``, rad/s."""
+        ...
+
+    def send_gripper(self, opening: float) -> None:
+        """Open the gripper so far, 0 closed … 1 open."""
+        ...
+
+    def hold_arm(self) -> None:
+        """Stay where the arm is, without waiting for anybody."""
+        ...

@@ -19,9 +19,10 @@ from config.schema import Limits
 from engine.robot.clearance import Points
 from engine.robot.geometry import UNMOVED, ZERO, Pose, Twist, compose, inverse
 from engine.robot.host.arm_motion import ArmMotion, Ranges
-from engine.robot.host.body import STEP_S, Body, Navigator
+from engine.robot.host.body import STEP_S, ArmMover, Body, Navigator
 from engine.robot.host.envelope import SCAN_LIFETIME, Envelope, into_base_frame, into_map_frame
 from engine.robot.host.memory import Record
+from engine.robot.host.sent_arm import SentArm
 from engine.robot.lidar import RAYS, points
 from engine.robot.robot import Footprint
 
@@ -51,11 +52,13 @@ class Controller:
         *,
         blind: bool = False,
         navigator: Navigator | None = None,
+        arm_mover: ArmMover | None = None,
     ) -> None:
         """``start`` is where the body's odometry begins; ``ranges`` are those of the arm's joints, ``edges`` points on
         the map that the hull may not cross. ``last`` is the state that the body goes on from, standing still. A body
         that is ``blind`` has no lidar: it stops short of the edges alone, and drives no faster than ``BLIND``.
-        ``navigator`` is the body where it finds its way itself: what is in its way is its own business then."""
+        ``navigator`` is the body where it finds its way itself: what is in its way is its own business then.
+        ``arm_mover`` is the body where its arm does."""
         if blind:
             limits = limits.model_copy(
                 update={
@@ -64,7 +67,7 @@ class Controller:
                 }
             )
         self.body = body
-        self.arm = ArmMotion(body, ranges)
+        self.arm = ArmMotion(body, ranges) if arm_mover is None else SentArm(body, arm_mover, ranges)
         self._navigator = navigator
         self._goal: tuple[Pose, int] | None = None  # it goes there by itself: where on the map, and the ticket
         self._envelope = Envelope(limits, footprint)

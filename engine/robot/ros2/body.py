@@ -27,6 +27,7 @@ from engine.robot.host.controller import added_up
 from engine.robot.host.memory import Record
 from engine.robot.lidar import Turn, outside
 from engine.robot.ros2 import messages
+from engine.robot.ros2.arm import RosArm
 from engine.robot.ros2.navigation import Navigation
 from engine.robot.surroundings import Surroundings
 from engine.ros.door import Door, Message
@@ -52,7 +53,6 @@ class Ros2Body:
 
     lag = 0.0
     guard_pid = 0
-    opening = 0.0
 
     def __init__(
         self,
@@ -74,6 +74,7 @@ class Ros2Body:
         self._located: Pose | None = None  # the same, where the peer finds itself on its map
         self._frame = "odom"  # in which it adds up
         self._navigation = Navigation(door, self._about.navigation, clock) if self._about.navigation else None
+        self._arm = RosArm(door, self._about.arm) if self._about.arm is not None else None
         self._fastest = 1.5 * (description.speeds.forward + description.speeds.sideways)
         about = description.lidar
         self._around = Surroundings(about.at, about.nearest) if about is not None else None
@@ -104,6 +105,8 @@ class Ros2Body:
             return shut
         if self._heard is None or self._clock() - self._heard[0] > LATE_S:
             return f"no odometry comes on {self._about.odometry}"
+        if self._arm is not None and not self._arm.is_known:
+            return "its joints are not heard of"
         if self._navigation is not None and self._navigation.is_stubborn:
             return "its navigation goes on although it was told to stop"
         return ""
@@ -118,7 +121,11 @@ class Ros2Body:
 
     @property
     def joints(self) -> tuple[float, ...]:
-        return (0.0,) * len(ARM_JOINTS)
+        return self._arm.joints if self._arm is not None else (0.0,) * len(ARM_JOINTS)
+
+    @property
+    def opening(self) -> float:
+        return self._arm.opening if self._arm is not None else 0.0
 
     def step(self) -> None:
         now = self._clock()
@@ -157,7 +164,22 @@ class Ros2Body:
         self._tell(now)
 
     def place_arm(self, joints: Sequence[float], opening: float) -> None:
-        """It has none that is driven from here."""
+        """Its arm finds its own way: :meth:`send_arm`."""
+
+    def send_arm(self, joints: Sequence[float], speed: float) -> None:
+        """See :class:`engine.robot.host.body.ArmMover`."""
+        if self._arm is not None:
+            self._arm.send(joints, speed)
+
+    def send_gripper(self, opening: float) -> None:
+        """See :class:`engine.robot.host.body.ArmMover`."""
+        if self._arm is not None:
+            self._arm.grip(opening)
+
+    def hold_arm(self) -> None:
+        """See :class:`engine.robot.host.body.ArmMover`."""
+        if self._arm is not None:
+            self._arm.hold()
 
     def shine(self, rgb: tuple[int, int, int]) -> None:
         """It has no light."""
@@ -187,6 +209,7 @@ class Ros2Body:
     def close(self) -> None:
         if self._navigation is not None:
             self._navigation.give_up()
+        self.hold_arm()
         self._told = ZERO
         self._tell(self._clock())
         self._door.close()

@@ -1,0 +1,86 @@
+"""The arm and the gripper of a robot of ROS 2: where their joints are on ``/joint_states``, and two actions that move
+them, ``FollowJointTrajectory`` and ``GripperCommand`` (control_msgs). Commands wait for nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Final
+
+from engine.robot.arm import ARM_JOINTS
+from engine.robot.description import RosArmOf
+from engine.ros.door import Door, Goal, Message, Outcome
+
+STATES: Final = "sensor_msgs/msg/JointState"
+FOLLOW: Final = "control_msgs/action/FollowJointTrajectory"
+GRIP: Final = "control_msgs/action/GripperCommand"
+SHORTEST_S: Final = 0.2
+"""Of a motion: a controller needs a moment to begin."""
+
+
+class RosArm:
+    """One arm. What it hears comes in the door's thread."""
+
+    def __init__(self, door: Door, about: RosArmOf) -> None:
+        self._door, self._about = door, about
+        self.joints: tuple[float, ...] = (0.0,) * len(ARM_JOINTS)
+        """Measured, rad, in the order of ``ARM_JOINTS``."""
+        self.opening = 0.0
+        """Of the gripper, measured, 0 closed … 1 open."""
+        self.is_known = False
+        """Its joints have been heard of."""
+        self.fault = ""
+        """Why the last motion was not carried out, in words for people."""
+        self._moving: Goal | None = None
+        self._gripping: float | None = None
+        door.subscribe(about.states, STATES, self._take)
+
+    def send(self, joints: Sequence[float], speed: float) -> None:
+        """Move all joints there, none faster than ``speed``, rad/s."""
+        furthest = max(abs(goal - is_) for goal, is_ in zip(joints, self.joints, strict=True))
+        took = max(furthest / speed, SHORTEST_S)
+        named = self._about.joints.values()
+        told = [joint.zero + joint.sign * angle for joint, angle in zip(named, joints, strict=True)]
+        seconds = math.floor(took)
+        point = {"positions": told, "time_from_start": {"sec": seconds, "nanosec": int((took - seconds) * 1e9)}}
+        trajectory = {"joint_names": [joint.name for joint in named], "points": [point]}
+        self._moving = self._door.send_goal(self._about.trajectory, FOLLOW, {"trajectory": trajectory}, self._ended)
+
+    def hold(self) -> None:
+        """Stay where it is: a controller that is cancelled holds."""
+        moving, self._moving = self._moving, None
+        if moving is not None:
+            moving.cancel()
+
+    def grip(self, opening: float) -> None:
+        """Open or close the gripper."""
+        about = self._about.gripper
+        if about is None or opening == self._gripping:
+            return
+        self._gripping = opening
+        position = about.closed + opening * (about.open - about.closed)
+        command = {"command": {"position": position, "max_effort": about.effort}}
+        self._door.send_goal(about.action, GRIP, command, self._ended)
+
+    # In the door's thread
+
+    def _take(self, message: Message) -> None:
+        """A ``JointState``, which may tell of some joints alone."""
+        try:
+            at = dict(zip(map(str, message["name"]), map(float, message["position"]), strict=True))
+        except (KeyError, TypeError, ValueError, OverflowError):
+            return
+        if not all(map(math.isfinite, at.values())):
+            return
+        named = tuple(self._about.joints.values())
+        if all(joint.name in at for joint in named):
+            self.joints = tuple((at[joint.name] - joint.zero) * joint.sign for joint in named)
+            self.is_known = True
+        about = self._about.gripper
+        if about is not None and about.joint in at:
+            self.opening = max(0.0, min(1.0, (at[about.joint] - about.closed) / (about.open - about.closed)))
+
+    def _ended(self, outcome: Outcome) -> None:
+        told: Any = outcome.result.get("error_string")
+        wrong = outcome.code not in ("succeeded", "canceled")
+        self.fault = (told or outcome.why or outcome.code) if wrong else ""
