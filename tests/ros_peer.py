@@ -34,6 +34,16 @@ LIFETIME_S = 0.5
 """Of a velocity."""
 ACTION = "/navigate_to_pose"
 HULL = Footprint(0.3, 0.24)
+TOPICS = {
+    "/battery_state": "sensor_msgs/msg/BatteryState",
+    "/cmd_vel": "geometry_msgs/msg/Twist",
+    "/map": "nav_msgs/msg/OccupancyGrid",
+    "/odom": "nav_msgs/msg/Odometry",
+    "/rosout": "rcl_interfaces/msg/Log",
+    "/scan": "sensor_msgs/msg/LaserScan",
+    "/tf": "tf2_msgs/msg/TFMessage",
+    "/tf_static": "tf2_msgs/msg/TFMessage",
+}
 
 
 class Peer:
@@ -73,18 +83,35 @@ class Peer:
             match order["op"]:
                 case "subscribe":
                     self._listeners.setdefault(order["topic"], set()).add(connection)
+                    if order["topic"] in (latched := {"/map": self._map, "/tf_static": self._mounts}):
+                        await self._say(order["topic"], latched[order["topic"]]())
                 case "publish" if order["topic"] == "/cmd_vel":
                     linear, angular = order["msg"]["linear"], order["msg"]["angular"]
                     twist = Twist(linear["x"], linear["y"], angular["z"])
                     self.zeros += twist.is_zero
                     self.drive(twist)
                 case "call_service":
-                    there = self._navigates and order["service"] == f"{ACTION}/_action/get_result"
-                    why = "Unable to import srv class" if there else f"Service {order['service']} does not exist"
-                    about = {"id": order["id"], "service": order["service"], "values": why, "result": False}
-                    await self._send(connection, {"op": "service_response", **about})
+                    found = self._called(order["service"])
+                    about = {"id": order["id"], "service": order["service"], "values": found}
+                    result = not isinstance(found, str)
+                    await self._send(connection, {"op": "service_response", **about, "result": result})
                 case "send_action_goal":
                     await self._navigate(connection, order)
+
+    def _called(self, service: str) -> dict[str, Any] | str:
+        """The response of a service, or why there is none."""
+        actions = [ACTION] if self._navigates else []
+        match service:
+            case "/rosapi/topics":
+                return {"topics": list(TOPICS), "types": list(TOPICS.values())}
+            case "/rosapi/services":
+                return {"services": ["/rosapi/topics"]}
+            case "/rosapi/action_servers":
+                return {"action_servers": actions}
+            case _ if any(service == f"{action}/_action/get_result" for action in actions):
+                return "Unable to import srv class NavigateToPose_GetResult from package nav2_msgs."
+            case _:
+                return f"Service {service} does not exist"
 
     def drive(self, twist: Twist) -> None:
         self.told, self.told_at = twist, self.body.t
@@ -176,11 +203,22 @@ class Peer:
         moved = {"translation": {"x": self.start.x, "y": self.start.y, "z": 0.0}, "rotation": _turn(self.start.yaw)}
         return {"transforms": [{"header": {"frame_id": "map"}, "child_frame_id": "odom", "transform": moved}]}
 
+    def _mounts(self) -> dict[str, Any]:
+        mount = {"translation": {"x": 0.0, "y": 0.0, "z": 0.2}, "rotation": _turn(0.0)}
+        return {"transforms": [{"header": {"frame_id": "base_link"}, "child_frame_id": "laser", "transform": mount}]}
+
+    def _map(self) -> dict[str, Any]:
+        floor = self.floor
+        rows, columns = floor.occupied.shape
+        corner = {"position": {"x": floor.origin[0], "y": floor.origin[1], "z": 0.0}, "orientation": _turn(0.0)}
+        info = {"resolution": floor.resolution, "width": columns, "height": rows, "origin": corner}
+        return {"header": {"frame_id": "map"}, "info": info, "data": (100 * floor.occupied).ravel().tolist()}
+
     def _scan(self) -> dict[str, Any]:
         ranges = [value if math.isfinite(value) else None for value in self.body.scan().tolist()]
         step = 2 * math.pi / RAYS
         limits = {"angle_min": 0.0, "angle_increment": step, "range_min": 0.05, "range_max": 12.0}
-        return {**limits, "time_increment": 0.0, "ranges": ranges}
+        return {"header": {"frame_id": "laser"}, **limits, "time_increment": 0.0, "ranges": ranges}
 
 
 def _turn(yaw: float) -> dict[str, float]:

@@ -31,7 +31,9 @@ exit codes: 0 done · 1 the robot could not do it · 2 usage or configuration ·
 """
 OTHERS = "train with this recording of speech or noise without the phrase as well (a WAV file)"
 VOICES = "train with the voices in this folder as well: piper's (.onnx), Kokoro's styles (.bin, .npz)"
-ROBOT_NAME = "a model (default: the robot of the settings); to calibrate: wheels, steering, servos or camera"
+ROBOT_NAME = "a model (default: that of the settings); to probe: ros2; to calibrate: wheels, steering, servos or camera"
+ROBOT_ACTIONS = ("list", "show", "check", "probe", "calibrate", "drive", "estop", "release", "emulate")
+
 PULL = "to emulate: it turns by so much a metre without being told to"
 THICKNESS = "of what the board is glued to, when it lies on the floor (0)"
 URI = "where to listen: tcp://HOST:PORT (default: tcp://127.0.0.1:10300, for programs on this machine only)"
@@ -232,8 +234,9 @@ def build_parser() -> argparse.ArgumentParser:
     png.complete = COMPLETE_FILE  # type: ignore[attr-defined]
 
     robot = command("robot", "tui.commands.robot:run", "robots: list, check, drive and stop them")
-    robot.add_argument("action", choices=["list", "show", "check", "calibrate", "drive", "estop", "release", "emulate"])
+    robot.add_argument("action", choices=ROBOT_ACTIONS)
     robot.add_argument("name", nargs="?", metavar="NAME", help=ROBOT_NAME)
+    robot.add_argument("--as", dest="called", metavar="NAME", default="mine", help="to probe: what it is called then")
     robot.add_argument("--stops-after", metavar="S", type=_seconds, help="to emulate: it stands by itself after S s")
     robot.add_argument("--port", metavar="PATH", type=Path, help="to emulate: where the board is (default: ./board)")
     robot.add_argument("--lidar", metavar="PATH", type=Path, help="to emulate: a lidar too, and where it is")

@@ -12,10 +12,15 @@ import time
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 from engine.errors import ExitCode
+from engine.robot.saved_map import read_map
+from engine.robot.sim.floor import floor_map
 from tests.e2e.engine import engine
 from tests.e2e.sayso import sayso
 from tests.e2e.test_board import ended
+from tests.sim.rig import flat
 
 LIMIT_S = 60.0
 
@@ -77,6 +82,27 @@ def test_what_it_says_is_listened_to_before_anything_moves(tmp_path: Path) -> No
     done = sayso("robot", "check", *told, state=tmp_path)
     assert done.returncode == ExitCode.MISSING
     assert b"Nothing can be heard" in done.stderr
+
+
+def test_what_it_has_is_found_and_written_down_and_drives_it_then(tmp_path: Path) -> None:
+    port = free_port()
+    told = ("--set", f"robot.door=ws://127.0.0.1:{port}")
+    environ = {"SAYSO_CONFIG_DIR": str(tmp_path / "config")}
+    with Peer(port):
+        done = sayso("robot", "probe", "ros2", "--as", "mine", *told, state=tmp_path, environ=environ)
+        assert done.returncode == ExitCode.DONE, done.stderr
+        made = yaml.safe_load((tmp_path / "config" / "robots" / "mine.yaml").read_text("utf-8"))
+        assert made["ros"]["velocity"] == "/cmd_vel"
+        assert made["ros"]["navigation"] == "/navigate_to_pose"
+        assert made["ros"]["map_frame"] == "map"
+        assert made["lidar"] == {"range": 12.0, "nearest": 0.05, "at": [0.0, 0.0], "turned": 0.0}
+        saved = read_map(tmp_path / "config" / "robots" / "mine-map.yaml")
+        assert saved.occupied.tolist() == floor_map(flat()).occupied.tolist()
+        chosen = ("--set", "robot.kind=ros2", "--set", "robot.model=mine")
+        done = sayso("robot", "check", *told, *chosen, state=tmp_path, environ=environ)
+        assert done.returncode == ExitCode.DONE, done.stderr
+        done = sayso("robot", "probe", "ros2", "--as", "mine", *told, state=tmp_path, environ=environ)
+        assert done.returncode == ExitCode.USAGE, "the first one is kept"
 
 
 def test_it_is_driven_by_sentences_and_its_bridge_goes_and_comes_back(tmp_path: Path) -> None:

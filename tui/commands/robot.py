@@ -36,6 +36,10 @@ def run(arguments: Namespace) -> int:
             return robot_show(load_settings(arguments), arguments.name, json=arguments.json)
         case "check":
             return robot_check(load_settings(arguments), json=arguments.json)
+        case "probe":
+            from tui.commands.probe import robot_probe
+
+            return robot_probe(load_settings(arguments), arguments.name, arguments.called, json=arguments.json)
         case "calibrate":
             from tui.commands.calibrate import run as calibrate
 
@@ -158,11 +162,11 @@ def _ros_check(settings: Settings, *, json: bool) -> int:
     """What comes from a robot of ROS 2. Raises ``UsageError`` or ``DeviceError``."""
     from engine.robot.bodies import description_of
     from engine.robot.ros2.inspection import inspect
-    from engine.ros.rosbridge import Rosbridge
+    from engine.ros.opening import open_door
 
     about = description_of(settings.robot).ros
     assert about is not None, "this kind has them"
-    door = Rosbridge(settings.robot.door or "")
+    door = open_door(settings.robot.door or "")
     try:
         found = inspect(door, about, LIDAR_S)
     finally:
@@ -174,7 +178,7 @@ def _ros_check(settings: Settings, *, json: bool) -> int:
     for topic in () if json else found.silent:
         data(f"silent    {topic}")
     if found.trouble:
-        raise DeviceError(f"Nothing can be heard: {found.trouble}.", hint="Does its rosbridge run?")
+        raise DeviceError(f"Nothing can be heard: {found.trouble}.", hint="Is the robot on, and the way to it open?")
     return int(ExitCode.DONE if about.odometry in found.heard else ExitCode.MISSING)
 
 

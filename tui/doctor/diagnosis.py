@@ -318,15 +318,15 @@ def _robot(settings: Settings) -> Finding:
 def _ros_robot(name: str, url: str, about: RosOf) -> Finding:
     """Its topics are listened to."""
     from engine.robot.ros2.inspection import inspect
-    from engine.ros.rosbridge import Rosbridge
+    from engine.ros.opening import open_door
 
-    door = Rosbridge(url)
+    door = open_door(url)
     try:
         found = inspect(door, about, ROS_S)
     finally:
         door.close()
     if found.trouble:
-        fix = "Does its rosbridge run, and is robot.door right?"
+        fix = "Does it run, and is robot.door right?"
         return Finding("robot", "missing", found.trouble, fix, needed=True)
     fix = "Put the topics of your robot into ros: of its description."
     if about.odometry in found.silent:
@@ -334,6 +334,27 @@ def _ros_robot(name: str, url: str, about: RosOf) -> Finding:
     if found.silent:
         return Finding("robot", "limited", f"nothing comes on {', '.join(found.silent)}", fix)
     return Finding("robot", "ok", f"{name} at {url}")
+
+
+def _ros_graph(settings: Settings) -> Finding:
+    """The way to it is tried; nothing is said there."""
+    from engine.ros.opening import open_door
+
+    if settings.ros.door is None:
+        return Finding("ROS graph", "ok", "none (ros.door)")
+    try:
+        door = open_door(settings.ros.door, "sayso_doctor")
+    except SaysoError as error:
+        return Finding("ROS graph", "missing", error.message, error.hint)
+    until = time.monotonic() + ROS_S
+    try:
+        while (trouble := door.trouble) and time.monotonic() < until:
+            time.sleep(0.05)
+    finally:
+        door.close()
+    if trouble:
+        return Finding("ROS graph", "missing", trouble, "Is ros.door right, and does what it leads to run?")
+    return Finding("ROS graph", "ok", settings.ros.door)
 
 
 def _wake_module(settings: Settings) -> Finding:
@@ -423,6 +444,7 @@ CHECKS: Final[tuple[Check, ...]] = (
     Check("scheduling", _scheduling),
     Check("graphics", _graphics, "camera"),
     Check("robot", _robot, "robot", device=True),
+    Check("ROS graph", _ros_graph, "ros"),
     Check("serial ports", _serial),
     Check("wake module", _wake_module, "wake"),
     Check("wake words", _wake_words, "wake words"),
