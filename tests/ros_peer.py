@@ -1,4 +1,4 @@
-"""A robot behind a rosbridge, for tests: ``python -m tests.ros_peer PORT [--no-navigation] [--stubborn]``.
+"""A robot behind a rosbridge, for tests: ``python -m tests.ros_peer PORT``.
 
 It speaks the operations that sayso uses, with the habits of rosbridge_suite: what comes over one connection is done one
 after the other, a goal that is refused gets no answer, and ``cancel_action_goal`` finds a goal of another connection.
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import base64
 import json
 import math
 import sys
@@ -34,7 +35,12 @@ LIFETIME_S = 0.5
 """Of a velocity."""
 ACTION = "/navigate_to_pose"
 HULL = Footprint(0.3, 0.24)
+PICTURE = {
+    **{"header": {"frame_id": "camera"}, "width": 320, "height": 240, "step": 960, "encoding": "rgb8"},
+    **{"is_bigendian": 0, "data": base64.b64encode(bytes(range(256)) * 900).decode()},
+}
 TOPICS = {
+    "/image": "sensor_msgs/msg/Image",
     "/battery_state": "sensor_msgs/msg/BatteryState",
     "/cmd_vel": "geometry_msgs/msg/Twist",
     "/map": "nav_msgs/msg/OccupancyGrid",
@@ -49,7 +55,7 @@ TOPICS = {
 class Peer:
     """One robot, and whoever listens to it."""
 
-    def __init__(self, *, navigates: bool, stubborn: bool) -> None:
+    def __init__(self, *, navigates: bool = True, stubborn: bool = False, feedback_hz: float = 20.0) -> None:
         scene = flat()
         self.floor = floor_map(scene)
         self.body = SimulatedBody(scene, settings(), pictures=False)
@@ -57,7 +63,9 @@ class Peer:
         self.start = self.body.true_pose
         self.way: Follower | None = None
         self.cancelled: set[str] = set()
+        self.cancelled_at = self.zero_at = math.inf
         self.zeros = 0
+        self._feedback_s = 1 / feedback_hz
         self._navigates, self._stubborn = navigates, stubborn
         self._listeners: dict[str, set[ServerConnection]] = {}
 
@@ -69,6 +77,8 @@ class Peer:
             async for text in connection:
                 order = json.loads(text)
                 if order["op"] == "cancel_action_goal":
+                    if order["id"] not in self.cancelled:
+                        self.cancelled_at = time.monotonic()
                     self.cancelled.add(order["id"])
                 else:
                     waiting.put_nowait(order)
@@ -88,7 +98,9 @@ class Peer:
                 case "publish" if order["topic"] == "/cmd_vel":
                     linear, angular = order["msg"]["linear"], order["msg"]["angular"]
                     twist = Twist(linear["x"], linear["y"], angular["z"])
-                    self.zeros += twist.is_zero
+                    if twist.is_zero:
+                        self.zeros += 1
+                        self.zero_at = min(self.zero_at, time.monotonic())
                     self.drive(twist)
                 case "call_service":
                     found = self._called(order["service"])
@@ -132,7 +144,8 @@ class Peer:
             await self._send(connection, ended)
             return
         follower = self.way = Follower(way.points, goal.yaw, speed=0.4)
-        status = 4
+        self.zero_at = math.inf  # when it was told zero first on this journey
+        status, due = 4, time.monotonic()
         while self.way is follower:
             guidance = follower.guide(self.body.true_pose)
             if guidance.arrived:
@@ -145,7 +158,8 @@ class Peer:
                 connection,
                 {"op": "action_feedback", **about, "values": {"distance_remaining": guidance.remaining}},
             )
-            await asyncio.sleep(0.05)
+            due = max(due + self._feedback_s, time.monotonic() - 0.1)  # a flood comes in gusts, but all of it
+            await asyncio.sleep(max(0.0, due - time.monotonic()))
         self.drive(ZERO)
         self.way = None
         ended = {"op": "action_result", **about, "values": {"error_code": 0}, "status": status, "result": True}
@@ -164,6 +178,8 @@ class Peer:
                     await self._say("/scan", self._scan())
                     await self._say("/tf", self._frames())
                     self._tell()
+                if steps % 50 == 25:
+                    await self._say("/image", PICTURE)
                 if steps % 500 == 0:
                     await self._say("/battery_state", {"voltage": 14.2})
             await asyncio.sleep(STEP_S)
@@ -179,6 +195,7 @@ class Peer:
         state = {"at": time.monotonic(), "x": pose.x, "y": pose.y, "yaw": pose.yaw}
         speed = math.hypot(twist.vx, twist.vy) + abs(twist.wz)
         more = {"speed": speed, "told": not self.told.is_zero, "sent": self.way is not None, "zeros": self.zeros}
+        more |= {"cancelled_at": self.cancelled_at, "zero_at": self.zero_at}
         print(json.dumps(state | more), flush=True)
 
     async def _say(self, topic: str, message: dict[str, Any]) -> None:
@@ -231,9 +248,10 @@ async def main(argv: list[str]) -> None:
     parser.add_argument("port", type=int)
     parser.add_argument("--no-navigation", action="store_true", help="nobody there finds the way")
     parser.add_argument("--stubborn", action="store_true", help="its navigation ignores who cancels")
-    arguments = parser.parse_args(argv)
-    peer = Peer(navigates=not arguments.no_navigation, stubborn=arguments.stubborn)
-    async with serve(peer.listen, "127.0.0.1", arguments.port, compression=None):
+    parser.add_argument("--feedback", type=float, default=20.0, metavar="HZ", help="how often its navigation tells")
+    given = parser.parse_args(argv)
+    peer = Peer(navigates=not given.no_navigation, stubborn=given.stubborn, feedback_hz=given.feedback)
+    async with serve(peer.listen, "127.0.0.1", given.port, compression=None):
         await peer.live()
 
 

@@ -17,7 +17,7 @@ from config.schema import Robot as RobotSettings
 from engine.robot.follow import Follower
 from engine.robot.geometry import ZERO, Pose, Twist
 from engine.robot.occupancy import Route, route
-from engine.robot.robot import RobotState
+from engine.robot.robot import Robot, RobotState
 from engine.robot.sim.dimensions import FOOTPRINT
 from engine.robot.sim.floor import floor_map
 from engine.robot.sim.robot import SimRobot
@@ -101,7 +101,7 @@ async def running(**changes: Any) -> AsyncIterator[SimRobot]:
 
 
 @asynccontextmanager
-async def beating(robot: SimRobot) -> AsyncIterator[None]:
+async def beating(robot: Robot) -> AsyncIterator[None]:
     """An engine's heartbeat."""
 
     async def beat() -> None:
