@@ -302,7 +302,9 @@ class Robot(Section):
         description="Serial port of the motor board; /dev/serial/by-id/… names stay the same. `emulated`: one in here,"
         " which drives the simulated robot."
     )
-    door: str | None = Field(description="The way to a robot of ROS 2: ws://HOST:PORT of a rosbridge.")
+    door: str | None = Field(
+        description="The way to a robot of ROS 2: ws://HOST:PORT, zenoh://HOST:PORT[/DOMAIN] or rclpy."
+    )
     lidar: str | None = Field(description="On a real robot: serial port of its lidar; null: it drives without one.")
     scene: str = Field(
         description="The house: name of a scene in assets/scenes, or the path of a scene file. On a real robot it is "
@@ -328,8 +330,10 @@ class Robot(Section):
         devices = [os.path.realpath(path) for path in (self.lidar, self.port) if path]
         if len(set(devices)) < len(devices):
             raise ValueError("robot.lidar and robot.port are one and the same port")
-        if self.kind == "ros2" and not (self.door or "").startswith(("ws://", "wss://")):
-            raise ValueError("a robot of ros2 needs robot.door, such as ws://127.0.0.1:9090")
+        if self.kind == "ros2" and not DOOR.fullmatch(self.door or ""):
+            raise ValueError(
+                "a robot of ros2 needs robot.door, such as ws://127.0.0.1:9090, zenoh://127.0.0.1:7447 or rclpy"
+            )
         if self.kind == "sim" and self.map is not None:
             raise ValueError("robot.map is for real robots; a simulated one lives in robot.scene")
         return self
@@ -563,6 +567,64 @@ def _named(entries: dict[str, T], what: str) -> dict[str, T]:
     return entries
 
 
+def _ros_name(name: str) -> str:
+    if not re.fullmatch(r"/?[A-Za-z_]\w*(?:/[A-Za-z_]\w*)*", name, re.ASCII):
+        raise ValueError("this is no name of a ROS graph; write words of letters, digits and _, with / between them")
+    return name
+
+
+RosName = Annotated[str, AfterValidator(_ros_name)]
+DOOR = re.compile(r"wss?://[^/:\s]+(?::\d{1,5})?(?:/\S*)?|zenoh://[^/\s]+(?:/\d+)?|rclpy")
+"""How a way to a ROS graph is written."""
+
+
+class RosNames(Section):
+    """What things are called in a ROS graph; null: not there. One that begins with / is outside of the namespace."""
+
+    audio: RosName | None = Field(description="Topic of sound to be heard.")
+    command: RosName | None = Field(description="Topic of sentences to be carried out, and of what was heard here.")
+    intent: RosName | None = Field(description="Topic of intents, as JSON.")
+    voice_feedback: RosName | None = Field(description="Topic of what the robot says.")
+    plan: RosName | None = Field(description="Topic of plans, as JSON.")
+    outcome: RosName | None = Field(description="Topic of what became of actions and requests, as JSON.")
+    stop: RosName | None = Field(description="Topic of std_msgs/msg/Empty: each stops the robot.")
+    get_plan: RosName | None = Field(description="Service that plans, and does nothing.")
+    execute_plan: RosName | None = Field(description="Action that carries a plan out.")
+
+
+class Ros(Section):
+    """sayso as a part of a ROS 2 graph, whatever its robot is."""
+
+    door: str | None = Field(
+        description="The way to the graph: ws://HOST:PORT, zenoh://HOST:PORT[/DOMAIN] or rclpy; null: no part of any."
+    )
+    namespace: RosName | None = Field(description="Before all names; null: none.")
+    sound: Literal["int16", "uint8"] = Field(
+        description="Type of sound: int16 (Int16MultiArray) or uint8 (UInt8MultiArray, two bytes a sample)."
+    )
+    listens: Literal["speech", "wake"] = Field(
+        description="speech: sound from the graph is listened to as soon as somebody speaks in it; wake: after a wake."
+    )
+    names: RosNames
+
+    @field_validator("door")
+    @classmethod
+    def _way(cls, door: str | None) -> str | None:
+        if door is not None and not DOOR.fullmatch(door):
+            raise ValueError(
+                "this is no way to a ROS graph; write ws://127.0.0.1:9090, zenoh://127.0.0.1:7447 or rclpy"
+            )
+        return door
+
+    @model_validator(mode="after")
+    def _distinct(self) -> Ros:
+        taken: dict[str, str] = {}
+        for key, name in self.names:
+            if name is not None and (first := taken.setdefault(name, key)) != key:
+                raise ValueError(f"names.{first} and names.{key} are one and the same name")
+        return self
+
+
 class Settings(Section):
     """The whole configuration."""
 
@@ -577,6 +639,7 @@ class Settings(Section):
     console: Console
     models: Models
     robot: Robot
+    ros: Ros
     places: dict[str, Place]
     skills: dict[str, ExternalSkill]
     platforms: dict[str, Platform]

@@ -146,6 +146,13 @@ class Added(Command, frozen=True):
     epoch: int
 
 
+class Withdraw(Command, frozen=True):
+    """The request with this ``id`` is not wanted any more, if it still waits for what runs to end."""
+
+    do: ClassVar[str] = "withdraw"
+    id: str
+
+
 class Halted(Command, frozen=True):
     """The robot has stopped by itself in ``epoch``, or is ``lost``: what moves cannot go on. ``reason``: why, for
     people."""

@@ -348,6 +348,8 @@ class Engine:
             background.append(self._keep(self._keep_wake(self._part("wake")), "wake"))
         if words is not None:
             background.append(self._keep(words.keep(lambda: self._part("wake words")), "wake words"))
+        if self._settings.ros.door is not None and self._stays:
+            background.append(self._keep(self._keep_graph(ears, planner, registry, needs), "ros"))
         if self._sound.kind == "demo":
             background.append(self._keep(self._play_demo(ears, hearing)))
         is_stop("")  # its words are read once, which nobody who interrupts may have to wait for
@@ -454,6 +456,25 @@ class Engine:
 
         prompt = self._settings.robot.realtime_priority
         await WakePart(part, self._settings.wake.serial, self.send, self._emit, prompt=prompt).keep()
+
+    async def _keep_graph(self, ears: Ears, planner: Part[Planner], registry: SkillRegistry, needs: Needs) -> None:
+        """Take part in a ROS graph."""
+        from engine.parts.graph import GraphPart, Uses
+
+        assert self._session is not None, "made before"
+        session = self._session
+        uses = Uses(
+            ask=session.request,
+            state=lambda: session.state,
+            subscribe=self._bus.subscribe,
+            emit=self._emit,
+            hear=ears.push,
+            planner=planner,
+            registry=registry,
+            wording=needs.wording,
+            place_names=needs.place_names,
+        )
+        await GraphPart(self._settings, uses).keep(self._part("ros"))
 
     def _overhear(self, words: str, voice: SpokenVoice, hearing: Hearing | None) -> None:
         """A stop without a wake. Not the robot's own "Stopped.", which would be answered by another one, where the ears

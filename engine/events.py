@@ -37,7 +37,7 @@ State = Literal[
 Scope = Literal["stop", "estop", "interrupt", "wake", "end_task", "replaced", "by_hand", "halted", "shutdown"]
 """Kinds of interruption; ``engine.states`` says what each one does. ``halted``: the robot stopped by itself."""
 WakeSource = Literal["key", "serial", "word", "speech", "command", "demo", "file"]
-"""``speech``: somebody goes on whose turn was ended in the middle of a sentence."""
+"""``speech``: somebody goes on whose turn was ended in the middle of a sentence, or begins where no wake is needed."""
 PlanSource = Literal["phrases", "reader", "local", "openai", "dify", "direct"]
 Layer = Literal["decision", "execution", "vision"]
 """What a large model is asked for: steps in words, actions, or what a picture shows."""

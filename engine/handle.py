@@ -17,7 +17,9 @@ from engine.perception.sighting import Sight
 from engine.robot.floor_map import FloorMap
 from engine.robot.robot import RobotState, Scan
 
-PartName = Literal["robot", "microphone", "recogniser", "planner", "voice", "camera", "model", "wake", "wake words"]
+PartName = Literal[
+    "robot", "microphone", "recogniser", "planner", "voice", "camera", "model", "wake", "wake words", "ros"
+]
 PartState = Literal["loading", "ready", "missing", "failed"]
 
 

@@ -40,6 +40,7 @@ from engine.commands import (
     Say,
     Snapshot,
     Wake,
+    Withdraw,
 )
 from engine.epoch import Epoch
 from engine.errors import ExitCode, RobotError, SaysoError
@@ -211,6 +212,8 @@ class Session:
                 self._ack(request, "" if taken else "Sound comes from elsewhere; try --source none.", ok=taken)
             case Interrupt():
                 self._ack(request)
+            case Withdraw(id):
+                self._withdraw(id)
             case EStop():
                 self._ack(request, PRESSED)
             case Release():
@@ -372,6 +375,14 @@ class Session:
                 self._ack(request, "Interrupted before it started.", ok=False)
             if isinstance(request.command, Added):
                 self._leave(request.command)
+        self._tell_waiting()
+
+    def _withdraw(self, id: str) -> None:
+        """Whoever asked for it has thought better of it."""
+        for request in tuple(self._waiting):
+            if isinstance(request.command, Say) and request.command.id == id:
+                self._waiting.remove(request)
+                self._ack(request, "Withdrawn before it started.", ok=False)
         self._tell_waiting()
 
     def _leave(self, added: Added) -> None:

@@ -48,7 +48,7 @@ def test_every_check_that_opens_a_device_or_loads_a_model_has_a_part_to_ask() ->
     asked = {check.name for check in CHECKS if check.part is not None}
     assert asked == {
         "recogniser", "large model", "microphone", "voice", "loudspeaker", "simulation", "graphics", "wake module",
-        "wake words", "robot",
+        "wake words", "robot", "ROS graph",
     }  # fmt: skip
     assert {check.name for check in CHECKS if check.device} >= {"microphone", "loudspeaker"}
 

@@ -52,7 +52,7 @@ ENDS_ONLY: Final = (
 SAYS: Final = frozenset({"NoPlan", "Rejected", "NothingHeard", "Trouble", "fault"})
 """What is called with a sentence that is said, besides the errors."""
 SHOWN: Final = (
-    "../tui/doctor/diagnosis.py", "../tui/doctor/examiner.py", "engine.py", "parts", "session",
+    "../tui/doctor/diagnosis.py", "../tui/doctor/examiner.py", "engine.py", "graph", "parts", "session",
     "hearing/hearing.py", "hearing/intake.py", "llm/chain.py", "planner/stages/two_stage.py",
     "planner/worlds/world_file.py", "robot/sim/camera.py", "tts", "wake/choice.py", "wake/embedding.py",
     "wake/head.py", "wake/micro.py", "wake/ports.py", "serial_port.py",
@@ -62,6 +62,7 @@ SHOWN: Final = (
 """Where something is written that a console shows: what the doctor finds, how parts are doing, lines of the log."""
 SHOWS: Final = frozenset(
     {"Finding", "Log", "_tell_log", "_tell", "_warn", "warn", "Remark", "Opened", "SaysoError", "ErrorRaised"}
+    | {"_complain", "UsageError"}
 )
 """What is called with it."""
 

@@ -245,6 +245,7 @@ PART_WORDS: Final = {
     "voice": "voice",
     "wake": "wake",
     "wake words": "wake word",
+    "ros": "ROS",
 }
 LOADING: Final = "loading"
 LOADS: Final = "LOADING"
@@ -413,6 +414,7 @@ SOURCES: Final = {
     "voice": "voice",
     "wake": "wake",
     "wake words": "wake words",
+    "ros": "ROS graph",
     "stop": "stop",
     "dispatch": "dispatch",
 }
@@ -563,6 +565,7 @@ CHECKS: Final = {
     "serial ports": "serial ports",
     "wake module": "wake module",
     "wake words": "wake words",
+    "ROS graph": "ROS graph",
     "terminal": "terminal",
     "event log": "event log",
 }
@@ -581,6 +584,7 @@ DEVICE_GONE: Final = {
     "service": "A model does not answer, another one is asked: that may take longer.",
     "wake": "The wake module is gone: the key {wake} still wakes.",
     "wake words": "Wake words are not heard any more: the key {wake} still wakes.",
+    "ros": "The ROS graph is gone: nothing comes from there, and everything else works.",
 }
 DEVICE_BACK: Final = {
     "robot": "The robot is back where it was.",
@@ -594,6 +598,7 @@ DEVICE_BACK: Final = {
     "service": "The model answers again.",
     "wake": "The wake module is there again.",
     "wake words": "Wake words are heard again.",
+    "ros": "The ROS graph is there again.",
 }
 DEVICE_LOOSE: Final = "It came or went {times} times in a few seconds."
 

@@ -236,6 +236,7 @@ PART_WORDS: Final = {
     "voice": "语音",
     "wake": "唤醒",
     "wake words": "唤醒词",
+    "ros": "ROS",
 }
 LOADING: Final = "载入中"
 LOADS: Final = "载入中"
@@ -400,6 +401,7 @@ SOURCES: Final = {
     "voice": "语音",
     "wake": "唤醒",
     "wake words": "唤醒词",
+    "ros": "ROS图",
     "stop": "停止",
     "dispatch": "执行",
 }
@@ -538,6 +540,7 @@ CHECKS: Final = {
     "serial ports": "串口",
     "wake module": "唤醒模块",
     "wake words": "唤醒词",
+    "ROS graph": "ROS图",
     "terminal": "终端",
     "event log": "事件日志",
 }
@@ -555,6 +558,7 @@ DEVICE_GONE: Final = {
     "service": "有个模型没有回答，改问另一个：可能会慢一些。",
     "wake": "唤醒模块不见了：{wake}键仍可唤醒。",
     "wake words": "听不到唤醒词了：{wake}键仍可唤醒。",
+    "ros": "ROS图不见了：那边的消息收不到，其他照常。",
 }
 DEVICE_BACK: Final = {
     "robot": "机器人回到了原来的位置。",
@@ -568,6 +572,7 @@ DEVICE_BACK: Final = {
     "service": "模型又有回答了。",
     "wake": "唤醒模块恢复了。",
     "wake words": "又能听到唤醒词了。",
+    "ros": "又连上ROS图了。",
 }
 DEVICE_LOOSE: Final = "几秒内通断了 {times} 次。"
 
