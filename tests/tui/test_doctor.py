@@ -14,8 +14,8 @@ from engine.commands import Interrupt
 from engine.handle import PartStatus
 from tests.tui.desk import Desk, console
 from tests.tui.test_copying import copied
-from tui.doctor.diagnosis import Check, Finding
 from tui.doctor.examiner import Examiner
+from tui.doctor.finding import Check, Finding
 from tui.screens.console import ConsoleScreen
 from tui.screens.doctor import DoctorScreen
 

@@ -26,8 +26,8 @@ from tests.tui import conversation, scripted
 from tests.tui.desk import Desk, console
 from tests.tui.house import offer
 from tests.tui.scripted import ScriptedEngine, flat, robot_at
-from tui.doctor.diagnosis import Check, Finding
 from tui.doctor.examiner import Examiner
+from tui.doctor.finding import Check, Finding
 from tui.keys.keys import ALL_KEYS
 from tui.palette.entries import about_skill
 from tui.palette.palette import Palette

@@ -24,8 +24,8 @@ from tests.tui.house import offer
 from tests.tui.replay import Replay, read
 from tests.tui.sheets import Shot, sheet_of, shot_of
 from tests.tui.test_replay import WHOLE_TASK
-from tui.doctor.diagnosis import Check, Finding
 from tui.doctor.examiner import Examiner
+from tui.doctor.finding import Check, Finding
 from tui.screens.settings import SettingsScreen
 from tui.shown.watchdog import SILENT_S
 

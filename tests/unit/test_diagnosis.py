@@ -14,7 +14,8 @@ from config import load
 from config.schema import Settings
 from tui import cli
 from tui.doctor import diagnosis
-from tui.doctor.diagnosis import Check, Finding, examine
+from tui.doctor.diagnosis import examine
+from tui.doctor.finding import Check, Finding
 
 SETTINGS = load(environ={})
 

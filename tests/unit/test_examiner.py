@@ -7,8 +7,9 @@ import threading
 from config import load
 from config.schema import Settings
 from engine.handle import PartStatus
-from tui.doctor.diagnosis import CHECKS, Check, Finding
+from tui.doctor.diagnosis import CHECKS
 from tui.doctor.examiner import Examiner
+from tui.doctor.finding import Check, Finding
 
 SETTINGS = load(environ={})
 

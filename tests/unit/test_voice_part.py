@@ -32,7 +32,8 @@ from engine.tts.synthesis import VoiceLost
 from tests import virtual_time
 from tests.unit.test_speaking import Tones
 from tui.commands.models import needed
-from tui.doctor.diagnosis import Finding, _voice
+from tui.doctor.diagnosis import _voice
+from tui.doctor.finding import Finding
 
 LIMIT_S = 30.0
 

@@ -13,7 +13,8 @@ from config.schema import Settings
 from engine.wake import iflytek
 from tests.wake_module import WakeModule
 from tui.doctor import diagnosis
-from tui.doctor.diagnosis import Finding, _serial, _wake_module
+from tui.doctor.diagnosis import _serial, _wake_module
+from tui.doctor.finding import Finding
 
 
 def settings(port: Path | str, protocol: str = "auto") -> Settings:

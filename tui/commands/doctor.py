@@ -20,7 +20,8 @@ from engine.parts.loading import make_microphone
 from tui.commands.level_plot import level_plot
 from tui.commands.recording import recorded
 from tui.commands.settings import load_settings
-from tui.doctor.diagnosis import Finding, examine
+from tui.doctor.diagnosis import examine
+from tui.doctor.finding import Finding
 from tui.output import data, json_line, say
 
 MARKS = {"ok": "✓", "limited": "!", "missing": "✗"}

@@ -13,26 +13,19 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final
 
 from config import paths
 from config.schema import Settings
 from engine.errors import SaysoError
-from engine.handle import PartName
 from engine.llm.local import LocalChat
 from engine.parts.loading import gguf_of, make_isolated_recogniser
+from tui.doctor.finding import Check, Finding
+from tui.doctor.robots import robot, ros_graph
 from tui.terminal.terminal import MIN_COLUMNS, MIN_ROWS
 
-if TYPE_CHECKING:
-    from engine.robot.description import RosOf
-
-BOARD_S: Final = 1.0
-"""How long a motor board is listened to, s."""
-ROS_S: Final = 4.0
-"""In which every topic of a robot of ROS 2 must have been heard, s."""
 WAKE_MODULE_S: Final = 1.0
 """How long a wake module is listened to, s."""
 _GL_PROBE = """
@@ -47,32 +40,6 @@ renderer.update_scene(data)
 renderer.render()
 print("rendered")
 """
-
-
-State = Literal["ok", "limited", "missing"]
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """One thing that was examined. ``needed``: sayso cannot do without it."""
-
-    name: str
-    state: State
-    detail: str
-    fix: str = ""
-    needed: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Check:
-    """One thing to examine."""
-
-    name: str
-    look: Callable[[Settings], Finding]
-    part: PartName | None = None
-    """The part of an engine that has it open or loaded, and is asked in its place."""
-    device: bool = False
-    """Only one can have it: it is left alone beside an engine, even one that tells nothing of it."""
 
 
 def examine(settings: Settings) -> Iterator[Finding]:
@@ -278,85 +245,6 @@ def _serial(settings: Settings) -> Finding:
     return Finding("serial ports", "ok" if ports else "limited", ", ".join(ports) or "none: no wake module attached")
 
 
-def _robot(settings: Settings) -> Finding:
-    """The board is asked what it is; nothing moves."""
-    from engine.robot.bodies import description_of
-    from engine.robot.rosmaster.inspection import inspect
-
-    robot = settings.robot
-    if robot.kind == "sim":
-        return Finding("robot", "ok", "simulated (robot.kind)")
-    if robot.emulated:
-        return Finding("robot", "ok", "an emulated board, in the robot's own process (robot.port)")
-    try:
-        description = description_of(robot)
-        if description.ros is not None:
-            return _ros_robot(description.name, robot.door or "", description.ros)
-        assert robot.port is not None, "the configuration sees to that"
-        found = inspect(robot.port, BOARD_S)
-    except SaysoError as error:
-        return Finding("robot", "missing", error.message, error.hint, needed=True)
-    if not found.reports:
-        detail = f"{robot.port} is open, but no Rosmaster board reports there"
-        return Finding("robot", "missing", detail, "Is the robot switched on?", needed=True)
-    board = description.board
-    assert board is not None, "this kind has one"
-    detail = f"{description.name} on {robot.port}, version {found.version or '?'}, {found.volts:.1f} V"
-    if found.car_type not in (None, board.car_type):
-        fix = f"robot.model is {robot.made_as}; is it the right one?"
-        return Finding("robot", "limited", f"the board takes itself for car type {found.car_type}", fix)
-    if found.volts and found.volts < board.battery.low:
-        return Finding("robot", "limited", f"the battery is low: {found.volts:.1f} V", "Charge it.")
-    if board.stops_by_itself is None:
-        fix = "sayso doctor --wheels-up, with the wheels off the floor"
-        return Finding(
-            "robot", "limited", "nobody knows whether the board stops by itself when the line falls silent", fix
-        )
-    return Finding("robot", "ok", detail)
-
-
-def _ros_robot(name: str, url: str, about: RosOf) -> Finding:
-    """Its topics are listened to."""
-    from engine.robot.ros2.inspection import inspect
-    from engine.ros.opening import open_door
-
-    door = open_door(url)
-    try:
-        found = inspect(door, about, ROS_S)
-    finally:
-        door.close()
-    if found.trouble:
-        fix = "Does it run, and is robot.door right?"
-        return Finding("robot", "missing", found.trouble, fix, needed=True)
-    fix = "Put the topics of your robot into ros: of its description."
-    if about.odometry in found.silent:
-        return Finding("robot", "missing", f"no odometry comes on {about.odometry}", fix, needed=True)
-    if found.silent:
-        return Finding("robot", "limited", f"nothing comes on {', '.join(found.silent)}", fix)
-    return Finding("robot", "ok", f"{name} at {url}")
-
-
-def _ros_graph(settings: Settings) -> Finding:
-    """The way to it is tried; nothing is said there."""
-    from engine.ros.opening import open_door
-
-    if settings.ros.door is None:
-        return Finding("ROS graph", "ok", "none (ros.door)")
-    try:
-        door = open_door(settings.ros.door, "sayso_doctor")
-    except SaysoError as error:
-        return Finding("ROS graph", "missing", error.message, error.hint)
-    until = time.monotonic() + ROS_S
-    try:
-        while (trouble := door.trouble) and time.monotonic() < until:
-            time.sleep(0.05)
-    finally:
-        door.close()
-    if trouble:
-        return Finding("ROS graph", "missing", trouble, "Is ros.door right, and does what it leads to run?")
-    return Finding("ROS graph", "ok", settings.ros.door)
-
-
 def _wake_module(settings: Settings) -> Finding:
     """The module is listened to for a moment; only one that shakes hands is recognised without a word."""
     from engine.wake.reader import Listening, Lost, News, Remark, WakeReader
@@ -443,8 +331,8 @@ CHECKS: Final[tuple[Check, ...]] = (
     Check("simulation", _physics, "robot"),
     Check("scheduling", _scheduling),
     Check("graphics", _graphics, "camera"),
-    Check("robot", _robot, "robot", device=True),
-    Check("ROS graph", _ros_graph, "ros"),
+    Check("robot", robot, "robot", device=True),
+    Check("ROS graph", ros_graph, "ros"),
     Check("serial ports", _serial),
     Check("wake module", _wake_module, "wake"),
     Check("wake words", _wake_words, "wake words"),

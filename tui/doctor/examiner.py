@@ -13,7 +13,8 @@ from typing import Final
 
 from config.schema import Settings
 from engine.handle import PartStatus
-from tui.doctor.diagnosis import CHECKS, Check, Finding
+from tui.doctor.diagnosis import CHECKS
+from tui.doctor.finding import Check, Finding
 
 LIMIT_S: Final = 20.0
 """How long a check may take, s; what takes longer is told and left to itself."""

@@ -9,8 +9,8 @@ from tui.rooms.keeping import Keeping
 from tui.words import strings
 
 if TYPE_CHECKING:
-    from tui.doctor.diagnosis import Finding
     from tui.doctor.examiner import Examiner
+    from tui.doctor.finding import Finding
     from tui.stage import Stage
 
 

@@ -26,7 +26,7 @@ from tui.words.language import told
 from tui.words.widths import left
 
 if TYPE_CHECKING:
-    from tui.doctor.diagnosis import Finding, State
+    from tui.doctor.finding import Finding, State
     from tui.shown.view import View
 
 SIGNS: Final[Mapping[State, tuple[str, str]]] = {

@@ -21,6 +21,8 @@ class Found:
     heard: tuple[str, ...]
     silent: tuple[str, ...]
     """Topics of the description on which nothing came."""
+    ahead_s: float | None = None
+    """By how much the robot's clock is ahead of ours, s; None where nothing told its time."""
 
 
 def inspect(door: Door, about: RosOf, seconds: float) -> Found:
@@ -28,10 +30,13 @@ def inspect(door: Door, about: RosOf, seconds: float) -> Found:
     topics = [(about.odometry, messages.ODOMETRY), (about.scan, messages.SCAN), (about.battery, messages.BATTERY)]
     wanted = {topic: type for topic, type in topics if topic is not None}
     heard: set[str] = set()
+    ahead: list[float] = []
     more = threading.Event()
 
     def take(topic: str, message: Message) -> None:
         heard.add(topic)
+        if (stamp := messages.stamp(message)) is not None:
+            ahead.append(stamp - time.time())
         more.set()
 
     for topic, type in wanted.items():
@@ -40,4 +45,4 @@ def inspect(door: Door, about: RosOf, seconds: float) -> Found:
     while heard < wanted.keys() and (left := until - time.monotonic()) > 0:
         more.wait(left)
         more.clear()
-    return Found(door.trouble, tuple(sorted(heard)), tuple(sorted(wanted.keys() - heard)))
+    return Found(door.trouble, tuple(sorted(heard)), tuple(sorted(wanted.keys() - heard)), max(ahead, default=None))

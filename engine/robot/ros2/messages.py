@@ -57,6 +57,16 @@ def frame(message: Mapping[str, Any]) -> str:
     return found.removeprefix("/") if isinstance(found, str) else ""
 
 
+def stamp(message: Mapping[str, Any]) -> float | None:
+    """When a message was stamped, s since 1970; None where it tells no time, or the first second of it."""
+    try:
+        told = message["header"]["stamp"]
+        found = float(told["sec"]) + 1e-9 * float(told["nanosec"])
+    except (KeyError, TypeError, ValueError, OverflowError):
+        return None
+    return found if math.isfinite(found) and found > 1 else None
+
+
 def transforms(message: Mapping[str, Any]) -> list[tuple[str, str, Pose]]:
     """What a ``TFMessage`` says: frames, and where the second one is in the first, on the floor."""
     found = []
