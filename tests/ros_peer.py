@@ -21,15 +21,17 @@ from typing import Any
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
-from engine.robot.follow import Follower
 from engine.robot.geometry import ZERO, Pose, Twist, compose, inverse
 from engine.robot.host.body import STEP_S
-from engine.robot.lidar import RAYS
-from engine.robot.occupancy import Unreachable, route
-from engine.robot.robot import Footprint
+from engine.robot.host.memory import Memory
+from engine.robot.lidar import LIDAR_ANGLES, RAYS
+from engine.robot.robot import Footprint, Scan
 from engine.robot.sim.floor import floor_map
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_file import load_scene, scene_path
 from engine.robot.sim.simulated import SimulatedBody
-from tests.sim.rig import flat, settings
+from tests.pilot import Pilot
+from tests.sim.rig import settings
 
 LIFETIME_S = 0.5
 """Of a velocity."""
@@ -55,17 +57,25 @@ TOPICS = {
 class Peer:
     """One robot, and whoever listens to it."""
 
-    def __init__(self, *, navigates: bool = True, stubborn: bool = False, feedback_hz: float = 20.0) -> None:
-        scene = flat()
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        navigates: bool = True,
+        stubborn: bool = False,
+        feedback_hz: float = 20.0,
+        witness: Memory | None = None,
+    ) -> None:
         self.floor = floor_map(scene)
         self.body = SimulatedBody(scene, settings(), pictures=False)
         self.told, self.told_at = ZERO, -math.inf
         self.start = self.body.true_pose
-        self.way: Follower | None = None
+        self.way: Pilot | None = None
         self.cancelled: set[str] = set()
         self.cancelled_at = self.zero_at = math.inf
         self.zeros = 0
         self._feedback_s = 1 / feedback_hz
+        self._witness = witness
         self._navigates, self._stubborn = navigates, stubborn
         self._listeners: dict[str, set[ServerConnection]] = {}
 
@@ -137,32 +147,25 @@ class Peer:
         goal = Pose(at["x"], at["y"], 2 * math.atan2(turn["z"], turn["w"]))
         if stamped["header"]["frame_id"] == "odom":
             goal = compose(self.start, goal)
-        way = route(self.floor, self.body.true_pose, goal, HULL)
-        if isinstance(way, Unreachable):
-            result = {"error_code": 208, "error_msg": "no valid path"}
-            ended = {"op": "action_result", **about, "values": result, "status": 6, "result": True}
-            await self._send(connection, ended)
-            return
-        follower = self.way = Follower(way.points, goal.yaw, speed=0.4)
+        pilot = self.way = Pilot(self.floor, HULL, goal)
         self.zero_at = math.inf  # when it was told zero first on this journey
-        status, due = 4, time.monotonic()
-        while self.way is follower:
-            guidance = follower.guide(self.body.true_pose)
-            if guidance.arrived:
+        status, error, due = 4, 0, time.monotonic()
+        while self.way is pilot:
+            wanted = pilot.guide(self.body.true_pose, Scan(self.body.t, LIDAR_ANGLES, self.body.scan()))
+            if isinstance(wanted, int):
+                status, error = (6 if wanted else 4), wanted
                 break
             if order["id"] in self.cancelled and not self._stubborn:
                 status = 5
                 break
-            self.drive(guidance.twist)
-            await self._send(
-                connection,
-                {"op": "action_feedback", **about, "values": {"distance_remaining": guidance.remaining}},
-            )
+            self.drive(wanted)
+            told = {"distance_remaining": pilot.left}
+            await self._send(connection, {"op": "action_feedback", **about, "values": told})
             due = max(due + self._feedback_s, time.monotonic() - 0.1)  # a flood comes in gusts, but all of it
             await asyncio.sleep(max(0.0, due - time.monotonic()))
         self.drive(ZERO)
         self.way = None
-        ended = {"op": "action_result", **about, "values": {"error_code": 0}, "status": status, "result": True}
+        ended = {"op": "action_result", **about, "values": {"error_code": error}, "status": status, "result": True}
         await self._send(connection, ended)
 
     async def live(self) -> None:
@@ -178,6 +181,10 @@ class Peer:
                     await self._say("/scan", self._scan())
                     await self._say("/tf", self._frames())
                     self._tell()
+                if steps % 50 == 0 and self._witness is not None:
+                    self.body.fill(self._witness.state.scratch)
+                    self._witness.state.scratch["t"] = self.body.t
+                    self._witness.state.put()
                 if steps % 50 == 25:
                     await self._say("/image", PICTURE)
                 if steps % 500 == 0:
@@ -249,8 +256,16 @@ async def main(argv: list[str]) -> None:
     parser.add_argument("--no-navigation", action="store_true", help="nobody there finds the way")
     parser.add_argument("--stubborn", action="store_true", help="its navigation ignores who cancels")
     parser.add_argument("--feedback", type=float, default=20.0, metavar="HZ", help="how often its navigation tells")
+    parser.add_argument("--scene", default="flat", metavar="SCENE", help="where it lives")
+    parser.add_argument("--witness", type=int, metavar="FD", help="memory of a host, to show there how it really is")
     given = parser.parse_args(argv)
-    peer = Peer(navigates=not given.no_navigation, stubborn=given.stubborn, feedback_hz=given.feedback)
+    peer = Peer(
+        load_scene(scene_path(given.scene)),
+        navigates=not given.no_navigation,
+        stubborn=given.stubborn,
+        feedback_hz=given.feedback,
+        witness=Memory(given.witness) if given.witness is not None else None,
+    )
     async with serve(peer.listen, "127.0.0.1", given.port, compression=None):
         await peer.live()
 

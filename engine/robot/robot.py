@@ -104,6 +104,12 @@ class Scan:
     angles: NDArray[np.float64]  # shape (n,)
     ranges: NDArray[np.float64]  # shape (n,)
 
+    def on_map(self, pose: Pose, within: float) -> NDArray[np.float64]:
+        """What was hit within so many m, seen from ``pose``: points in the map frame, shape (n, 2)."""
+        near = self.ranges < within
+        angles, ranges = self.angles[near] + pose.yaw, self.ranges[near]
+        return np.column_stack((pose.x + ranges * np.cos(angles), pose.y + ranges * np.sin(angles)))
+
 
 @dataclass(frozen=True, slots=True)
 class Footprint:

@@ -24,7 +24,7 @@ from engine.skills.context import SkillContext
 from engine.skills.hand import fold, from_map
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.strewn import outline, seen_from, strewn
-from engine.skills.travel import go_to, points_of, way_to
+from engine.skills.travel import go_to, way_to
 
 Reach = Callable[[float], float | None]
 """How uncomfortable it is to reach the point from this distance (m from the base's centre, straight ahead), in the
@@ -94,7 +94,7 @@ def places_to_stand(
     costs = [(float(distance), reach(float(distance))) for distance in _DISTANCES]
     possible = [(d, cost) for d, cost in costs if cost is not None and d > hull.length / 2 + radius + LOOSE_MARGIN]
     state = robot.state()
-    hard = np.concatenate((outlines(robot.floor_map, point), _around(points_of(robot.scan(), state.pose, 4.0), point)))
+    hard = np.concatenate((outlines(robot.floor_map, point), _around(robot.scan().on_map(state.pose, 4.0), point)))
     hard = hard[np.hypot(hard[:, 0] - point[0], hard[:, 1] - point[1]) > radius + 0.03] if radius else hard
     loose = [thing for thing in strewn(context) if target is None or thing.number != target.number]
     lying = outline(loose)

@@ -28,7 +28,7 @@ from engine.skills.drive import turn
 from engine.skills.hand import move_to
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.strewn import BESIDE, outline, strewn
-from engine.skills.travel import SEEN_RANGE, go_to, points_of
+from engine.skills.travel import SEEN_RANGE, go_to
 
 LOOK: Final[Joints] = (0.0, -0.9, 1.2, 1.8, 0.0)
 """The arm while it looks around: a little higher than ``AHEAD``, to have things on low tables in the picture whole."""
@@ -158,7 +158,7 @@ async def search(
             blocked += 1
             if trouble.error_code not in ("path_blocked", "unreachable", "door_closed") or blocked > BLOCKED:
                 return Searched(False, survey.seen, pictures, trouble)
-            survey.bar(points_of(robot.scan(), context.pose, SEEN_RANGE), robot.footprint.radius + _MARGIN)
+            survey.bar(robot.scan().on_map(context.pose, SEEN_RANGE), robot.footprint.radius + _MARGIN)
             continue
         if not await move_to(context, LOOK):
             return Searched(False, survey.seen, pictures, _STUCK)

@@ -8,6 +8,7 @@ from typing import Final
 from engine.robot.geometry import Pose
 from engine.robot.robot import Going, RobotState
 from engine.skills.context import SkillContext
+from engine.skills.doors import closed_door, is_closed
 from engine.skills.outcome import ErrorCode, Result, fail, ok
 
 TOLD_S: Final = 1.0
@@ -42,7 +43,7 @@ async def send_to(context: SkillContext, goal: Pose, name: str) -> Result | None
                 return fail("robot_halted", _stopped(state, goal, name, state.halted or "it was told to stop"))
             continue
         if going.how != "going":
-            return _ended(going, state, goal, name)
+            return _ended(context, going, state, goal, name)
         left = _left(going, state, goal)
         furthest = max(furthest, left)
         context.progress(1 - left / furthest if furthest else 0.0, f"{left:.1f} m to {name}")
@@ -55,7 +56,7 @@ def _left(going: Going, state: RobotState, goal: Pose) -> float:
     return math.dist((state.pose.x, state.pose.y), (goal.x, goal.y))
 
 
-def _ended(going: Going, state: RobotState, goal: Pose, name: str) -> Result | None:
+def _ended(context: SkillContext, going: Going, state: RobotState, goal: Pose, name: str) -> Result | None:
     pose = state.pose
     match going.how:
         case "arrived":
@@ -71,6 +72,8 @@ def _ended(going: Going, state: RobotState, goal: Pose, name: str) -> Result | N
         case "canceled":
             return fail("robot_halted", _stopped(state, goal, name, state.halted or "it was told to stop"))
     code, reason = _REASONS.get(going.code, ("no_progress", going.why or "my navigation gave up"))
+    if (door := closed_door(context)) is not None:
+        code, reason = "door_closed", is_closed(door)
     return fail(code, _stopped(state, goal, name, reason), nav2=going.code)
 
 

@@ -18,8 +18,9 @@ from engine.robot.floor_map import Doorway
 from engine.robot.follow import Follower
 from engine.robot.geometry import Pose, Twist
 from engine.robot.occupancy import Route, Unreachable, route
-from engine.robot.robot import RobotState, Scan
+from engine.robot.robot import RobotState
 from engine.skills.context import SkillContext
+from engine.skills.doors import closed_door, is_closed
 from engine.skills.drive import Stall, settle, why_held
 from engine.skills.hand import look
 from engine.skills.lookout import Lookout, lookout
@@ -27,15 +28,12 @@ from engine.skills.outcome import Result, fail, ok
 from engine.skills.sent import send_to
 from engine.skills.strewn import heed, in_the_way, nearest_to, outline, strewn
 
-DETOURS = 3  # times that a blocked way is planned anew
 SEEN_RANGE = 2.5  # m; what the lidar sees further away does not matter for a detour
+DETOURS = 3  # times that a blocked way is planned anew
 
 ASTRAY = 0.15  # m that a landmark may correct the robot by on its way; after more the way is planned anew
 CORRECTIONS = 5  # times that this is done
 CHECKS = 3  # times that the robot makes sure that it is there
-
-DOOR_RANGE = 1.5  # m from which the lidar can tell whether a door is shut
-FILLED = 0.6  # part of a door's width
 
 TURNING = 0.01  # rad/s
 NEARLY = 0.06  # m; a base that cannot go sideways, or is told late, may come no nearer
@@ -64,7 +62,7 @@ async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout) -
         way = way_to(context, goal, seen)
         if isinstance(way, Unreachable):
             if shut is not None:
-                return fail("door_closed", f"I cannot get to {name}: {_closed(shut)}.")
+                return fail("door_closed", f"I cannot get to {name}: {is_closed(shut)}.")
             if detours:
                 return fail("path_blocked", f"The way to {name} is blocked, and there is no other. {way.message}")
             return fail("unreachable", f"I cannot get to {name}. {way.message}")
@@ -87,10 +85,10 @@ async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout) -
         if code != "path_blocked" or detours == DETOURS:
             break
         detours += 1
-        seen = points_of(context.robot.scan(), state.pose, SEEN_RANGE)
+        seen = context.robot.scan().on_map(state.pose, SEEN_RANGE)
     left = math.dist((state.pose.x, state.pose.y), (goal.x, goal.y))
     if shut is not None:
-        return fail("door_closed", f"I stopped {left:.1f} m before {name}: {_closed(shut)}.")
+        return fail("door_closed", f"I stopped {left:.1f} m before {name}: {is_closed(shut)}.")
     return fail(code, f"I stopped {left:.1f} m before {name}: {reason}.")
 
 
@@ -103,25 +101,6 @@ def way_to(context: SkillContext, goal: Pose, seen: NDArray[np.float64] = NOTHIN
     if isinstance(way, Unreachable) and len(lying):
         way = route(robot.floor_map, start, goal, robot.footprint, extra=seen)
     return way
-
-
-def closed_door(context: SkillContext) -> Doorway | None:
-    """The nearest door that the lidar sees to be shut: something fills most of its width."""
-    pose = context.pose
-    points = points_of(context.robot.scan(), pose, SEEN_RANGE)
-    near = [
-        door for door in context.robot.floor_map.doors if math.dist((door.x, door.y), (pose.x, pose.y)) < DOOR_RANGE
-    ]
-    for door in sorted(near, key=lambda door: math.dist((door.x, door.y), (pose.x, pose.y))):
-        apart = points - np.array((door.x, door.y))
-        inside = apart[np.hypot(apart[:, 0], apart[:, 1]) < 0.9 * door.width / 2]
-        if len(inside) > 1 and np.ptp(inside, axis=0).max() > FILLED * door.width:
-            return door
-    return None
-
-
-def _closed(door: Doorway) -> str:
-    return f"the door between the {door.between[0]} and the {door.between[1]} is closed"
 
 
 async def _follow(context: SkillContext, follower: Follower, name: str, watch: Lookout) -> tuple[Ending, RobotState]:
@@ -173,10 +152,3 @@ def _motions(wanted: Twist, sideways: Twist) -> tuple[Twist, ...]:
 def _lies_there(context: SkillContext) -> str:
     thing = nearest_to(context.pose, strewn(context))
     return f"the {thing.name} lies in the way" if thing is not None else "something lies in the way"
-
-
-def points_of(scan: Scan, pose: Pose, reach: float) -> NDArray[np.float64]:
-    """What the lidar saw within ``reach`` m, as points in the map frame, shape (n, 2)."""
-    near = scan.ranges < reach
-    angles = scan.angles[near] + pose.yaw
-    return np.column_stack((pose.x + scan.ranges[near] * np.cos(angles), pose.y + scan.ranges[near] * np.sin(angles)))
