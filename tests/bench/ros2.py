@@ -20,7 +20,7 @@ from engine.robot.ros2 import messages, pictures
 from engine.ros.door import Message
 from engine.ros.opening import open_door
 from tests.bench.report import Figure, figures, print_report, report
-from tests.e2e.test_ros2 import Peer, free_port
+from tests.rosbridge import Peer, free_port
 from tests.sim.rig import beating
 
 KITCHEN = Pose(0.2, 2.0, 0.0)

@@ -18,13 +18,13 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from typing import Any
+from typing import Any, get_args
 
 from rich.console import Console
 from rich.table import Table
 
 from tests.bench.report import machine
-from tests.eval.runner import Verdict, run
+from tests.eval.runner import Through, Verdict, run
 from tests.eval.tasks import Trial, tasks, trial
 
 
@@ -38,7 +38,9 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument(
         "--jobs", type=int, metavar="N", help="runs side by side; default: one a core at full speed, one in real time"
     )
-    parser.add_argument("--board", action="store_true", help="through the frames of an emulated motor board")
+    parser.add_argument(
+        "--through", choices=get_args(Through), default="host", help="what the robot is driven through (host)"
+    )
     args = parser.parse_args(argv)
     jobs = args.jobs or (machine()["cores"] if args.speed == "max" else 1)
     if jobs < 1:
@@ -51,7 +53,7 @@ def main(argv: list[str] | None = None) -> int:
     trials = [trial(kind, known[kind], seed) for kind in chosen for seed in seeds]
     began = time.monotonic()
     verdicts = []
-    for verdict in verdicts_of(trials, args.speed, jobs, board=args.board):
+    for verdict in verdicts_of(trials, args.speed, jobs, through=args.through):
         verdicts.append(verdict)
         _tell(verdict)
     verdicts.sort(key=lambda verdict: (chosen.index(verdict.kind), verdict.seed))
@@ -63,13 +65,13 @@ def main(argv: list[str] | None = None) -> int:
     return 0
 
 
-def verdicts_of(trials: Sequence[Trial], speed: str, jobs: int, *, board: bool = False) -> Iterator[Verdict]:
+def verdicts_of(trials: Sequence[Trial], speed: str, jobs: int, *, through: Through = "host") -> Iterator[Verdict]:
     """Perform all trials, so many side by side; the verdicts as they come."""
     if jobs == 1:
-        yield from (run(trial, speed=speed, board=board) for trial in trials)
+        yield from (run(trial, speed=speed, through=through) for trial in trials)
         return
     with ProcessPoolExecutor(min(jobs, len(trials)), multiprocessing.get_context("spawn")) as workers:
-        runs = [workers.submit(run, trial, speed=speed, board=board) for trial in trials]
+        runs = [workers.submit(run, trial, speed=speed, through=through) for trial in trials]
         try:
             yield from (done.result() for done in as_completed(runs))
         finally:

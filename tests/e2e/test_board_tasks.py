@@ -10,5 +10,5 @@ from tests.eval.tasks import tasks, trial
 
 @pytest.mark.parametrize("kind", ["fetch", "follow a line", "go and come back"])
 def test_a_task_is_done_through_a_board(kind: str) -> None:
-    verdict = run(trial(kind, tasks()[kind], seed=0), board=True)
+    verdict = run(trial(kind, tasks()[kind], seed=0), through="board")
     assert verdict.ok, verdict.reason

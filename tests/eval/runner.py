@@ -6,14 +6,17 @@ the world is let come to rest in a copy of it, because a thing that is still fal
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import tempfile
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 import numpy as np
@@ -31,6 +34,7 @@ from engine.robot.host.memory import Memory
 from engine.robot.sim.world import World
 from tests.eval.checker import Done, Evidence, Sample, faults
 from tests.eval.tasks import Trial
+from tests.rosbridge import free_port
 
 SAMPLE_S = 0.12
 """Robot time between two samples."""
@@ -53,12 +57,25 @@ class Verdict:
     wall_s: float
 
 
-def run(trial: Trial, *, speed: str = "max", board: bool = False) -> Verdict:
-    """Perform a trial and judge it; ``board``: everything goes through the frames of an emulated motor board."""
+Through = Literal["host", "board", "ros", "nav2"]
+"""What a robot is driven through: its host alone, the frames of an emulated motor board, or a bridge of ROS 2, by
+velocities (ros) or finding its way itself (nav2)."""
+ROS_MODEL = Path(__file__).with_name("ros_robot.yaml")
+"""The simulated robot as one of ROS 2."""
+
+
+def run(trial: Trial, *, speed: str = "max", through: Through = "host") -> Verdict:
+    """Perform a trial and judge it."""
     began = time.monotonic()
-    with _scene_file(trial) as file:
-        settings = _settings(trial, file, speed, board=board)
-        evidence = _perform(trial, settings)
+    with _scene_file(trial) as file, ExitStack() as more:
+        options = ["robot.kind=rosmaster", "robot.port=emulated"] if through == "board" else []
+        witnessed: Memory | None = None
+        if through in ("ros", "nav2"):
+            port, witnessed = free_port(), Memory.create()
+            more.callback(os.close, witnessed.fd)
+            more.enter_context(_peer(port, file, witnessed, navigates=through == "nav2"))
+            options = ["robot.kind=ros2", f"robot.model={ROS_MODEL}", f"robot.door=ws://127.0.0.1:{port}"]
+        evidence = _perform(trial, _settings(trial, file, speed, options), witnessed)
     found = faults(trial.success, evidence)
     robot_s = evidence.end.t - evidence.start.t
     if found:
@@ -66,7 +83,21 @@ def run(trial: Trial, *, speed: str = "max", board: bool = False) -> Verdict:
     return Verdict(trial.kind, trial.seed, not found, "; ".join(found), robot_s, time.monotonic() - began)
 
 
-def _settings(trial: Trial, scene: Path, speed: str, *, board: bool) -> Settings:
+@contextmanager
+def _peer(port: int, scene: Path, memory: Memory, *, navigates: bool) -> Iterator[None]:
+    """A robot behind a bridge, which shows in ``memory`` how it really is."""
+    command = [sys.executable, "-m", "tests.ros_peer", str(port), f"--scene={scene}", f"--witness={memory.fd}"]
+    command += [] if navigates else ["--no-navigation"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, pass_fds=(memory.fd,)) as process:
+        try:
+            while not memory.state.count and process.poll() is None:
+                time.sleep(_LOOK_S)
+            yield
+        finally:
+            process.kill()
+
+
+def _settings(trial: Trial, scene: Path, speed: str, options: list[str]) -> Settings:
     extra = [f"{key}={value}" for key, value in trial.settings.items()]
     fixed = [
         f"robot.scene={scene}",
@@ -77,8 +108,7 @@ def _settings(trial: Trial, scene: Path, speed: str, *, board: bool) -> Settings
         "session.turn_limit_s=3600",
         f"asr.model={scene.parent / 'none'}",  # nobody speaks, and loading a recogniser would take longer than a task
     ]
-    through = ["robot.kind=rosmaster", "robot.port=emulated"] if board else []
-    return load(overrides=[*fixed, *through, *extra], environ={}, user_folder=scene.parent / "none")
+    return load(overrides=[*fixed, *options, *extra], environ={}, user_folder=scene.parent / "none")
 
 
 @contextmanager
@@ -113,7 +143,8 @@ class _Listener:
                 self.over.set()
 
 
-def _perform(trial: Trial, settings: Settings) -> Evidence:
+def _perform(trial: Trial, settings: Settings, witnessed: Memory | None) -> Evidence:
+    """``witnessed`` shows how the robot really is; None: its host's memory does."""
     listener = _Listener()
     engine = Engine(settings, mode="bench", sound=Sound("none"))
     engine.subscribe(listener.hear)
@@ -121,7 +152,7 @@ def _perform(trial: Trial, settings: Settings) -> Evidence:
     try:
         if not listener.ready.wait(PATIENCE_S):
             raise RuntimeError("the robot did not start")
-        memory: Memory = engine._robot.memory  # type: ignore[attr-defined]
+        memory: Memory = witnessed or engine._robot.memory  # type: ignore[attr-defined]
         witness = _Witness(memory)
         engine.send(Say(trial.say))
         reason = _watch(trial, engine, listener, witness)

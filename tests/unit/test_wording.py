@@ -52,7 +52,8 @@ ENDS_ONLY: Final = (
 SAYS: Final = frozenset({"NoPlan", "Rejected", "NothingHeard", "Trouble", "fault"})
 """What is called with a sentence that is said, besides the errors."""
 SHOWN: Final = (
-    "../tui/doctor/diagnosis.py", "../tui/doctor/examiner.py", "../tui/doctor/robots.py", "engine.py", "graph", "parts", "session",
+    "../tui/doctor/diagnosis.py", "../tui/doctor/examiner.py", "../tui/doctor/robots.py",
+    "engine.py", "graph", "parts", "session",
     "hearing/hearing.py", "hearing/intake.py", "llm/chain.py", "planner/stages/two_stage.py",
     "planner/worlds/world_file.py", "robot/sim/camera.py", "tts", "wake/choice.py", "wake/embedding.py",
     "wake/head.py", "wake/micro.py", "wake/ports.py", "serial_port.py",
