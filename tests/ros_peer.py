@@ -130,6 +130,9 @@ class Peer:
                 return {"services": ["/rosapi/topics"]}
             case "/rosapi/action_servers":
                 return {"action_servers": actions}
+            case _ if any(service == f"{action}/_action/cancel_goal" for action in actions):
+                self.way = None if not self._stubborn else self.way
+                return {"return_code": 0, "goals_canceling": []}
             case _ if any(service == f"{action}/_action/get_result" for action in actions):
                 return "Unable to import srv class NavigateToPose_GetResult from package nav2_msgs."
             case _:

@@ -74,6 +74,7 @@ class Table:
         self.t = 0.0
         self.said: list[Message] = []
         self.goals: list[Sent] = []
+        self.calls: list[tuple[str, Message, Then]] = []
         self.takes: dict[str, Take] = {}
         self.closed = False
         self.opens = True
@@ -108,7 +109,7 @@ class Table:
         return self.goals[-1]
 
     def call(self, service: str, type: str, request: Message, then: Then, *, limit_s: float = 0.0) -> None:
-        raise AssertionError("no body does")
+        self.calls.append((service, request, then))
 
     def serve(self, service: str, type: str, answer: Callable[[Message, Reply], object]) -> None:
         raise AssertionError("no body does")
@@ -279,6 +280,32 @@ def test_how_a_journey_fares_and_what_of_it_is_over() -> None:
     assert fares(body)[:2] == (3, "arrived")
     body.give_up()
     assert not table.goals[-1].cancelled, "it has ended"
+
+
+def test_a_goal_that_was_lost_is_called_back_when_the_door_is_open_again() -> None:
+    table = Table()
+    body = table.body()
+    body.go(Pose(2.0, 2.0, 0.0), 1)
+    table.trouble = "the bridge is gone"
+    table.goals[-1].then(Outcome("lost"))
+    body.step()
+    assert table.calls == [], "nobody hears it"
+    table.trouble = ""
+    table.takes["/odom"](odometry(5.0, 5.0, math.pi / 2))
+    assert body.trouble == "nobody knows whether its navigation has stopped"
+    table.speeds()
+    for _ in range(100):
+        body.step()
+    assert set(table.speeds()) == {0.0}
+    (service, request, then), *more = table.calls
+    assert not more, "it is asked once at a time"
+    assert service == "/navigate_to_pose/_action/cancel_goal"
+    assert request["goal_info"]["goal_id"]["uuid"] == [0] * 16, "whatever there is"
+    then(Outcome("timed_out"))
+    body.step()
+    assert len(table.calls) == 2
+    table.calls[-1][2](Outcome("succeeded"))
+    assert body.trouble == ""
 
 
 WITH_ARM = Description.model_validate(

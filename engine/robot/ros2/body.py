@@ -109,6 +109,8 @@ class Ros2Body:
             return "its joints are not heard of"
         if self._navigation is not None and self._navigation.is_stubborn:
             return "its navigation goes on although it was told to stop"
+        if self._navigation is not None and self._navigation.is_astray:
+            return "nobody knows whether its navigation has stopped"
         return ""
 
     @property
@@ -129,9 +131,11 @@ class Ros2Body:
 
     def step(self) -> None:
         now = self._clock()
-        ending = self._navigation is not None and self._navigation.is_ending
-        if ending:
-            self._stood_at = now
+        ending = False
+        if self._navigation is not None:
+            self._navigation.recall()
+            if ending := self._navigation.is_ending or self._navigation.is_astray:
+                self._stood_at = now
         moves = not self._told.is_zero
         if now - self._told_at >= (ENDING_S if ending else REPEAT_S) and (moves or now - self._stood_at < REST_S):
             self._tell(now)

@@ -2,6 +2,9 @@
 
 Commands come in the host's thread and wait for nothing; how it fares comes in the door's. What is heard of a goal that
 has been given up, or of one before the last, changes nothing but that its end is known.
+
+A goal that was lost, because the door was shut, may still be under way: nobody there knows that we are gone. So all
+goals are cancelled as soon as the door is open again.
 """
 
 from __future__ import annotations
@@ -16,6 +19,7 @@ from engine.robot.robot import Faring
 from engine.ros.door import Code, Door, Goal, Message, Outcome
 
 NAVIGATE: Final = "nav2_msgs/action/NavigateToPose"
+CANCEL: Final = "action_msgs/srv/CancelGoal"
 STUBBORN_S: Final = 2.0
 """In which a navigation has to end once it is told to."""
 _FARING: Final[dict[Code, Faring]] = {"succeeded": "arrived", "aborted": "failed"}
@@ -30,6 +34,8 @@ class Navigation:
         self._goal: Goal | None = None  # under way
         self._open: set[int] = set()  # which of them have not ended
         self._given_up_at = -math.inf
+        self._astray = False  # one may be under way of which nobody hears any more
+        self._asking = False
         self._ticket = 0
         self._how: Faring = "going"
         self._left, self._code, self._why = math.nan, 0, ""
@@ -43,6 +49,19 @@ class Navigation:
     def is_stubborn(self) -> bool:
         """It goes on although it was told to stop, for all that is known."""
         return self.is_ending and self._clock() - self._given_up_at > STUBBORN_S
+
+    @property
+    def is_astray(self) -> bool:
+        """A goal that was lost may still drive the robot."""
+        return self._astray
+
+    def recall(self) -> None:
+        """Cancel whatever is under way there, once the door is open again; to be called now and then."""
+        if not self._astray or self._asking or self._door.trouble:
+            return
+        self._asking = True
+        everything = {"goal_id": {"uuid": [0] * 16}, "stamp": {"sec": 0, "nanosec": 0}}
+        self._door.call(f"{self._action}/_action/cancel_goal", CANCEL, {"goal_info": everything}, self._recalled)
 
     def go(self, goal: Pose, frame: str, ticket: int) -> None:
         """Send the robot there, in this frame; it leaves off whatever it did."""
@@ -81,8 +100,15 @@ class Navigation:
         if number == self._sent:
             self._left = _number(message.get("distance_remaining"), math.nan)
 
+    def _recalled(self, outcome: Outcome) -> None:
+        self._asking = False
+        if outcome.code in ("succeeded", "no_server"):
+            self._astray = False
+
     def _ended(self, number: int, outcome: Outcome) -> None:
         self._open.discard(number)
+        if outcome.code in ("lost", "timed_out"):
+            self._astray = True
         if number != self._sent or self._goal is None:
             return
         self._goal = None
