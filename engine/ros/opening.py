@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 from urllib.parse import urlsplit
 
+from config import paths
 from engine.errors import UsageError
 from engine.ros.door import Door
 
@@ -33,5 +34,7 @@ def open_door(door: str, name: str = "sayso") -> Door:
         from engine.ros.zenoh_door import ZenohDoor
 
         host = f"[{parts.hostname}]" if ":" in parts.hostname else parts.hostname
-        return ZenohDoor(f"tcp/{host}:{port or ZENOH_PORT}", int(domain), name=name)
+        mine = paths().config / "ros2"
+        folders = [mine] if mine.is_dir() else []
+        return ZenohDoor(f"tcp/{host}:{port or ZENOH_PORT}", int(domain), definitions=folders, name=name)
     raise UsageError(f"{door!r} leads to no graph of ROS 2.", hint=f"It may be {FORMS}.")
