@@ -1,0 +1,1 @@
+"""Tests of the doors to a ROS 2 graph, against real peers."""
