@@ -77,7 +77,7 @@ def session(port: int, mode: str) -> Any:
 
 
 def _main() -> None:
-    from engine.ros.zenoh_door import ZenohDoor
+    from engine.ros.zenoh.door import ZenohDoor
 
     port = int(sys.argv[1])
     if "--idle" in sys.argv:

@@ -17,7 +17,7 @@ ZENOH_PORT: Final = 7447
 def open_door(door: str, name: str = "sayso") -> Door:
     """The door that a setting names, opening in the background; ``name`` is that of our node. Raises ``UsageError``."""
     if door == "rclpy":
-        from engine.ros.rclpy_door import RclpyDoor
+        from engine.ros.rclpy.door import RclpyDoor
 
         return RclpyDoor(name)
     try:
@@ -26,12 +26,12 @@ def open_door(door: str, name: str = "sayso") -> Door:
     except ValueError:
         parts, port = urlsplit(""), None
     if parts.scheme in ("ws", "wss") and parts.hostname:
-        from engine.ros.rosbridge import Rosbridge
+        from engine.ros.rosbridge.door import Rosbridge
 
         return Rosbridge(door)
     domain = parts.path.strip("/") or "0"
     if parts.scheme == "zenoh" and parts.hostname and domain.isdecimal():
-        from engine.ros.zenoh_door import ZenohDoor
+        from engine.ros.zenoh.door import ZenohDoor
 
         host = f"[{parts.hostname}]" if ":" in parts.hostname else parts.hostname
         mine = paths().config / "ros2"

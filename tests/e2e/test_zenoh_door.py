@@ -14,8 +14,8 @@ import pytest
 
 from engine.errors import DeviceError, UsageError
 from engine.ros.door import ACCEPT_S, Execution, Graph, Message, Outcome
-from engine.ros.zenoh_door import ZenohDoor
-from engine.ros.zenoh_wire import Attachment, Entity
+from engine.ros.zenoh.door import ZenohDoor
+from engine.ros.zenoh.wire import Attachment, Entity
 from tests.zenoh_router import ACTION, SERVICE, Child, Router, session
 
 TRIGGER = "std_srvs/srv/Trigger"

@@ -32,7 +32,7 @@ door.call("/peer/set", "std_srvs/srv/Trigger", {}, lambda outcome: print(outcome
 
 MESSAGES = """
 import numpy as np
-from engine.ros.rclpy_messages import BadTypeError, find_type, to_mapping, to_message
+from engine.ros.rclpy.messages import BadTypeError, find_type, to_mapping, to_message
 
 def there_and_back(name, **fields):
     type = find_type(name, "msg")

@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.ros.cdr import BadMessage, Codec
-from engine.ros.definitions import Definitions, UnknownType
 from engine.ros.door import octets
+from engine.ros.interfaces.cdr import BadMessage, Codec
+from engine.ros.interfaces.definitions import Definitions, UnknownType
 
 CODEC = Codec(Definitions())
 ID = bytes(range(16))

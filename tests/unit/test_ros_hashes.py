@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from engine.errors import UsageError
-from engine.ros.definitions import Definitions, UnknownType
+from engine.ros.interfaces.definitions import Definitions, UnknownType
 
 JAZZY = {
     "std_msgs/msg/String": "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",

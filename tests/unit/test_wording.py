@@ -36,7 +36,7 @@ WORDING = build_wording(SETTINGS)
 
 ALL_TEXT: Final = (
     "skills", "perception/describe.py", "perception/naming.py", "robot/host/envelope.py", "robot/occupancy.py",
-    "states.py", "robot/host/hosted.py", "robot/rosmaster/body.py", "robot/ros2/body.py", "ros/rosbridge.py",
+    "states.py", "robot/host/hosted.py", "robot/rosmaster/body.py", "robot/ros2/body.py", "ros/rosbridge/door.py",
     "robot/sim/camera.py", "robot/sim/camera_process.py", "robot/host/process.py",
     "parts/keeper.py", "parts/camera.py", "asr/isolated.py", "llm/service.py", "llm/openai.py", "llm/dify.py",
     "llm/llama.py", "llm/local.py", "session/turn.py", "session/session.py", "hearing/hearing.py",

@@ -7,9 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from engine.ros.door import Graph
-from engine.ros.xxh3 import xxh3_128
-from engine.ros.zenoh_graph import Tokens, graph_of, mismatch
-from engine.ros.zenoh_wire import (
+from engine.ros.zenoh.graph import Tokens, graph_of, mismatch
+from engine.ros.zenoh.wire import (
     LATCHED,
     Attachment,
     Endpoint,
@@ -22,6 +21,7 @@ from engine.ros.zenoh_wire import (
     ros_type,
     tokens,
 )
+from engine.ros.zenoh.xxh3 import xxh3_128
 
 STRING = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
 SUM = "RIHS01_e118de6bf5eeb66a2491b5bda11202e7b68f198d6f67922cf30364858239c81a"

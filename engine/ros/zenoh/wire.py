@@ -13,7 +13,7 @@ import struct
 from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple
 
-from engine.ros.xxh3 import xxh3_128
+from engine.ros.zenoh.xxh3 import xxh3_128
 
 SPACE: Final = "@ros2_lv"
 """Where all tokens are."""

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Final
 
-from engine.ros.actions import CANCEL, CANCELING, ENDS, EXECUTING, STATUS, Carrier, goal_id, id_of
+from engine.ros.actions.parts import CANCEL, CANCELING, ENDS, EXECUTING, STATUS, Carrier, goal_id, id_of
 from engine.ros.door import End, Execution, Message, Reply, Work
 
 KEEP_S: Final = 60.0

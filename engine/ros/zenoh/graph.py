@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from engine.ros.door import Graph
-from engine.ros.zenoh_wire import Entity, Kind
+from engine.ros.zenoh.wire import Entity, Kind
 
 SEND_GOAL: Final = "/_action/send_goal"
 """What the name of the service ends with that takes an action's goals."""

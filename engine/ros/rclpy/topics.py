@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from engine.ros.door import Message, Take
-from engine.ros.rclpy_loop import Loop
-from engine.ros.rclpy_messages import to_mapping, to_message
+from engine.ros.rclpy.loop import Loop
+from engine.ros.rclpy.messages import to_mapping, to_message
 
 DEPTH: Final = 10
 """Messages of one topic that may wait."""

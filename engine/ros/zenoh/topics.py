@@ -9,10 +9,10 @@ from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from engine.ros.cdr import BadMessage
 from engine.ros.door import Message, Take
-from engine.ros.zenoh_node import Announced, Node
-from engine.ros.zenoh_wire import LATCHED, Attachment, Endpoint, Qos
+from engine.ros.interfaces.cdr import BadMessage
+from engine.ros.zenoh.node import Announced, Node
+from engine.ros.zenoh.wire import LATCHED, Attachment, Endpoint, Qos
 
 if TYPE_CHECKING:
     from zenoh import Sample, Session

@@ -9,9 +9,9 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from engine.ros.door import ACCEPT_S, Code, End, Message, Outcome, Take, Then, Work
-from engine.ros.rclpy_loop import Due, Loop
-from engine.ros.rclpy_messages import BadTypeError, to_mapping, to_message
-from engine.ros.rclpy_services import LOOK_S
+from engine.ros.rclpy.loop import Due, Loop
+from engine.ros.rclpy.messages import BadTypeError, to_mapping, to_message
+from engine.ros.rclpy.services import LOOK_S
 
 _ENDS: Final[dict[int, Code]] = {4: "succeeded", 5: "canceled", 6: "aborted"}
 """Statuses of ``action_msgs/msg/GoalStatus`` in which a goal has ended."""

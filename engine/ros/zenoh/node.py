@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from engine.errors import UsageError
-from engine.ros.cdr import Codec
-from engine.ros.definitions import Definitions
 from engine.ros.door_thread import DoorThread
-from engine.ros.zenoh_graph import Tokens
-from engine.ros.zenoh_wire import Attachment, Endpoint, Entity, Kind, Qos, gid, ros_name
+from engine.ros.interfaces.cdr import Codec
+from engine.ros.interfaces.definitions import Definitions
+from engine.ros.zenoh.graph import Tokens
+from engine.ros.zenoh.wire import Attachment, Endpoint, Entity, Kind, Qos, gid, ros_name
 
 if TYPE_CHECKING:
     from zenoh import Session

@@ -7,7 +7,7 @@ import uuid
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from engine.ros.actions import CANCEL, CODES, Carrier, goal_id, id_of
+from engine.ros.actions.parts import CANCEL, CODES, Carrier, goal_id, id_of
 from engine.ros.door import ACCEPT_S, Goal, Message, Outcome, Take, Then
 
 

@@ -3,7 +3,7 @@ https://design.ros2.org/articles/actions.html).
 
 ``send_goal`` takes a goal or rejects it, ``get_result`` answers when it has ended, ``cancel_goal`` asks for its end;
 ``feedback`` tells how far it is, and ``status`` how all goals are. A door whose protocol knows only topics and services
-has actions by :mod:`engine.ros.action_clients` and :mod:`engine.ros.action_servers`; here is what both need.
+has actions by :mod:`engine.ros.actions.clients` and :mod:`engine.ros.actions.servers`; here is what both need.
 """
 
 from __future__ import annotations

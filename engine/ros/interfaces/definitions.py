@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 import yaml
 
 from engine.errors import DeviceError, UsageError
-from engine.ros.hashes import (
+from engine.ros.interfaces.hashes import (
     ARRAY,
     BOUNDED_SEQUENCE,
     BOUNDED_STRING,

@@ -16,8 +16,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from engine.errors import DeviceError, UsageError, one_line
-from engine.ros.definitions import INSTALL
 from engine.ros.door_thread import DoorThread
+from engine.ros.interfaces.definitions import INSTALL
 
 if TYPE_CHECKING:
     from zenoh import Config, Session

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from engine.ros.door import ACCEPT_S, Code, Message, Outcome, Take, octets
-from engine.ros.rosbridge_line import GONE, Line, Lines, why
+from engine.ros.rosbridge.line import GONE, Line, Lines, why
 
 STATUS: Final = "action_msgs/msg/GoalStatusArray"
 _UNDER_WAY: Final = (1, 2, 3)

@@ -10,11 +10,11 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
 from engine.errors import UsageError
-from engine.ros.cdr import BadMessage
 from engine.ros.door import Code, Message, Outcome, Reply, Then
-from engine.ros.zenoh_graph import mismatch
-from engine.ros.zenoh_node import Announced, Node
-from engine.ros.zenoh_wire import Attachment, Endpoint, Qos
+from engine.ros.interfaces.cdr import BadMessage
+from engine.ros.zenoh.graph import mismatch
+from engine.ros.zenoh.node import Announced, Node
+from engine.ros.zenoh.wire import Attachment, Endpoint, Qos
 
 if TYPE_CHECKING:
     from zenoh import Query, Session

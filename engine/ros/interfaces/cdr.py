@@ -13,8 +13,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from engine.ros.definitions import Definitions
 from engine.ros.door import Message, octets
+from engine.ros.interfaces.definitions import Definitions
 
 LONG: Final = 64
 """Arrays of more numbers than these are numpy arrays, which are not to be written to; shorter ones are lists."""

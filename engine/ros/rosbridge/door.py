@@ -1,7 +1,7 @@
 """The door by rosbridge: JSON over a WebSocket, which robots of any age have.
 
 A thread of its own keeps one connection for topics, and for what we serve, and makes others for calls and goals
-(:mod:`engine.ros.rosbridge_line` says why). One that is lost is made again, and everything that was advertised and
+(:mod:`engine.ros.rosbridge.line` says why). One that is lost is made again, and everything that was advertised and
 subscribed with it.
 """
 
@@ -16,8 +16,8 @@ from typing import Any, Final
 
 from engine.ros.door import CALL_S, End, Execution, Graph, Message, Outcome, Reply, Take, Then, Work
 from engine.ros.door import Goal as AnyGoal
-from engine.ros.rosbridge_goals import STATUS, Goal, Statuses, call
-from engine.ros.rosbridge_line import GONE, LEAVE_S, OPEN_S, Line, Lines, opened, why
+from engine.ros.rosbridge.goals import STATUS, Goal, Statuses, call
+from engine.ros.rosbridge.line import GONE, LEAVE_S, OPEN_S, Line, Lines, opened, why
 
 AGAIN_S: Final = 0.5
 """Between two tries to connect."""

@@ -1,7 +1,7 @@
 """The door by zenoh: straight to the nodes of a robot whose ROS 2 runs with rmw_zenoh, through its router.
 
 Nothing of ROS 2 is needed here: messages, types and the graph are written as rmw_zenoh_cpp of ROS 2 Jazzy does
-(:mod:`engine.ros.zenoh_wire`).
+(:mod:`engine.ros.zenoh.wire`).
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from engine.errors import SaysoError
-from engine.ros.action_clients import ActionClients
-from engine.ros.action_servers import ActionServers
+from engine.ros.actions.clients import ActionClients
+from engine.ros.actions.servers import ActionServers
 from engine.ros.door import CALL_S, Door, Goal, Graph, Message, Outcome, Reply, Take, Then, Work
 from engine.ros.door_thread import DoorThread
-from engine.ros.zenoh_graph import graph_of
-from engine.ros.zenoh_link import Link
-from engine.ros.zenoh_node import Node
-from engine.ros.zenoh_services import Clients, Servers
-from engine.ros.zenoh_topics import Topics
-from engine.ros.zenoh_wire import tokens
+from engine.ros.zenoh.graph import graph_of
+from engine.ros.zenoh.link import Link
+from engine.ros.zenoh.node import Node
+from engine.ros.zenoh.services import Clients, Servers
+from engine.ros.zenoh.topics import Topics
+from engine.ros.zenoh.wire import tokens
 
 if TYPE_CHECKING:
     from zenoh import Session

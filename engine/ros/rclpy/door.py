@@ -1,7 +1,7 @@
 """The door by rclpy: sayso as a node of its own, where it runs inside an installation of ROS 2 (Jazzy or later).
 
 Types are imported by name from their packages, so all that are installed can be used. What rclpy does, it does in one
-thread (:mod:`engine.ros.rclpy_loop`).
+thread (:mod:`engine.ros.rclpy.loop`).
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 from engine.ros.door import CALL_S, Code, Goal, Graph, Message, Outcome, Reply, Take, Then, Work
-from engine.ros.rclpy_goals import ActionServer, SentGoal
-from engine.ros.rclpy_loop import Loop
-from engine.ros.rclpy_messages import BadTypeError, find_type, made_by, to_message
-from engine.ros.rclpy_services import Call, serve
-from engine.ros.rclpy_topics import Publisher, subscribe
+from engine.ros.rclpy.goals import ActionServer, SentGoal
+from engine.ros.rclpy.loop import Loop
+from engine.ros.rclpy.messages import BadTypeError, find_type, made_by, to_message
+from engine.ros.rclpy.services import Call, serve
+from engine.ros.rclpy.topics import Publisher, subscribe
 
 LEAVE_S: Final = 0.3
 """In which what was published last goes out before the door is shut."""

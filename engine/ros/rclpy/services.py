@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from engine.ros.door import Message, Outcome, Reply, Then
-from engine.ros.rclpy_loop import Loop
-from engine.ros.rclpy_messages import BadTypeError, to_mapping, to_message
+from engine.ros.rclpy.loop import Loop
+from engine.ros.rclpy.messages import BadTypeError, to_mapping, to_message
 
 LOOK_S: Final = 0.05
 """Between two looks for a server that is not there yet: rclpy has no event for it."""

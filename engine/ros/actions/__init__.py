@@ -1,0 +1,1 @@
+"""Actions for doors whose protocol knows only topics and services."""

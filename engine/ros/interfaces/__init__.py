@@ -1,0 +1,1 @@
+"""The types of messages, services and actions, and how their messages are written in bytes."""

@@ -1,0 +1,1 @@
+"""The door by zenoh, in the wire format of rmw_zenoh."""
