@@ -113,14 +113,14 @@ class Peer:
                         self.zero_at = min(self.zero_at, time.monotonic())
                     self.drive(twist)
                 case "call_service":
-                    found = self._called(order["service"])
+                    found = self._called(order["service"], order["args"])
                     about = {"id": order["id"], "service": order["service"], "values": found}
                     result = not isinstance(found, str)
                     await self._send(connection, {"op": "service_response", **about, "result": result})
                 case "send_action_goal":
                     await self._navigate(connection, order)
 
-    def _called(self, service: str) -> dict[str, Any] | str:
+    def _called(self, service: str, args: dict[str, Any]) -> dict[str, Any] | str:
         """The response of a service, or why there is none."""
         actions = [ACTION] if self._navigates else []
         match service:
@@ -131,10 +131,9 @@ class Peer:
             case "/rosapi/action_servers":
                 return {"action_servers": actions}
             case _ if any(service == f"{action}/_action/cancel_goal" for action in actions):
-                self.way = None if not self._stubborn else self.way
-                return {"return_code": 0, "goals_canceling": []}
-            case _ if any(service == f"{action}/_action/get_result" for action in actions):
-                return "Unable to import srv class NavigateToPose_GetResult from package nav2_msgs."
+                everything = not any(args["goal_info"]["goal_id"]["uuid"])
+                self.way = None if everything and not self._stubborn else self.way
+                return {"return_code": 0 if everything else 2, "goals_canceling": []}
             case _:
                 return f"Service {service} does not exist"
 

@@ -205,7 +205,7 @@ class GraphPart:
             except Exception as error:  # noqa: BLE001 - one boundary: nothing raises in the door's thread
                 self._complain(f"A message on {topic} has met a fault: {one_line(repr(error))}.")
 
-        door.subscribe(topic, type, guarded)
+        door.subscribe(topic, type, guarded, every=True)
 
     def _publisher(
         self, door: Door, name: str | None, before: Callable[[str], None] = lambda text: None
@@ -213,6 +213,7 @@ class GraphPart:
         if name is None:
             return lambda text: None
         topic = self._full(name)
+        door.advertise(topic, STRING)
 
         def publish(text: str) -> None:
             message = string(text)

@@ -109,14 +109,33 @@ class Door(Protocol):
         """Why nothing passes now, in words for people; empty where it does."""
         ...
 
+    def mismatches(self) -> Mapping[str, str]:
+        """What cannot work though the door is open, by topic, service or action, in words for people: a type that is
+        not known here, or that a peer means otherwise."""
+        ...
+
+    def advertise(self, topic: str, type: str) -> None:
+        """Let peers know that it will be published: those who listen then miss nothing."""
+        ...
+
     def publish(self, topic: str, type: str, message: Message, *, every: bool = False) -> None:
         """Publish soon. Of two that have not gone out yet on one topic only the newer one does, unless ``every`` one
         counts."""
         ...
 
-    def subscribe(self, topic: str, type: str, take: Take, *, every_s: float = 0.0, latched: bool = False) -> None:
-        """Have every message of a topic, but no more than one in ``every_s``; one subscription a topic. ``latched``:
-        also the last one that was published before (``transient_local``), as a map is."""
+    def subscribe(
+        self,
+        topic: str,
+        type: str,
+        take: Take,
+        *,
+        every_s: float = 0.0,
+        latched: bool = False,
+        every: bool = False,
+    ) -> None:
+        """Have the messages of a topic, but no more than one in ``every_s``; one subscription a topic. Where they come
+        faster than they pass, only the newest do, unless ``every`` one counts. ``latched``: also the last one that was
+        published before (``transient_local``), as a map is."""
         ...
 
     def call(self, service: str, type: str, request: Message, then: Then, *, limit_s: float = CALL_S) -> None:

@@ -33,6 +33,12 @@ class Driver:
     def do_trouble(self, id: int) -> None:
         write({"id": id, "trouble": self.door.trouble})
 
+    def do_mismatches(self, id: int) -> None:
+        write({"id": id, "mismatches": dict(self.door.mismatches())})
+
+    def do_advertise(self, topic: str, type: str) -> None:
+        self.door.advertise(topic, type)
+
     def do_publish(self, **told: Any) -> None:
         self.door.publish(told.pop("topic"), told.pop("type"), told.pop("message"), **told)
 

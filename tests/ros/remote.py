@@ -30,11 +30,28 @@ class RemoteDoor:
         self._tell("trouble", lambda line: answers.put(line["trouble"]))
         return answers.get(timeout=ANSWER_S)
 
+    def mismatches(self) -> Mapping[str, str]:
+        answers: queue.SimpleQueue[Mapping[str, str]] = queue.SimpleQueue()
+        self._tell("mismatches", lambda line: answers.put(line["mismatches"]))
+        return answers.get(timeout=ANSWER_S)
+
+    def advertise(self, topic: str, type: str) -> None:
+        self.program.tell({"do": "advertise", "topic": topic, "type": type})
+
     def publish(self, topic: str, type: str, message: Message, *, every: bool = False) -> None:
         self.program.tell({"do": "publish", "topic": topic, "type": type, "message": message, "every": every})
 
-    def subscribe(self, topic: str, type: str, take: Take, *, every_s: float = 0.0, latched: bool = False) -> None:
-        told = {"topic": topic, "type": type, "every_s": every_s, "latched": latched}
+    def subscribe(
+        self,
+        topic: str,
+        type: str,
+        take: Take,
+        *,
+        every_s: float = 0.0,
+        latched: bool = False,
+        every: bool = False,
+    ) -> None:
+        told = {"topic": topic, "type": type, "every_s": every_s, "latched": latched, "every": every}
         self._tell("subscribe", lambda line: take(line["message"]), **told)
 
     def call(self, service: str, type: str, request: Message, then: Then, *, limit_s: float = CALL_S) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -65,6 +65,12 @@ class Hand:
 
     # As a door
 
+    def mismatches(self) -> Mapping[str, str]:
+        return {}
+
+    def advertise(self, topic: str, type: str) -> None:
+        """Nobody is there who would listen earlier."""
+
     def publish(self, topic: str, type: str, message: Message, *, every: bool = False) -> None:
         assert type == STRING
         assert every, "each of them counts"
@@ -74,7 +80,16 @@ class Hand:
         if self.echoes and topic in self.takes:
             asyncio.get_running_loop().call_soon(self.takes[topic][1], dict(message))
 
-    def subscribe(self, topic: str, type: str, take: Take, *, every_s: float = 0.0, latched: bool = False) -> None:
+    def subscribe(
+        self,
+        topic: str,
+        type: str,
+        take: Take,
+        *,
+        every_s: float = 0.0,
+        latched: bool = False,
+        every: bool = False,
+    ) -> None:
         self.takes[topic] = (type, take)
 
     def serve(self, service: str, type: str, answer: Callable[[Message, Reply], object]) -> None:
@@ -114,13 +129,9 @@ class Hand:
         return client
 
     async def plan(self, command: Any, language: Any = "") -> Message:
-        replies: list[Message] = []
-        came = asyncio.Event()
-        self.answers["/get_plan"](
-            {"command": command, "language": language}, lambda reply: (replies.append(reply), came.set())
-        )
-        await came.wait()
-        return replies[0]
+        replied: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        self.answers["/get_plan"]({"command": command, "language": language}, replied.set_result)
+        return await replied
 
     def on(self, topic: str) -> list[Any]:
         """What has been published there."""

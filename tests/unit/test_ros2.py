@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -88,11 +88,26 @@ class Table:
                 self.takes["/joint_states"](joint_states(0.0, 1.0))
         return self.t
 
+    def mismatches(self) -> Mapping[str, str]:
+        return {}
+
+    def advertise(self, topic: str, type: str) -> None:
+        """Nobody is there who would listen earlier."""
+
     def publish(self, topic: str, type: str, message: Message, *, every: bool = False) -> None:
         assert (topic, type, every) == ("/cmd_vel", messages.TWIST, False)
         self.said.append(message)
 
-    def subscribe(self, topic: str, type: str, take: Take, *, every_s: float = 0.0, latched: bool = False) -> None:
+    def subscribe(
+        self,
+        topic: str,
+        type: str,
+        take: Take,
+        *,
+        every_s: float = 0.0,
+        latched: bool = False,
+        every: bool = False,
+    ) -> None:
         self.takes[topic] = take
 
     def send_goal(

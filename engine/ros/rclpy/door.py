@@ -17,7 +17,7 @@ from engine.ros.rclpy.goals import ActionServer, SentGoal
 from engine.ros.rclpy.loop import Loop
 from engine.ros.rclpy.messages import BadTypeError, find_type, made_by, to_message
 from engine.ros.rclpy.services import Call, serve
-from engine.ros.rclpy.topics import Publisher, subscribe
+from engine.ros.rclpy.topics import How, Publisher, subscribe
 
 LEAVE_S: Final = 0.3
 """In which what was published last goes out before the door is shut."""
@@ -47,11 +47,13 @@ class RclpyDoor:
     def trouble(self) -> str:
         return self._loop.trouble
 
-    @property
-    def wrong(self) -> Mapping[str, str]:
-        """What cannot be used though the door is open, by topic, service or action: a type that is not installed, a
-        message that does not fit its type."""
+    def mismatches(self) -> Mapping[str, str]:
         return dict(self._loop.wrong)
+
+    def advertise(self, topic: str, type: str) -> None:
+        with self._lock:
+            self._waiting.setdefault(topic, (type, []))
+        self._loop.soon(lambda: self._send(topic))
 
     def publish(self, topic: str, type: str, message: Message, *, every: bool = False) -> None:
         with self._lock:
@@ -62,8 +64,18 @@ class RclpyDoor:
         if not self._loop.soon(lambda: self._send(topic)):
             self._waiting.clear()
 
-    def subscribe(self, topic: str, type: str, take: Take, *, every_s: float = 0.0, latched: bool = False) -> None:
-        self._loop.soon(lambda: self._subscribe(topic, type, take, every_s, latched))
+    def subscribe(
+        self,
+        topic: str,
+        type: str,
+        take: Take,
+        *,
+        every_s: float = 0.0,
+        latched: bool = False,
+        every: bool = False,
+    ) -> None:
+        how = How(every_s, latched, every)
+        self._loop.soon(lambda: self._subscribe(topic, type, take, how))
 
     def call(self, service: str, type: str, request: Message, then: Then, *, limit_s: float = CALL_S) -> None:
         one = _Open(self, then)
@@ -143,11 +155,11 @@ class RclpyDoor:
             except BadTypeError as error:
                 self._loop.wrong[topic] = str(error)
 
-    def _subscribe(self, topic: str, type: str, take: Take, every_s: float, latched: bool) -> None:
+    def _subscribe(self, topic: str, type: str, take: Take, how: How) -> None:
         if (old := self._subscriptions.pop(topic, None)) is not None:
             self._loop.node.destroy_subscription(old)
         if (found := self._type(topic, type, "msg")) is not None:
-            made = self._make(topic, lambda: subscribe(self._loop, topic, found, take, every_s, latched))
+            made = self._make(topic, lambda: subscribe(self._loop, topic, found, take, how))
             self._subscriptions[topic] = made
 
     def _call(self, service: str, type: str, request: Message, one: _Open, limit_s: float) -> None:

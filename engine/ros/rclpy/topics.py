@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, Final
 
 from engine.ros.door import Message, Take
@@ -12,6 +13,8 @@ from engine.ros.rclpy.messages import to_mapping, to_message
 
 DEPTH: Final = 10
 """Messages of one topic that may wait."""
+DEEP: Final = 1000
+"""The same where every one counts."""
 FOUND_S: Final = 1.0
 """In which a subscriber has found a new publisher, if there is one."""
 
@@ -46,7 +49,16 @@ class Publisher:
             self._tell()
 
 
-def subscribe(loop: Loop, topic: str, type: Any, take: Take, every_s: float, latched: bool) -> Any:
+@dataclass(frozen=True, slots=True)
+class How:
+    """How a topic is listened to; see :meth:`engine.ros.door.Door.subscribe`."""
+
+    every_s: float
+    latched: bool
+    every: bool
+
+
+def subscribe(loop: Loop, topic: str, type: Any, take: Take, how: How) -> Any:
     """A subscription. It is best effort, which hears every publisher; a latched one is reliable, as those that latch
     are."""
     from rclpy.qos import (  # type: ignore[import-not-found]
@@ -65,12 +77,12 @@ def subscribe(loop: Loop, topic: str, type: Any, take: Take, every_s: float, lat
         """One that comes too soon is not even read."""
         nonlocal due
         if (now := time.monotonic()) >= due:
-            due = now + every_s
+            due = now + how.every_s
             taken(deserialize_message(octets, type))
 
     qos = QoSProfile(
-        depth=DEPTH,
-        reliability=ReliabilityPolicy.RELIABLE if latched else ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+        depth=DEEP if how.every else DEPTH,
+        reliability=ReliabilityPolicy.RELIABLE if how.latched else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if how.latched else DurabilityPolicy.VOLATILE,
     )
-    return loop.node.create_subscription(type, topic, taken_raw if every_s else taken, qos, raw=bool(every_s))
+    return loop.node.create_subscription(type, topic, taken_raw if how.every_s else taken, qos, raw=bool(how.every_s))

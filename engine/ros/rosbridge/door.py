@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import threading
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -23,6 +23,9 @@ AGAIN_S: Final = 0.5
 """Between two tries to connect."""
 _ENDS: Final[dict[End, int]] = {"succeeded": 4, "canceled": 5, "aborted": 6}
 
+_LAST: Final = "/sayso/leaves"
+"""A service that nobody has."""
+
 Order = dict[str, Any]
 """One operation of the protocol."""
 
@@ -32,7 +35,7 @@ class _Subscription:
     type: str
     take: Take
     every_s: float
-    latched: bool
+    every: bool
 
 
 class Rosbridge:
@@ -55,26 +58,46 @@ class Rosbridge:
         self._lines = Lines(url)
         self._loop = asyncio.new_event_loop()
         self._work = asyncio.Event()  # something waits to go out
+        self._left = asyncio.Event()  # the bridge has done all that it was told
         self._closing = False
         self._thread = threading.Thread(target=self._run, name="rosbridge", daemon=True)
         self._thread.start()
 
     # From any thread
 
-    def publish(self, topic: str, type: str, message: Message, *, every: bool = False) -> None:
+    def mismatches(self) -> Mapping[str, str]:
+        return {}  # a bridge tells nobody
+
+    def advertise(self, topic: str, type: str) -> None:
         with self._lock:
-            if topic not in self._advertised:
-                self._advertised[topic] = type
-                self._orders.append(_advertise(topic, type))
+            if topic in self._advertised:
+                return
+            self._advertised[topic] = type
+            self._orders.append(_advertise(topic, type))
+        self._wake()
+
+    def publish(self, topic: str, type: str, message: Message, *, every: bool = False) -> None:
+        self.advertise(topic, type)
+        with self._lock:
             if not every:
                 self._newest[topic] = message
             elif not self.trouble:
                 self._orders.append({"op": "publish", "topic": topic, "msg": message})
         self._wake()
 
-    def subscribe(self, topic: str, type: str, take: Take, *, every_s: float = 0.0, latched: bool = False) -> None:
+    def subscribe(
+        self,
+        topic: str,
+        type: str,
+        take: Take,
+        *,
+        every_s: float = 0.0,
+        latched: bool = False,
+        every: bool = False,
+    ) -> None:
+        del latched  # a bridge hears what was latched wherever it is
         with self._lock:
-            self._subscribed[topic] = found = _Subscription(type, take, every_s, latched)
+            self._subscribed[topic] = found = _Subscription(type, take, every_s, every)
             self._orders.append(_subscribe(topic, found))
         self._wake()
 
@@ -229,9 +252,21 @@ class Rosbridge:
                 self._work.clear()
                 await self._send_all(line)
                 if self._closing:
+                    await self._take_leave(line)
                     return
         finally:
             hearing.cancel()
+
+    async def _take_leave(self, line: Line) -> None:
+        """Serve nothing any more, and wait until the bridge has done what it was told: it forgets that when the
+        connection ends, but not what was advertised."""
+        for service in self._services:
+            await line.send({"op": "unadvertise_service", "service": service})
+        for action in self._actions:
+            await line.send({"op": "unadvertise_action", "action": action})
+        await line.send({"op": "call_service", "id": _LAST, "service": _LAST})
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(self._left.wait(), LEAVE_S)
 
     async def _send_all(self, line: Line) -> None:
         with self._lock:
@@ -245,6 +280,8 @@ class Rosbridge:
     async def _hear(self, line: Line) -> None:
         async for order in line.heard():
             match order.get("op"):
+                case "service_response" if order.get("id") == _LAST:
+                    self._left.set()
                 case "publish":
                     message, found = order.get("msg"), self._subscribed.get(str(order.get("topic")))
                     if found is not None and isinstance(message, dict):
@@ -275,8 +312,7 @@ class Rosbridge:
         execution = _Execution(goal if isinstance(goal, dict) else {}, id, name, found[1], self._tell, self._forget)
         self._executing[id] = execution
         if not found[1].begin(execution):
-            self._forget(id)
-            self._tell({"op": "action_result", "id": id, "action": name, "values": {}, "status": 6, "result": False})
+            execution.end("aborted", {})  # to refuse it in other words makes the bridge fail
 
     def _forget(self, id: str) -> None:
         self._soon(lambda: self._executing.pop(id, None))
@@ -325,7 +361,9 @@ def _advertise(topic: str, type: str) -> Order:
 
 
 def _subscribe(topic: str, found: _Subscription) -> Order:
-    order: Order = {"op": "subscribe", "topic": topic, "type": found.type, "queue_length": 1}
+    order: Order = {"op": "subscribe", "topic": topic, "type": found.type}
+    if not found.every:
+        order["queue_length"] = 1
     return {**order, "throttle_rate": round(1000 * found.every_s)} if found.every_s else order
 
 

@@ -92,11 +92,11 @@ class Goal:
     def _cancel(self) -> None:
         if not self._cancelled:
             self._cancelled = True
-            self.told(self._cancelling)
+            self.told(self._order_to_cancel)
         self._news.set()
 
     @property
-    def _cancelling(self) -> dict[str, Any]:
+    def _order_to_cancel(self) -> dict[str, Any]:
         return {"op": "cancel_action_goal", "id": self.id, "action": self.action}
 
     async def run(self, lines: Lines, statuses: Statuses) -> Outcome:
@@ -197,14 +197,14 @@ class Goal:
             await asyncio.sleep(_LOOK_S)
             if asyncio.get_running_loop().time() - self._heard_at < _LOOK_S:
                 continue  # it lives
-            if (gone := await self._server_gone(lines)) is not None:
-                self._end(Outcome("lost", why=f"the server of {self.action} is gone" if not gone.why else gone.why))
+            if await self._server_gone(lines) is not None:
+                self._end(Outcome("lost", why=f"the server of {self.action} is gone"))
                 return
 
     async def _server_gone(self, lines: Lines) -> Outcome | None:
-        """How it ends because nobody serves it; None where somebody does. The service that is asked has a type that a
-        bridge cannot load: it says so where it is there."""
-        outcome = await call(lines, f"{self.action}/_action/get_result", {}, ACCEPT_S)
+        """How it ends because nobody serves it; None where somebody does. Whoever is there answers that there is no
+        such goal to cancel."""
+        outcome = await call(lines, f"{self.action}/_action/cancel_goal", _cancelling(uuid.uuid4().bytes), ACCEPT_S)
         if outcome.code == "no_server":
             return Outcome("no_server", why=f"nobody serves {self.action}")
         return outcome if outcome.code in ("lost", "timed_out") else None
@@ -213,10 +213,10 @@ class Goal:
         """Until somebody ends this task: a bridge forgets what it is told before the server has the goal."""
         while True:
             if self._server_id:
-                about = {"goal_id": {"uuid": self._server_id}, "stamp": {"sec": 0, "nanosec": 0}}
-                await call(lines, f"{self.action}/_action/cancel_goal", {"goal_info": about}, ACCEPT_S)
+                request = _cancelling(bytes(self._server_id))
+                await call(lines, f"{self.action}/_action/cancel_goal", request, ACCEPT_S)
             await asyncio.sleep(_AGAIN_S)
-            self.told(self._cancelling)
+            self.told(self._order_to_cancel)
 
 
 class Statuses:
@@ -249,6 +249,11 @@ class Statuses:
 def _id_of(status: Message) -> tuple[int, ...]:
     found = status["goal_info"]["goal_id"]["uuid"]
     return tuple(octets(found) or found)
+
+
+def _cancelling(id: bytes) -> Message:
+    """A request of ``CancelGoal`` for one goal."""
+    return {"goal_info": {"goal_id": {"uuid": list(id)}, "stamp": {"sec": 0, "nanosec": 0}}}
 
 
 class _Unfinished(Exception):

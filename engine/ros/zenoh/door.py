@@ -70,7 +70,17 @@ class ZenohDoor:
         if not self.trouble:
             self._topics.publish(topic, type, message, latched)
 
-    def subscribe(self, topic: str, type: str, take: Take, *, every_s: float = 0.0, latched: bool = False) -> None:
+    def subscribe(
+        self,
+        topic: str,
+        type: str,
+        take: Take,
+        *,
+        every_s: float = 0.0,
+        latched: bool = False,
+        every: bool = False,
+    ) -> None:
+        del every  # none is dropped, within reason
         self.soon(lambda: self._topics.subscribe(topic, type, take, every_s, latched))
 
     def call(self, service: str, type: str, request: Message, then: Then, *, limit_s: float = CALL_S) -> None:
