@@ -13,9 +13,9 @@ INSTALLED := $(VENV)/.installed
 SOUND := libportaudio2 pulseaudio pulseaudio-utils libasound2-plugins
 
 # Tests of what acts in real time: sound, and whole programs at the pace of the world.
-ALONE := tests/audio tests/e2e
+ALONE := tests/audio tests/e2e tests/ros
 
-.PHONY: run test test-audio sound test-web check reader pictures clean
+.PHONY: run test test-audio sound test-web test-ros check reader pictures clean
 
 run: $(INSTALLED)
 	@$(BIN)/sayso models pull
@@ -24,6 +24,7 @@ run: $(INSTALLED)
 # What only computes is tried on all cores; what acts in real time has the machine for itself.
 test: check
 	@$(BIN)/sayso models pull whisper-base whisper-tiny.en qwen2.5-coder-1.5b piper-joe speech-embedding multilingual-e5-small
+	@$(BIN)/python -m tests.ros.environment
 ifdef ARGS
 	$(BIN)/pytest $(ARGS)
 else
@@ -54,6 +55,11 @@ check: $(INSTALLED)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+# The tests against real nodes of ROS 2, for certain. SAYSO_ROSBRIDGE names the folder of a rosbridge_suite, to try that too.
+test-ros: $(INSTALLED)
+	@TEST_ROS=required $(BIN)/python -m tests.ros.environment
+	TEST_ROS=required $(BIN)/pytest tests/ros $(ARGS)
+
 # Trains the learned reader anew, in an hour or so on two cores. PUBLIC is a folder with HuRIC and GPSR, if any.
 reader: $(INSTALLED)
 	@$(BIN)/sayso models pull multilingual-e5-small
@@ -73,4 +79,4 @@ $(INSTALLED): pyproject.toml constraints.txt
 	@touch $@
 
 clean:
-	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .import_linter_cache
+	rm -rf $(VENV) .ros .mypy_cache .pytest_cache .ruff_cache .import_linter_cache

@@ -5,10 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import queue
-import sys
-import threading
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,40 +13,12 @@ import pytest
 from engine.ros.door import Door, Message
 from tests.ros import environment
 from tests.ros.conftest import LIMIT_S, Ending, needs_ros, until_heard
-from tests.ros.lines import Line, Program
 from tests.ros.remote import RemoteDoor
+from tests.ros.true_robot import TrueRobot
 from tests.ros.ways import free_domain
 
 TWIST, ODOMETRY, NAVIGATE = "geometry_msgs/msg/Twist", "nav_msgs/msg/Odometry", "nav2_msgs/action/NavigateToPose"
 FORWARD = {"linear": {"x": 0.3}}
-
-
-class TrueRobot:
-    """What the robot tells of itself beside ROS."""
-
-    def __init__(self, surroundings: dict[str, str]) -> None:
-        self._ready = threading.Event()
-        self._changed = threading.Condition()
-        self.pose, self.twist = [math.nan] * 3, [0.0] * 3
-        command: list[str | Path] = [environment.PYTHON, "-m", "tests.ros.robot", sys.executable]
-        self.program = Program(command, surroundings, self._hear)
-        assert self._ready.wait(LIMIT_S)
-
-    @property
-    def speed(self) -> float:
-        return math.hypot(*self.twist)
-
-    def until(self, holds: Any) -> None:
-        with self._changed:
-            assert self._changed.wait_for(lambda: holds(self), LIMIT_S), (self.pose, self.twist)
-
-    def _hear(self, line: Line) -> None:
-        if "ready" in line:
-            self._ready.set()
-            return
-        with self._changed:
-            self.pose, self.twist = line["pose"], line["twist"]
-            self._changed.notify_all()
 
 
 @pytest.fixture(scope="module")

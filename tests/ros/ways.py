@@ -75,17 +75,22 @@ class ByRosbridge:
     name = "rosbridge"
 
     def __init__(self) -> None:
-        self._surroundings = environment.surroundings(free_domain())
+        self.surroundings = environment.surroundings(free_domain())
         self._port = free_port()
         self._rosapi = self._start("rosapi")
         self.mend()
         self.new_peer()
 
+    @property
+    def address(self) -> str:
+        """As a setting writes it."""
+        return f"ws://127.0.0.1:{self._port}"
+
     def open(self) -> Door:
-        return open_door(f"ws://127.0.0.1:{self._port}")
+        return open_door(self.address)
 
     def new_peer(self) -> None:
-        self.peer: Peer = RosPeer(environment.PYTHON, self._surroundings)
+        self.peer: Peer = RosPeer(environment.PYTHON, self.surroundings)
 
     def cut(self) -> None:
         self._bridge.kill()
@@ -102,7 +107,7 @@ class ByRosbridge:
         suite = environment.bridge()
         assert suite is not None
         command: list[str | Path] = [environment.PYTHON, "-m", "tests.ros.bridge", suite, *what]
-        return Program(command, self._surroundings, None)
+        return Program(command, self.surroundings, None)
 
 
 class ByZenoh:

@@ -70,6 +70,10 @@ def _ros_robot(name: str, url: str, about: RosOf) -> Finding:
     if found.trouble:
         fix = "Does it run, and is robot.door right?"
         return Finding("robot", "missing", found.trouble, fix, needed=True)
+    if found.mismatched:
+        name, how = next(iter(found.mismatched.items()))
+        fix = "Put the definition that your robot has into ros2/ of the configuration folder (docs/ros2.md)."
+        return Finding("robot", "missing", f"{name} is of another type there: {how}", fix, needed=True)
     fix = "Put the topics of your robot into ros: of its description."
     if about.odometry in found.silent:
         return Finding("robot", "missing", f"no odometry comes on {about.odometry}", fix, needed=True)

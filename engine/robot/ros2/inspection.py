@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import partial
 
 from engine.robot.description import RosOf
@@ -21,6 +22,8 @@ class Found:
     heard: tuple[str, ...]
     silent: tuple[str, ...]
     """Topics of the description on which nothing came."""
+    mismatched: Mapping[str, str] = field(default_factory=dict)
+    """What a peer means another type by, and which, in words; by topic."""
     ahead_s: float | None = None
     """By how much the robot's clock is ahead of ours, s; None where nothing told its time."""
 
@@ -45,4 +48,10 @@ def inspect(door: Door, about: RosOf, seconds: float) -> Found:
     while heard < wanted.keys() and (left := until - time.monotonic()) > 0:
         more.wait(left)
         more.clear()
-    return Found(door.trouble, tuple(sorted(heard)), tuple(sorted(wanted.keys() - heard)), max(ahead, default=None))
+    return Found(
+        door.trouble,
+        tuple(sorted(heard)),
+        tuple(sorted(wanted.keys() - heard)),
+        door.mismatches(),
+        max(ahead, default=None),
+    )

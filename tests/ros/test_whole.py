@@ -1,0 +1,156 @@
+"""All of sayso in a graph of ROS 2: it drives a robot of ROS through its own navigation, and a plain node of rclpy has
+it carry out sentences and plans. By rclpy it runs in the Python of ROS, by a rosbridge in its own."""
+
+from __future__ import annotations
+
+import json
+import math
+import queue
+import sysconfig
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.e2e.engine import Engine, engine
+from tests.e2e.test_board import ended
+from tests.eval.runner import ROS_MODEL
+from tests.ros import environment
+from tests.ros.conftest import LIMIT_S, needs_ros
+from tests.ros.peers import RosPeer
+from tests.ros.true_robot import TrueRobot
+from tests.ros.ways import ByRosbridge, free_domain
+
+KITCHEN = (0.2, 2.0)
+STUDY = (3.0, 2.0)
+STRING = "std_msgs/msg/String"
+PLAN, EXECUTE = "sayso_interfaces/srv/GetPlan", "sayso_interfaces/action/ExecutePlan"
+
+
+@pytest.fixture
+def surroundings() -> Mapping[str, str]:
+    needs_ros()
+    return environment.surroundings(free_domain())
+
+
+@contextmanager
+def in_ros(state: Path, surroundings: Mapping[str, str], *options: str) -> Iterator[Engine]:
+    """sayso in the Python of ROS, with the packages of its own."""
+    path = f"{environment.CHECKOUT}:{sysconfig.get_path('purelib')}"
+    environ = {**surroundings, "PYTHONPATH": path}
+
+    def below(argv: list[str]) -> list[str]:
+        return [str(environment.PYTHON), *argv[1:]]
+
+    with engine(state, "", *told(*options), environ=environ, below=below) as running:
+        yield running
+
+
+def told(*settings: str) -> list[str]:
+    return [word for setting in settings for word in ("--set", setting)]
+
+
+def drives(running: Engine, robot: TrueRobot) -> None:
+    """It goes to the kitchen by the robot's navigation, and stops in mid-drive when it is interrupted."""
+    running.until("log", lambda body: body["source"] == "robot" and "ready" in body["message"])
+    running.send(do="say", text="go to the kitchen")
+    result = running.until("state.changed", ended)["result"]
+    assert result["outcome"] == "done", result
+    robot.until(lambda robot: robot.speed < 0.01)
+    assert math.dist(robot.pose[:2], KITCHEN) < 0.1
+    running.send(do="say", text="go to the hall")
+    robot.until(lambda robot: robot.speed > 0.1)
+    running.send(do="interrupt")
+    running.until("state.changed", ended)
+    robot.until(lambda robot: robot.speed < 0.01)
+
+
+def test_it_drives_a_robot_of_ros_by_rclpy(tmp_path: Path, surroundings: Mapping[str, str]) -> None:
+    robot = TrueRobot(surroundings)
+    options = ("robot.kind=ros2", "robot.door=rclpy", f"robot.model={ROS_MODEL}")
+    with in_ros(tmp_path, surroundings, *options) as running:
+        drives(running, robot)
+    robot.program.close()
+
+
+def test_it_drives_a_robot_of_ros_by_a_bridge_that_goes_and_comes_back(tmp_path: Path) -> None:
+    needs_ros()
+    if environment.bridge() is None:
+        pytest.skip(f"The published rosbridge is no wheel: {environment.BRIDGE} says in which folder it is.")
+    way = ByRosbridge()
+    robot = TrueRobot(way.surroundings)
+    options = ("robot.kind=ros2", f"robot.door={way.address}", f"robot.model={ROS_MODEL}")
+    with engine(tmp_path, "", *told(*options)) as running:
+        drives(running, robot)
+        running.send(do="say", text="go to the study")
+        robot.until(lambda robot: robot.speed > 0.1)
+        way.cut()
+        result = running.until("state.changed", ended)["result"]
+        assert result["outcome"] == "failed"
+        way.mend()
+        robot.until(lambda robot: robot.speed < 0.01)
+        assert math.dist(robot.pose[:2], STUDY) > 0.5, "its goal was called back before it was there"
+        for _ in range(20):
+            running.send(do="say", text="go to the kitchen")
+            if running.until("state.changed", ended)["result"]["outcome"] == "done":
+                break
+        assert math.dist(robot.pose[:2], KITCHEN) < 0.1
+    robot.program.close()
+    way.close()
+
+
+def test_a_node_of_rclpy_has_sentences_and_plans_carried_out(tmp_path: Path, surroundings: Mapping[str, str]) -> None:
+    peer = RosPeer(environment.PYTHON, surroundings)
+    outcomes, plans = peer.listen("/outcome", STRING), peer.listen("/plan", STRING)
+    options = ("ros.door=rclpy", "robot.speed=real")
+    with in_ros(tmp_path, surroundings, *options) as running:
+        running.until("log", lambda body: body["source"] == "robot" and "ready" in body["message"])
+        running.until("log", lambda body: body["source"] == "ros" and "ready" in body["message"])
+
+        peer.publish("/speech_to_text/command", STRING, {"data": "turn left 45 degrees"})
+        assert made(plans)["goal"]
+        assert over(outcomes, "turn")["outcome"] == "done"
+
+        response = peer.call("/get_plan", PLAN, {"command": "go to the kitchen, then beep", "language": "en"})
+        answer = response.get(timeout=LIMIT_S)
+        assert answer["success"], answer
+        assert json.loads(answer["plan"])["actions"][0].startswith("navigation(")
+
+        goal = peer.goal("/execute_plan", EXECUTE, {"plan": answer["plan"]})
+        feedback = goal.feedback.get(timeout=LIMIT_S)
+        assert feedback["message"].startswith("executing step 1 of 2")
+        running.until("robot.state", lambda body: body["moving"])
+        goal.cancel()
+        how, result = goal.ended.get(timeout=LIMIT_S)
+        assert how == "canceled"
+        assert result["outcome"] == "interrupted"
+        assert not result["success"]
+        (step,) = json.loads(result["results"])
+        assert step["outcome"] == "interrupted"
+        assert over(outcomes, "turn")["outcome"] == "interrupted"
+
+        goal = peer.goal("/execute_plan", EXECUTE, {"plan": "beep(); arm_nod()"})
+        how, result = goal.ended.get(timeout=LIMIT_S)
+        assert (how, result["outcome"]) == ("succeeded", "done"), result
+        assert len(json.loads(result["results"])) == 2
+
+        peer.publish("/speech_to_text/command", STRING, {"data": "patrol"})
+        running.until("robot.state", lambda body: body["moving"])
+        peer.publish("/stop", "std_msgs/msg/Empty", {})
+        while over(outcomes, "turn")["outcome"] != "interrupted":
+            pass
+    peer.close()
+
+
+def made(heard: queue.SimpleQueue[Any]) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(heard.get(timeout=LIMIT_S)["data"])
+    return found
+
+
+def over(heard: queue.SimpleQueue[Any], kind: str) -> dict[str, Any]:
+    """The next outcome of this kind."""
+    while (found := made(heard))["kind"] != kind:
+        pass
+    return found

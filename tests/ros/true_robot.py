@@ -1,0 +1,44 @@
+"""The robot of ROS (:mod:`tests.ros.robot`) as a process, and what it tells of itself beside ROS."""
+
+from __future__ import annotations
+
+import math
+import sys
+import threading
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from tests.ros import environment
+from tests.ros.lines import Line, Program
+
+LIMIT_S = 30.0
+"""In which what a test waits for has happened, on a busy machine, too."""
+
+
+class TrueRobot:
+    """What the robot tells of itself beside ROS."""
+
+    def __init__(self, surroundings: Mapping[str, str]) -> None:
+        self._ready = threading.Event()
+        self._changed = threading.Condition()
+        self.pose, self.twist = [math.nan] * 3, [0.0] * 3
+        command: list[str | Path] = [environment.PYTHON, "-m", "tests.ros.robot", sys.executable]
+        self.program = Program(command, surroundings, self._hear)
+        assert self._ready.wait(LIMIT_S)
+
+    @property
+    def speed(self) -> float:
+        return math.hypot(*self.twist)
+
+    def until(self, holds: Any) -> None:
+        with self._changed:
+            assert self._changed.wait_for(lambda: holds(self), LIMIT_S), (self.pose, self.twist)
+
+    def _hear(self, line: Line) -> None:
+        if "ready" in line:
+            self._ready.set()
+            return
+        with self._changed:
+            self.pose, self.twist = line["pose"], line["twist"]
+            self._changed.notify_all()
