@@ -48,10 +48,5 @@ def inspect(door: Door, about: RosOf, seconds: float) -> Found:
     while heard < wanted.keys() and (left := until - time.monotonic()) > 0:
         more.wait(left)
         more.clear()
-    return Found(
-        door.trouble,
-        tuple(sorted(heard)),
-        tuple(sorted(wanted.keys() - heard)),
-        door.mismatches(),
-        max(ahead, default=None),
-    )
+    silent = tuple(sorted(wanted.keys() - heard))
+    return Found(door.trouble, tuple(sorted(heard)), silent, dict(door.mismatches()), max(ahead, default=None))
