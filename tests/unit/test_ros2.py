@@ -13,9 +13,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from config import load
 from engine.errors import DeviceError
 from engine.robot.description import Description, described
 from engine.robot.geometry import ZERO, Pose, Twist
+from engine.robot.host.controller import Controller
 from engine.robot.host.memory import STATE
 from engine.robot.host.sent_arm import SentArm
 from engine.robot.ros2 import messages, pictures
@@ -75,6 +77,7 @@ class Table:
         self.said: list[Message] = []
         self.goals: list[Sent] = []
         self.calls: list[tuple[str, Message, Then]] = []
+        self.answer: Outcome | None = None  # to each of them
         self.takes: dict[str, Take] = {}
         self.closed = False
         self.opens = True
@@ -125,6 +128,8 @@ class Table:
 
     def call(self, service: str, type: str, request: Message, then: Then, *, limit_s: float = 0.0) -> None:
         self.calls.append((service, request, then))
+        if self.answer is not None:
+            then(self.answer)
 
     def serve(self, service: str, type: str, answer: Callable[[Message, Reply], object]) -> None:
         raise AssertionError("no body does")
@@ -320,6 +325,54 @@ def test_a_goal_that_was_lost_is_called_back_when_the_door_is_open_again() -> No
     body.step()
     assert len(table.calls) == 2
     table.calls[-1][2](Outcome("succeeded"))
+    assert body.trouble == ""
+
+
+def under_control(table: Table) -> tuple[Controller, Ros2Body]:
+    body = table.body()
+    limits, hull = load(environ={}).robot.limits, ROBOT.footprint
+    return Controller(body, START, limits, hull, ROBOT.ranges, np.empty((0, 2)), navigator=body), body
+
+
+def test_a_pause_rests_on_the_way_and_goes_on_but_not_with_what_has_ended() -> None:
+    table = Table()
+    controller, body = under_control(table)
+    controller.go(Pose(2.0, 2.0, 0.0), 1)
+    controller.rest()
+    controller.pause()
+    assert [goal.cancelled for goal in table.goals] == [True]
+    record = np.zeros((), STATE)
+    controller.fill(record)
+    assert record["going_how"].item() == b"going", "whoever waits for it goes on waiting"
+    controller.resume()
+    assert [goal.cancelled for goal in table.goals] == [True, False]
+    table.goals[0].then(Outcome("canceled"))
+    assert fares(body)[:2] == (1, "going")
+    table.goals[1].then(Outcome("aborted"))
+    controller.pause()
+    controller.resume()
+    assert len(table.goals) == 2, "that has ended"
+
+
+def test_a_stop_is_not_gone_on_with_and_neither_is_what_somebody_has_driven_since() -> None:
+    table = Table()
+    controller, _ = under_control(table)
+    for end in (controller.stop, lambda: controller.drive(Twist(0.1))):
+        controller.go(Pose(2.0, 2.0, 0.0), 1)
+        count = len(table.goals)
+        end()
+        assert table.goals[-1].cancelled
+        controller.pause()
+        controller.resume()
+        assert len(table.goals) == count
+
+
+def test_a_host_that_was_replaced_calls_back_what_the_one_before_had_sent() -> None:
+    table = Table()
+    table.answer = Outcome("succeeded")
+    body = Ros2Body(table, ROBOT, START, np.zeros((), STATE), clock=table)
+    ((service, _, _),) = table.calls
+    assert service == "/navigate_to_pose/_action/cancel_goal"
     assert body.trouble == ""
 
 

@@ -103,8 +103,8 @@ class Navigator(Protocol):
         """Go there, in the frame of ``odometry``; how it fares, ``fill`` tells under this ticket."""
         ...
 
-    def give_up(self) -> None:
-        """Go nowhere any more, and stand: at once, and without waiting for anybody."""
+    def give_up(self) -> bool:
+        """Go nowhere any more, and stand: at once, and without waiting for anybody. Whether it was on its way."""
         ...
 
 

@@ -70,6 +70,7 @@ class Controller:
         self.arm = ArmMotion(body, ranges) if arm_mover is None else SentArm(body, arm_mover, ranges)
         self._navigator = navigator
         self._goal: tuple[Pose, int] | None = None  # it goes there by itself: where on the map, and the ticket
+        self._rests = False  # on its way there, until it is resumed
         self._envelope = Envelope(limits, footprint)
         self._edges = edges
         self._blind = blind
@@ -108,7 +109,7 @@ class Controller:
         if self._navigator is None:
             return False
         self._envelope.command(ZERO, self.t)
-        self._goal = goal, ticket
+        self._goal, self._rests = (goal, ticket), False
         self._navigator.go(compose(inverse(self._correction), goal), ticket)
         return True
 
@@ -166,16 +167,20 @@ class Controller:
         """The arm goes on to its goal, the base with its next command, and a body that finds its way itself to where it
         was to go."""
         self.arm.paused = False
-        if self._goal is not None:
+        if self._goal is not None and self._rests:
             self.go(*self._goal)
 
     def _halt_navigator(self) -> None:
-        if self._goal is not None and self._navigator is not None:
-            self._navigator.give_up()
+        """Have it rest on its way; where it has ended, there is nothing to go on with."""
+        if self._goal is None or self._navigator is None or self._rests:
+            return
+        self._rests = self._navigator.give_up()
+        if not self._rests:
+            self._goal = None
 
     def _give_up(self) -> None:
         self._halt_navigator()
-        self._goal = None
+        self._goal, self._rests = None, False
 
     # Time
 
@@ -252,6 +257,8 @@ class Controller:
         record["buzzer_until"] = self._buzzer_until
         record["blocked"] = (self._blocked or "").encode()
         self.body.fill(record)
+        if self._rests:
+            record["going_how"] = b"going"
 
     # Seeing
 

@@ -73,7 +73,9 @@ class Ros2Body:
         self._origin = start if last is None else added_up(last)  # of the frame in which the peer adds up, on the map
         self._located: Pose | None = None  # the same, where the peer finds itself on its map
         self._frame = "odom"  # in which it adds up
-        self._navigation = Navigation(door, self._about.navigation, clock) if self._about.navigation else None
+        self._navigation: Navigation | None = None
+        if self._about.navigation is not None:
+            self._navigation = Navigation(door, self._about.navigation, clock, astray=last is not None)
         self._arm = RosArm(door, self._about.arm) if self._about.arm is not None else None
         self._fastest = 1.5 * (description.speeds.forward + description.speeds.sideways)
         about = description.lidar
@@ -95,6 +97,8 @@ class Ros2Body:
                 why = self.trouble
                 self.close()
                 raise DeviceError(f"The robot cannot be driven: {why}.", hint="Are the robot and its bridge running?")
+            if self._navigation is not None:
+                self._navigation.recall()
             time.sleep(0.01)
 
     # What a body is
@@ -159,13 +163,14 @@ class Ros2Body:
         else:
             self._navigation.go(compose(inverse(self._origin), goal), self._frame, ticket)
 
-    def give_up(self) -> None:
+    def give_up(self) -> bool:
         """See :class:`engine.robot.host.body.Navigator`."""
         assert self._navigation is not None, "it is told to where it has one"
-        self._navigation.give_up()
+        was_on_its_way = self._navigation.give_up()
         now = self._clock()
         self._told, self._stood_at = ZERO, now
         self._tell(now)
+        return was_on_its_way
 
     def place_arm(self, joints: Sequence[float], opening: float) -> None:
         """Its arm finds its own way: :meth:`send_arm`."""

@@ -28,13 +28,14 @@ _FARING: Final[dict[Code, Faring]] = {"succeeded": "arrived", "aborted": "failed
 class Navigation:
     """One action server, and the last goal that it was sent."""
 
-    def __init__(self, door: Door, action: str, clock: Callable[[], float]) -> None:
+    def __init__(self, door: Door, action: str, clock: Callable[[], float], *, astray: bool = False) -> None:
+        """``astray``: whoever had the robot before may have left a goal under way."""
         self._door, self._action, self._clock = door, action, clock
         self._sent = 0  # goals
         self._goal: Goal | None = None  # under way
         self._open: set[int] = set()  # which of them have not ended
         self._given_up_at = -math.inf
-        self._astray = False  # one may be under way of which nobody hears any more
+        self._astray = astray  # one may be under way of which nobody hears any more
         self._asking = False
         self._ticket = 0
         self._how: Faring = "going"
@@ -78,15 +79,17 @@ class Navigation:
             feedback=lambda message: self._told(number, message),
         )
 
-    def give_up(self) -> None:
-        """Go nowhere any more. Nobody waits for it: who wants the robot to stand tells it so beside this."""
+    def give_up(self) -> bool:
+        """Go nowhere any more; whether it was on its way. Nobody waits for it: who wants the robot to stand tells it so
+        beside this."""
         goal, self._goal = self._goal, None
         if goal is None:
-            return
+            return False
         self._given_up_at = self._clock()
         if self._how == "going":
             self._how = "canceled"
         goal.cancel()
+        return True
 
     def fill(self, record: Record) -> None:
         """Write how it fares into a record of ``memory.STATE``."""

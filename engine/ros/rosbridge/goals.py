@@ -103,6 +103,8 @@ class Goal:
         """Send it and wait for its end."""
         if (gone := await self._server_gone(lines)) is not None:
             return gone
+        if self._cancelled:
+            return Outcome("canceled", why="it was cancelled before it was sent")
         statuses.expect(self._take)
         try:
             async with lines.one() as line:
