@@ -5,16 +5,21 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import psutil
+import pytest
 import yaml
 
 from engine.errors import ExitCode
 from engine.robot.saved_map import read_map
 from engine.robot.sim.floor import floor_map
-from tests.e2e.engine import engine
+from tests.e2e.engine import Engine, engine
 from tests.e2e.sayso import sayso
 from tests.e2e.test_board import ended
 from tests.rosbridge import Peer, free_port
 from tests.sim.rig import flat
+
+BEDROOM = (1.2, -2.4)
+"""Somewhere in it."""
 
 
 def test_what_it_says_is_listened_to_before_anything_moves(tmp_path: Path) -> None:
@@ -122,3 +127,25 @@ def test_a_navigation_that_does_not_give_up_is_held_at_zero_and_told(tmp_path: P
         result = running.until("state.changed", ended)["result"]
         assert result["outcome"] == "failed"
         assert "goes on although it was told to stop" in result["message"]
+
+
+@pytest.mark.parametrize("victim", ["engine", "host"])
+def test_whatever_is_killed_its_navigation_is_called_back(tmp_path: Path, victim: str) -> None:
+    port = free_port()
+    told = ("--set", "robot.kind=ros2", "--set", f"robot.door=ws://127.0.0.1:{port}")
+    with Peer(port) as peer, engine(tmp_path / "state", "", *told) as running:
+        running.until("log", lambda body: body["source"] == "robot" and "ready" in body["message"])
+        running.send(do="say", text="go to the bedroom")
+        peer.until(lambda state: state["sent"] and state["speed"] > 0.1)
+        if victim == "engine":
+            running.process.kill()
+        else:
+            host_of(running).kill()
+        stopped = peer.until(lambda state: not state["sent"] and state["speed"] < 0.01)
+        assert math.dist((stopped["x"], stopped["y"]), BEDROOM) > 0.5
+
+
+def host_of(running: Engine) -> psutil.Process:
+    """The process that owns the robot."""
+    children = psutil.Process(running.process.pid).children(recursive=True)
+    return next(child for child in children if "engine.robot.host_main" in child.cmdline())
