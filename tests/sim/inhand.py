@@ -66,6 +66,13 @@ class HandRobot:
     def arm(self) -> ArmModel:
         return ARM
 
+    @property
+    def navigates(self) -> bool:
+        return False
+
+    def go(self, goal: Pose, epoch: int) -> int:
+        raise AssertionError("it does not navigate")
+
     async def start(self) -> None: ...
 
     async def close(self) -> None: ...
