@@ -87,11 +87,12 @@ class Peer:
             async for text in connection:
                 order = json.loads(text)
                 if order["op"] == "cancel_action_goal":
-                    if order["id"] not in self.cancelled:
-                        self.cancelled_at = time.monotonic()
+                    self.cancelled_at = min(self.cancelled_at, time.monotonic())
                     self.cancelled.add(order["id"])
                 else:
                     waiting.put_nowait(order)
+        except ConnectionClosed:
+            pass  # it was killed
         finally:
             working.cancel()
             for listeners in self._listeners.values():
@@ -132,6 +133,8 @@ class Peer:
                 return {"action_servers": actions}
             case _ if any(service == f"{action}/_action/cancel_goal" for action in actions):
                 everything = not any(args["goal_info"]["goal_id"]["uuid"])
+                if everything:
+                    self.cancelled_at = min(self.cancelled_at, time.monotonic())
                 self.way = None if everything and not self._stubborn else self.way
                 return {"return_code": 0 if everything else 2, "goals_canceling": []}
             case _:
@@ -150,7 +153,7 @@ class Peer:
         if stamped["header"]["frame_id"] == "odom":
             goal = compose(self.start, goal)
         pilot = self.way = Pilot(self.floor, HULL, goal)
-        self.zero_at = math.inf  # when it was told zero first on this journey
+        self.cancelled_at = self.zero_at = math.inf  # when it was first told so on this journey
         status, error, due = 4, 0, time.monotonic()
         while self.way is pilot:
             wanted = pilot.guide(self.body.true_pose, Scan(self.body.t, LIDAR_ANGLES, self.body.scan()))

@@ -123,11 +123,13 @@ def controlled(settings: RobotSettings, last: Record | None) -> Controller:
 
 
 def _of_ros(settings: RobotSettings, description: Description, start: Pose, last: Record | None) -> Ros2Body:
-    from engine.robot.ros2.body import Ros2Body
+    from engine.robot.ros2.body import Ros2Body, guard_of
     from engine.ros.opening import open_door
 
-    assert settings.door is not None, "the configuration sees to that"
-    return Ros2Body(open_door(settings.door), description, start, last)
+    door, about = settings.door, description.ros
+    assert door is not None, "the configuration sees to that"
+    assert about is not None, "the same"
+    return Ros2Body(open_door(door), description, start, last, guard=lambda: guard_of(door, about))
 
 
 def _on_board(settings: RobotSettings, description: Description, start: Pose, last: Record | None) -> Body:

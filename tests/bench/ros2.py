@@ -7,6 +7,8 @@ from __future__ import annotations
 import argparse
 import asyncio
 import math
+import os
+import signal
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -15,6 +17,7 @@ from config import load
 from config.schema import Robot as RobotSettings
 from engine.robot.bodies import make_robot
 from engine.robot.geometry import Pose
+from engine.robot.host.hosted import HostedRobot
 from engine.robot.robot import Robot, RobotState
 from engine.robot.ros2 import messages, pictures
 from engine.ros.door import Message
@@ -40,6 +43,10 @@ def main(argv: list[str] | None = None) -> None:
         cancels, zeros = asyncio.run(stops(args.n, options))
         found[f"stop() → cancel{name}"] = figures(cancels, "ms")
         found[f"stop() → zero{name}"] = figures(zeros, "ms")
+    for name, number in (("killed", signal.SIGKILL), ("stopped", signal.SIGSTOP)):
+        cancels, zeros = asyncio.run(struck(args.blows, number))
+        found[f"host {name} → cancel"] = figures(cancels, "ms")
+        found[f"host {name} → zero"] = figures(zeros, "ms")
     told, again = asyncio.run(blows(args.blows))
     found["bridge killed → told"] = figures(told, "ms")
     found["bridge back → drives"] = figures(again, "ms")
@@ -47,8 +54,9 @@ def main(argv: list[str] | None = None) -> None:
 
 
 @asynccontextmanager
-async def driven(port: int) -> AsyncIterator[Robot]:
+async def driven(port: int) -> AsyncIterator[HostedRobot]:
     robot = make_robot(settings(port))
+    assert isinstance(robot, HostedRobot)
     await robot.start()
     try:
         async with beating(robot):
@@ -79,6 +87,24 @@ async def stops(n: int, options: tuple[str, ...]) -> tuple[list[float], list[flo
                 cancels.append(1e3 * (state["cancelled_at"] - stopped))
                 zeros.append(1e3 * (state["zero_at"] - stopped))
                 await until(robot, lambda state: not state.moving)
+    return cancels, zeros
+
+
+async def struck(n: int, number: signal.Signals) -> tuple[list[float], list[float]]:
+    """From a blow to the host in mid-drive to what the robot gets, ms."""
+    cancels, zeros = [], []
+    for _ in range(n):
+        port = free_port()
+        with Peer(port) as peer:
+            async with driven(port) as robot:
+                robot.go(DOCK, 1)
+                await until(robot, lambda state: math.hypot(state.twist.vx, state.twist.vy) > 0.1)
+                assert robot.pid is not None
+                blow = time.monotonic()
+                os.kill(robot.pid, number)
+                state = await asyncio.to_thread(peer.until, lambda s: not s["sent"] and s["zero_at"] < math.inf)
+                cancels.append(1e3 * (state["cancelled_at"] - blow))
+                zeros.append(1e3 * (state["zero_at"] - blow))
     return cancels, zeros
 
 

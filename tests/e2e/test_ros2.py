@@ -129,7 +129,7 @@ def test_a_navigation_that_does_not_give_up_is_held_at_zero_and_told(tmp_path: P
         assert "goes on although it was told to stop" in result["message"]
 
 
-@pytest.mark.parametrize("victim", ["engine", "host"])
+@pytest.mark.parametrize("victim", ["engine", "host", "guard"])
 def test_whatever_is_killed_its_navigation_is_called_back(tmp_path: Path, victim: str) -> None:
     port = free_port()
     told = ("--set", "robot.kind=ros2", "--set", f"robot.door=ws://127.0.0.1:{port}")
@@ -137,15 +137,14 @@ def test_whatever_is_killed_its_navigation_is_called_back(tmp_path: Path, victim
         running.until("log", lambda body: body["source"] == "robot" and "ready" in body["message"])
         running.send(do="say", text="go to the bedroom")
         peer.until(lambda state: state["sent"] and state["speed"] > 0.1)
-        if victim == "engine":
-            running.process.kill()
-        else:
-            host_of(running).kill()
+        process_of(running, victim).kill()
         stopped = peer.until(lambda state: not state["sent"] and state["speed"] < 0.01)
         assert math.dist((stopped["x"], stopped["y"]), BEDROOM) > 0.5
 
 
-def host_of(running: Engine) -> psutil.Process:
-    """The process that owns the robot."""
-    children = psutil.Process(running.process.pid).children(recursive=True)
-    return next(child for child in children if "engine.robot.host_main" in child.cmdline())
+def process_of(running: Engine, name: str) -> psutil.Process:
+    """The engine, or one of its children."""
+    own = psutil.Process(running.process.pid)
+    if name == "engine":
+        return own
+    return next(child for child in own.children(recursive=True) if f"{name}_main" in " ".join(child.cmdline()))

@@ -1,7 +1,8 @@
 """A second process beside a host whose body keeps moving when nobody speaks to it any more.
 
-It shares the body's port. When the host dies, or hangs for 0.1 s, it tells the body to rest, over and over. The host in
-turn looks after its guard, and stands while there is none. So the death of either leaves the body at rest.
+It shares the body's port, or has a way of its own to the body. When the host dies, or hangs for 0.1 s, it tells the
+body to rest, over and over. The host in turn looks after its guard, and stands while there is none. So the death of
+either leaves the body at rest.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import mmap
 import os
 import signal
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from engine.child import Child
@@ -38,7 +40,7 @@ def end_guard(pid: int) -> None:
 
 def _is_guard(pid: int) -> bool:
     try:
-        return b"engine.robot.host.guard_main" in Path(f"/proc/{pid}/cmdline").read_bytes()
+        return b"guard_main" in Path(f"/proc/{pid}/cmdline").read_bytes()
     except OSError:  # gone, or a system that tells nothing of its processes
         return False
 
@@ -46,14 +48,17 @@ def _is_guard(pid: int) -> bool:
 class Guard(Child):
     """One running guard. Whoever makes it ends it, then releases it."""
 
-    def __init__(self, port: int, rest: bytes) -> None:
-        """Start it for this open port; ``rest`` brings the body to rest. Raises ``ProcessError``."""
+    def __init__(
+        self, module: str, arguments: Sequence[str], shared: Sequence[int] = (), *, start_s: float = START_S
+    ) -> None:
+        """Start the program ``module``, whose name ends with ``guard_main``, with these arguments and descriptors; it
+        gives its first sign of life within ``start_s``. Raises ``ProcessError``."""
+        self._start_s = start_s
         self._shared = unnamed_file("sayso-guard", SIZE)
         try:
             self._words = memoryview(mmap.mmap(self._shared, SIZE)).cast("d")
             self._began = self._words[HOST_ALIVE] = time.monotonic()
-            arguments = [f"--memory={self._shared}", f"--port={port}", f"--rest={rest.hex()}"]
-            super().__init__("guard", "engine.robot.host.guard_main", arguments, shared=(self._shared, port))
+            super().__init__("guard", module, [f"--memory={self._shared}", *arguments], shared=(self._shared, *shared))
             self.link.setblocking(False)
         except BaseException:
             os.close(self._shared)
@@ -71,7 +76,7 @@ class Guard(Child):
         except OSError:
             return False
         alive = self._words[GUARD_ALIVE]
-        return now - alive <= SILENCE_S if alive else now - self._began <= START_S
+        return now - alive <= SILENCE_S if alive else now - self._began <= self._start_s
 
     @property
     def watches(self) -> bool:
@@ -81,3 +86,8 @@ class Guard(Child):
     def release(self) -> None:
         super().release()
         os.close(self._shared)
+
+
+def guard_of_port(port: int, rest: bytes) -> Guard:
+    """One that shares this open port; ``rest`` brings the body to rest. Raises ``ProcessError``."""
+    return Guard("engine.robot.host.guard_main", [f"--port={port}", f"--rest={rest.hex()}"], (port,))

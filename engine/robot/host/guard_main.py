@@ -1,4 +1,5 @@
-"""The guard process: ``python -m engine.robot.host.guard_main``, started by :class:`engine.robot.host.guard.Guard`.
+"""The guard process of a port: ``python -m engine.robot.host.guard_main``, started by
+:class:`engine.robot.host.guard.Guard`; and :func:`watch`, what every guard does.
 
 It loads nothing but the standard library: it must be there within milliseconds, and nothing here may fail.
 """
@@ -15,6 +16,7 @@ import socket
 import sys
 import termios
 import time
+from collections.abc import Callable
 
 from engine.scheduling import raise_priority
 
@@ -44,21 +46,27 @@ def main(argv: list[str]) -> int:
     args = parser.parse_args(argv)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)  # it leaves when the host does
+    watch(args.memory, args.link, lambda: _rest(args.port, args.rest))
+    return 0
+
+
+def watch(memory: int, link_fd: int, rest: Callable[[], object], *, last_words: int = LAST_WORDS) -> None:
+    """Look after the host until it is gone or ends; ``rest`` brings the body to rest, and is called so often at the
+    end."""
     raise_priority()
-    words = memoryview(mmap.mmap(args.memory, SIZE)).cast("d")
-    with socket.socket(fileno=args.link) as link:
+    words = memoryview(mmap.mmap(memory, SIZE)).cast("d")
+    with socket.socket(fileno=link_fd) as link:
         tick, host = 0, os.getppid()
         while not (select.select([link], [], [], TICK_S)[0] and not _heard(link)):
             words[GUARD_ALIVE] = now = time.monotonic()
             tick += 1
             if now - words[HOST_ALIVE] > SILENCE_S and tick % REPEAT_TICKS == 0:
-                _rest(args.port, args.rest)
+                rest()
             if now - words[HOST_ALIVE] > HUNG_S and os.getppid() == host:
                 os.kill(host, signal.SIGKILL)
-    for _ in range(LAST_WORDS):
-        _rest(args.port, args.rest)
+    for _ in range(last_words):
+        rest()
         time.sleep(TICK_S)
-    return 0
 
 
 def _heard(link: socket.socket) -> bytes:

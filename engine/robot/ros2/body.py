@@ -4,12 +4,14 @@ It is told velocities on its topic for them, at once when they change and ten ti
 stands and what its lidar sees come on others. Where it has a navigation of its own, that finds its way; to stop is to
 have the navigation give up *and* to be told zero, again and again until both have happened.
 
-No guard can share a door, so a robot whose peer is gone is stopped by its own time limit for velocities, which every
-base controller of ROS has; when odometry is late, the host stands.
+A guard beside it has a door of its own (:mod:`engine.robot.ros2.guard_main`). A connection that is cut, neither can
+mend: then the robot's own time limit for velocities stops it, which every base controller of ROS has, and a navigation
+is called back when the door is open again. When odometry is late, the host stands.
 """
 
 from __future__ import annotations
 
+import contextlib
 import math
 import time
 from collections import deque
@@ -19,11 +21,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.errors import DeviceError
+from engine.errors import DeviceError, ProcessError
 from engine.robot.arm import ARM_JOINTS
-from engine.robot.description import Description
+from engine.robot.description import Description, RosOf
 from engine.robot.geometry import ZERO, Pose, Twist, compose, inverse
 from engine.robot.host.controller import added_up
+from engine.robot.host.guard import Guard
 from engine.robot.host.memory import Record
 from engine.robot.lidar import Turn, outside
 from engine.robot.ros2 import messages
@@ -40,7 +43,11 @@ REST_S: Final = 1.0
 """For so long a robot that stands is told so; then others may drive it."""
 LATE_S: Final = 0.5
 """Without odometry for so long, nobody knows what the robot does."""
-OPEN_LIMIT_S: Final = 10.0
+LOOK_S: Final = 0.5
+"""Between two tries to start a guard."""
+GUARD_S: Final = 20.0
+"""In which a guard gives its first sign of life: it has a door to load."""
+OPEN_LIMIT_S: Final = 20.0
 """In which a robot must have said where it is."""
 _JUMP_M: Final = 0.2
 """By so much a pose may change at once."""
@@ -52,7 +59,6 @@ class Ros2Body:
     """A :class:`engine.robot.host.body.Body`. What it hears comes in the door's thread, one value at a time."""
 
     lag = 0.0
-    guard_pid = 0
 
     def __init__(
         self,
@@ -61,10 +67,12 @@ class Ros2Body:
         start: Pose,
         last: Record | None = None,
         *,
+        guard: Callable[[], Guard] | None = None,
         clock: Clock = time.monotonic,
         wall: Clock = time.time,
     ) -> None:
-        """Wait until the robot has said where it is. ``door`` is closed with it. Raises ``DeviceError``."""
+        """Wait until the robot has said where it is. ``door`` is closed with it; ``guard`` starts one, None: it has
+        none. Raises ``DeviceError``."""
         assert description.ros is not None, "checked by whoever has chosen this body"
         self._door, self._about, self._description = door, description.ros, description
         self._clock, self._wall = clock, wall
@@ -76,6 +84,9 @@ class Ros2Body:
         self._navigation: Navigation | None = None
         if self._about.navigation is not None:
             self._navigation = Navigation(door, self._about.navigation, clock, astray=last is not None)
+        self._start_guard = guard
+        self._guard: Guard | None = None
+        self._guard_looked = -math.inf
         self._arm = RosArm(door, self._about.arm) if self._about.arm is not None else None
         self._fastest = 1.5 * (description.speeds.forward + description.speeds.sideways)
         about = description.lidar
@@ -92,6 +103,7 @@ class Ros2Body:
         if self._about.battery is not None:
             door.subscribe(self._about.battery, messages.BATTERY, self._take_battery, every_s=1.0)
         limit = clock() + OPEN_LIMIT_S
+        self._look_after_guard(clock())
         while self.trouble:
             if clock() > limit:
                 why = self.trouble
@@ -99,6 +111,7 @@ class Ros2Body:
                 raise DeviceError(f"The robot cannot be driven: {why}.", hint="Are the robot and its bridge running?")
             if self._navigation is not None:
                 self._navigation.recall()
+            self._look_after_guard(clock())
             time.sleep(0.01)
 
     # What a body is
@@ -109,6 +122,8 @@ class Ros2Body:
             return shut
         if self._heard is None or self._clock() - self._heard[0] > LATE_S:
             return f"no odometry comes on {self._about.odometry}"
+        if self._start_guard is not None and not (self._guard is not None and self._guard.watches):
+            return "the guard process is not there"
         if self._arm is not None and not self._arm.is_known:
             return "its joints are not heard of"
         if self._navigation is not None and self._navigation.is_stubborn:
@@ -120,6 +135,10 @@ class Ros2Body:
     @property
     def t(self) -> float:
         return self._clock() - self._began
+
+    @property
+    def guard_pid(self) -> int:
+        return self._guard.pid if self._guard is not None else 0
 
     @property
     def twist(self) -> Twist:
@@ -135,6 +154,7 @@ class Ros2Body:
 
     def step(self) -> None:
         now = self._clock()
+        self._look_after_guard(now)
         ending = False
         if self._navigation is not None:
             self._navigation.recall()
@@ -222,17 +242,32 @@ class Ros2Body:
         self._told = ZERO
         self._tell(self._clock())
         self._door.close()
+        self._end_guard()
+
+    # Its guard
+
+    def _look_after_guard(self, now: float) -> None:
+        """Tell it that the host lives, and have another one where it is gone."""
+        if self._start_guard is None or (self._guard is not None and self._guard.beat(now)):
+            return
+        self._end_guard()
+        if now - self._guard_looked < LOOK_S:
+            return
+        self._guard_looked = now
+        with contextlib.suppress(ProcessError, OSError):  # ``trouble`` tells, and there is another try
+            self._guard = self._start_guard()
+
+    def _end_guard(self) -> None:
+        guard, self._guard = self._guard, None
+        if guard is not None:
+            guard.discard()
 
     # What it tells
 
     def _tell(self, now: float) -> None:
         self._told_at = now
-        message = messages.twist_message(self._told)
-        if self._about.stamped:
-            framed = messages.stamped(message, self._about.frame, self._wall())
-            self._door.publish(self._about.velocity, messages.TWIST_STAMPED, framed)
-        else:
-            self._door.publish(self._about.velocity, messages.TWIST, message)
+        told = messages.velocity(self._told, self._about, self._wall())
+        self._door.publish(self._about.velocity, messages.velocity_type(self._about), told)
 
     # What it hears, in the door's thread
 
@@ -267,3 +302,9 @@ class Ros2Body:
 
     def _take_battery(self, message: Message) -> None:
         self._volts = messages.volts(message) or self._volts
+
+
+def guard_of(door: str, about: RosOf) -> Guard:
+    """A guard that has a way of its own to a robot of ROS 2. Raises ``ProcessError``."""
+    arguments = [f"--door={door}", f"--about={about.model_dump_json()}"]
+    return Guard("engine.robot.ros2.guard_main", arguments, start_s=GUARD_S)

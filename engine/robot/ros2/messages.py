@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.robot.description import RosOf
 from engine.robot.geometry import Pose, Twist
 
 TWIST: Final = "geometry_msgs/msg/Twist"
@@ -27,6 +28,17 @@ def twist_message(twist: Twist) -> dict[str, Any]:
         "linear": {"x": twist.vx, "y": twist.vy, "z": 0.0},
         "angular": {"x": 0.0, "y": 0.0, "z": twist.wz},
     }
+
+
+def velocity_type(about: RosOf) -> str:
+    """What the robot is told velocities by."""
+    return TWIST_STAMPED if about.stamped else TWIST
+
+
+def velocity(twist: Twist, about: RosOf, now: float) -> dict[str, Any]:
+    """The message that tells it one; ``now`` is in s since 1970."""
+    message = twist_message(twist)
+    return stamped(message, about.frame, now) if about.stamped else message
 
 
 def stamped(message: Mapping[str, Any], frame: str, now: float) -> dict[str, Any]:

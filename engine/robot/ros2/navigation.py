@@ -20,6 +20,8 @@ from engine.ros.door import Code, Door, Goal, Message, Outcome
 
 NAVIGATE: Final = "nav2_msgs/action/NavigateToPose"
 CANCEL: Final = "action_msgs/srv/CancelGoal"
+EVERYTHING: Final = {"goal_id": {"uuid": [0] * 16}, "stamp": {"sec": 0, "nanosec": 0}}
+"""What a request to cancel says for all goals (action_msgs/srv/CancelGoal)."""
 STUBBORN_S: Final = 2.0
 """In which a navigation has to end once it is told to."""
 _FARING: Final[dict[Code, Faring]] = {"succeeded": "arrived", "aborted": "failed"}
@@ -61,8 +63,7 @@ class Navigation:
         if not self._astray or self._asking or self._door.trouble:
             return
         self._asking = True
-        everything = {"goal_id": {"uuid": [0] * 16}, "stamp": {"sec": 0, "nanosec": 0}}
-        self._door.call(f"{self._action}/_action/cancel_goal", CANCEL, {"goal_info": everything}, self._recalled)
+        self._door.call(f"{self._action}/_action/cancel_goal", CANCEL, {"goal_info": EVERYTHING}, self._recalled)
 
     def go(self, goal: Pose, frame: str, ticket: int) -> None:
         """Send the robot there, in this frame; it leaves off whatever it did."""

@@ -25,7 +25,7 @@ from engine.robot.arm import ARM_JOINTS
 from engine.robot.description import Description
 from engine.robot.geometry import ZERO, Pose, Twist
 from engine.robot.host.controller import added_up
-from engine.robot.host.guard import Guard
+from engine.robot.host.guard import Guard, guard_of_port
 from engine.robot.host.memory import Record
 from engine.robot.rosmaster import frames
 from engine.robot.rosmaster.frames import ArmAt, Attitude, Encoders, FromBoard, Report, Speed
@@ -267,7 +267,7 @@ class RosmasterBody:
             return
         self._guard_looked = now
         try:
-            self._guard = Guard(line.fileno(), self._rest)
+            self._guard = guard_of_port(line.fileno(), self._rest)
         except (ProcessError, OSError):
             self._complain(NO_GUARD)
 

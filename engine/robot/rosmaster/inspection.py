@@ -11,7 +11,7 @@ from typing import Final
 from engine.errors import DeviceError
 from engine.framing import Framer
 from engine.robot.geometry import ZERO, Twist
-from engine.robot.host.guard import Guard
+from engine.robot.host.guard import guard_of_port
 from engine.robot.rosmaster import frames
 from engine.robot.rosmaster.frames import ArmAt, Attitude, CarType, FromBoard, Report, Speed, Version
 from engine.robot.rosmaster.line import SerialLine
@@ -110,7 +110,7 @@ def _fall_silent(
 ) -> Silence | None:
     """One try; None where this process was held up for so long that its guard may have spoken."""
     line, framer = SerialLine(port), Framer[Report](FromBoard())
-    guard = Guard(line.fileno(), frames.motion(car_type, ZERO))
+    guard = guard_of_port(line.fileno(), frames.motion(car_type, ZERO))
     moved, speed_now, heard = False, 0.0, False
     beaten, held_up = time.monotonic(), 0.0
 
