@@ -7,6 +7,7 @@ import json
 import math
 import queue
 import sysconfig
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -67,20 +68,26 @@ def drives(running: Engine, robot: TrueRobot) -> None:
     robot.until(lambda robot: robot.speed < 0.01)
 
 
-def test_it_drives_a_robot_of_ros_by_rclpy(tmp_path: Path, surroundings: Mapping[str, str]) -> None:
+def test_it_drives_a_robot_of_ros_by_rclpy(
+    tmp_path: Path, surroundings: Mapping[str, str], request: pytest.FixtureRequest
+) -> None:
     robot = TrueRobot(surroundings)
+    request.addfinalizer(robot.program.close)
     options = ("robot.kind=ros2", "robot.door=rclpy", f"robot.model={ROS_MODEL}")
     with in_ros(tmp_path, surroundings, *options) as running:
         drives(running, robot)
-    robot.program.close()
 
 
-def test_it_drives_a_robot_of_ros_by_a_bridge_that_goes_and_comes_back(tmp_path: Path) -> None:
+def test_it_drives_a_robot_of_ros_by_a_bridge_that_goes_and_comes_back(
+    tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
     needs_ros()
     if environment.bridge() is None:
         pytest.skip(f"The published rosbridge is no wheel: {environment.BRIDGE} says in which folder it is.")
     way = ByRosbridge()
     robot = TrueRobot(way.surroundings)
+    request.addfinalizer(way.close)
+    request.addfinalizer(robot.program.close)
     options = ("robot.kind=ros2", f"robot.door={way.address}", f"robot.model={ROS_MODEL}")
     with engine(tmp_path, "", *told(*options)) as running:
         drives(running, robot)
@@ -92,17 +99,19 @@ def test_it_drives_a_robot_of_ros_by_a_bridge_that_goes_and_comes_back(tmp_path:
         way.mend()
         robot.until(lambda robot: robot.speed < 0.01)
         assert math.dist(robot.pose[:2], STUDY) > 0.5, "its goal was called back before it was there"
-        for _ in range(20):
+        until = time.monotonic() + LIMIT_S
+        while time.monotonic() < until:
             running.send(do="say", text="go to the kitchen")
             if running.until("state.changed", ended)["result"]["outcome"] == "done":
                 break
         assert math.dist(robot.pose[:2], KITCHEN) < 0.1
-    robot.program.close()
-    way.close()
 
 
-def test_a_node_of_rclpy_has_sentences_and_plans_carried_out(tmp_path: Path, surroundings: Mapping[str, str]) -> None:
+def test_a_node_of_rclpy_has_sentences_and_plans_carried_out(
+    tmp_path: Path, surroundings: Mapping[str, str], request: pytest.FixtureRequest
+) -> None:
     peer = RosPeer(environment.PYTHON, surroundings)
+    request.addfinalizer(peer.close)
     outcomes, plans = peer.listen("/outcome", STRING), peer.listen("/plan", STRING)
     options = ("ros.door=rclpy", "robot.speed=real")
     with in_ros(tmp_path, surroundings, *options) as running:
@@ -141,7 +150,6 @@ def test_a_node_of_rclpy_has_sentences_and_plans_carried_out(tmp_path: Path, sur
         peer.publish("/stop", "std_msgs/msg/Empty", {})
         while over(outcomes, "turn")["outcome"] != "interrupted":
             pass
-    peer.close()
 
 
 def made(heard: queue.SimpleQueue[Any]) -> dict[str, Any]:

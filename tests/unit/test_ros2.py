@@ -22,7 +22,7 @@ from engine.robot.host.memory import STATE
 from engine.robot.host.sent_arm import SentArm
 from engine.robot.ros2 import messages, pictures
 from engine.robot.ros2.body import LATE_S, REPEAT_S, REST_S, Ros2Body
-from engine.robot.ros2.navigation import STUBBORN_S
+from engine.robot.ros2.navigation import AGAIN_S, STUBBORN_S
 from engine.ros.door import Graph, Message, Outcome, Reply, Take, Then, Work
 
 ROBOT = described("ros2")
@@ -321,10 +321,13 @@ def test_a_goal_that_was_lost_is_called_back_when_the_door_is_open_again() -> No
     assert not more, "it is asked once at a time"
     assert service == "/navigate_to_pose/_action/cancel_goal"
     assert request["goal_info"]["goal_id"]["uuid"] == [0] * 16, "whatever there is"
-    then(Outcome("timed_out"))
+    then(Outcome("no_server"))
+    table.t += AGAIN_S
     body.step()
-    assert len(table.calls) == 2
+    assert len(table.calls) == 2, "a door that was opened anew has not found it yet"
+    assert body.trouble
     table.calls[-1][2](Outcome("succeeded"))
+    table.takes["/odom"](odometry(5.0, 5.0, math.pi / 2))
     assert body.trouble == ""
 
 

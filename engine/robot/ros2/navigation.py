@@ -22,6 +22,10 @@ NAVIGATE: Final = "nav2_msgs/action/NavigateToPose"
 CANCEL: Final = "action_msgs/srv/CancelGoal"
 EVERYTHING: Final = {"goal_id": {"uuid": [0] * 16}, "stamp": {"sec": 0, "nanosec": 0}}
 """What a request to cancel says for all goals (action_msgs/srv/CancelGoal)."""
+AGAIN_S: Final = 0.2
+"""Between two requests to cancel what may be under way."""
+FOUND_S: Final = 10.0
+"""In which a door that was opened anew has found a navigation that is there: nodes take their time for that."""
 STUBBORN_S: Final = 2.0
 """In which a navigation has to end once it is told to."""
 _FARING: Final[dict[Code, Faring]] = {"succeeded": "arrived", "aborted": "failed"}
@@ -39,6 +43,8 @@ class Navigation:
         self._given_up_at = -math.inf
         self._astray = astray  # one may be under way of which nobody hears any more
         self._asking = False
+        self._asked_at = -math.inf
+        self._first_asked_at: float | None = None  # since the door is open
         self._ticket = 0
         self._how: Faring = "going"
         self._left, self._code, self._why = math.nan, 0, ""
@@ -60,9 +66,16 @@ class Navigation:
 
     def recall(self) -> None:
         """Cancel whatever is under way there, once the door is open again; to be called now and then."""
-        if not self._astray or self._asking or self._door.trouble:
+        if not self._astray:
             return
-        self._asking = True
+        if self._door.trouble:
+            self._first_asked_at = None
+            return
+        now = self._clock()
+        if self._asking or now - self._asked_at < AGAIN_S:
+            return
+        self._asking, self._asked_at = True, now
+        self._first_asked_at = now if self._first_asked_at is None else self._first_asked_at
         self._door.call(f"{self._action}/_action/cancel_goal", CANCEL, {"goal_info": EVERYTHING}, self._recalled)
 
     def go(self, goal: Pose, frame: str, ticket: int) -> None:
@@ -106,8 +119,10 @@ class Navigation:
 
     def _recalled(self, outcome: Outcome) -> None:
         self._asking = False
-        if outcome.code in ("succeeded", "no_server"):
-            self._astray = False
+        since = self._first_asked_at
+        is_missing = outcome.code == "no_server" and since is not None and self._clock() - since > FOUND_S
+        if outcome.code == "succeeded" or is_missing:
+            self._astray, self._first_asked_at = False, None
 
     def _ended(self, number: int, outcome: Outcome) -> None:
         self._open.discard(number)
