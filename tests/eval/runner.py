@@ -57,9 +57,10 @@ class Verdict:
     wall_s: float
 
 
-Through = Literal["host", "board", "ros", "nav2"]
-"""What a robot is driven through: its host alone, the frames of an emulated motor board, or a bridge of ROS 2, by
-velocities (ros) or finding its way itself (nav2)."""
+Through = Literal["host", "board", "ros", "nav2", "rclpy"]
+"""What a robot is driven through: its host alone, the frames of an emulated motor board, or a bridge of ROS 2: by
+velocities (ros), or where it finds its way itself (nav2), the same with a node of rclpy behind a published rosbridge
+(rclpy; SAYSO_ROSBRIDGE names its folder)."""
 ROS_MODEL = Path(__file__).with_name("ros_robot.yaml")
 """The simulated robot as one of ROS 2."""
 
@@ -70,11 +71,13 @@ def run(trial: Trial, *, speed: str = "max", through: Through = "host") -> Verdi
     with _scene_file(trial) as file, ExitStack() as more:
         options = ["robot.kind=rosmaster", "robot.port=emulated"] if through == "board" else []
         witnessed: Memory | None = None
-        if through in ("ros", "nav2"):
-            port, witnessed = free_port(), Memory.create()
+        if through in ("ros", "nav2", "rclpy"):
+            witnessed = Memory.create()
             more.callback(os.close, witnessed.fd)
-            more.enter_context(_peer(port, file, witnessed, navigates=through == "nav2"))
-            options = ["robot.kind=ros2", f"robot.model={ROS_MODEL}", f"robot.door=ws://127.0.0.1:{port}"]
+            behind = (
+                _node(file, witnessed) if through == "rclpy" else _peer(file, witnessed, navigates=through == "nav2")
+            )
+            options = ["robot.kind=ros2", f"robot.model={ROS_MODEL}", f"robot.door={more.enter_context(behind)}"]
         evidence = _perform(trial, _settings(trial, file, speed, options), witnessed)
     found = faults(trial.success, evidence)
     robot_s = evidence.end.t - evidence.start.t
@@ -84,17 +87,35 @@ def run(trial: Trial, *, speed: str = "max", through: Through = "host") -> Verdi
 
 
 @contextmanager
-def _peer(port: int, scene: Path, memory: Memory, *, navigates: bool) -> Iterator[None]:
-    """A robot behind a bridge, which shows in ``memory`` how it really is."""
+def _peer(scene: Path, memory: Memory, *, navigates: bool) -> Iterator[str]:
+    """A robot behind a bridge, which shows in ``memory`` how it really is; the way to it."""
+    port = free_port()
     command = [sys.executable, "-m", "tests.ros_peer", str(port), f"--scene={scene}", f"--witness={memory.fd}"]
     command += [] if navigates else ["--no-navigation"]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, pass_fds=(memory.fd,)) as process:
         try:
             while not memory.state.count and process.poll() is None:
                 time.sleep(_LOOK_S)
-            yield
+            yield f"ws://127.0.0.1:{port}"
         finally:
             process.kill()
+
+
+@contextmanager
+def _node(scene: Path, memory: Memory) -> Iterator[str]:
+    """The same of rclpy."""
+    from tests.ros.true_robot import TrueRobot
+    from tests.ros.ways import ByRosbridge
+
+    way = ByRosbridge()
+    robot = TrueRobot(way.surroundings, str(scene), f"/proc/{os.getpid()}/fd/{memory.fd}")
+    try:
+        while not memory.state.count:
+            time.sleep(_LOOK_S)
+        yield way.address
+    finally:
+        robot.program.close()
+        way.close()
 
 
 def _settings(trial: Trial, scene: Path, speed: str, options: list[str]) -> Settings:

@@ -1,5 +1,5 @@
-"""A robot of ROS: ``.ros/bin/python -m tests.ros.robot PYTHON``, where PYTHON has the simulation. It carries the
-simulated robot behind the topics that robots of ROS have, and finds its way itself.
+"""A robot of ROS: ``.ros/bin/python -m tests.ros.robot PYTHON …``, where PYTHON has the simulation, which gets what
+follows. It carries the simulated robot behind the topics that robots of ROS have, and finds its way itself.
 
 | it has | which is |
 |---|---|
@@ -41,7 +41,7 @@ TELLS = 5
 class Robot:
     """The node."""
 
-    def __init__(self, python: Path) -> None:
+    def __init__(self, python: Path, *more: str) -> None:
         rclpy.init()
         self.node = node = rclpy.create_node("robot", enable_rosout=False)
         group = ReentrantCallbackGroup()
@@ -63,7 +63,7 @@ class Robot:
         self._tf_static = node.create_publisher(TFMessage, "/tf_static", latched)
         self._tf_static.publish(TFMessage(transforms=[self._frame("base_footprint", "laser", [0.0, 0.0, 0.0])]))
         node.create_subscription(Twist, "/cmd_vel", self._drive, 10)
-        self.simulation = Program([python, "-m", "tests.ros.simulation"], _own_surroundings(), self._hear)
+        self.simulation = Program([python, "-m", "tests.ros.simulation", *more], _own_surroundings(), self._hear)
         self._ready.wait()
         self._server = ActionServer(
             node,
@@ -162,8 +162,8 @@ def _own_surroundings() -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if name not in ours}
 
 
-def main(python: Path) -> None:
-    robot = Robot(python)
+def main(python: Path, *more: str) -> None:
+    robot = Robot(python, *more)
     executor = MultiThreadedExecutor(4)
     executor.add_node(robot.node)
     threading.Thread(target=executor.spin, daemon=True).start()
@@ -174,4 +174,4 @@ def main(python: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), *sys.argv[2:])

@@ -1,5 +1,5 @@
 """The simulated robot for :mod:`tests.ros.robot`, in the Python that has the simulation: ``python -m
-tests.ros.simulation``, in JSON lines.
+tests.ros.simulation [SCENE [WITNESS]]``, in JSON lines.
 
 It is told ``{"do": "drive", "twist": [vx, vy, wz]}``, ``{"do": "go", "goal": [x, y, yaw]}`` (map frame) or ``{"do":
 "stop"}``. A velocity holds for LIFETIME_S. Fifty times a second it tells where odometry has it and how it moves, ten
@@ -9,7 +9,9 @@ times a second its scan, and on a journey what is left of the way, and how that 
 from __future__ import annotations
 
 import math
+import os
 import queue
+import sys
 import threading
 import time
 from typing import Any
@@ -17,14 +19,17 @@ from typing import Any
 from engine.robot.arm import ARM_JOINTS
 from engine.robot.geometry import ZERO, Pose, Twist, compose, inverse
 from engine.robot.host.body import STEP_S
+from engine.robot.host.memory import Memory
 from engine.robot.lidar import LIDAR_ANGLES
 from engine.robot.robot import Scan
 from engine.robot.sim.dimensions import FOOTPRINT
 from engine.robot.sim.floor import floor_map
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_file import load_scene, scene_path
 from engine.robot.sim.simulated import SimulatedBody
 from tests.pilot import Pilot
 from tests.ros.lines import Line, read, write
-from tests.sim.rig import flat, settings
+from tests.sim.rig import settings
 
 LIFETIME_S = 0.5
 TELL_STEPS, SCAN_STEPS = 10, 50
@@ -32,10 +37,12 @@ TELL_STEPS, SCAN_STEPS = 10, 50
 
 
 class Simulation:
-    """One robot."""
+    """One robot in a scene. What it really does, ``witness`` shows, the memory of a host."""
 
-    def __init__(self) -> None:
-        self.body = SimulatedBody(flat(), settings(), pictures=False)
+    def __init__(self, scene: Scene, witness: Memory | None) -> None:
+        self.body = SimulatedBody(scene, settings(), pictures=False)
+        self._floor = floor_map(scene)
+        self._witness = witness
         self._start = self.body.true_pose  # where odometry begins
         self._told, self._told_at = ZERO, -math.inf
         self._pilot: Pilot | None = None
@@ -61,7 +68,7 @@ class Simulation:
             case {"do": "drive", "twist": [vx, vy, wz]}:
                 self._drive(Twist(vx, vy, wz))
             case {"do": "go", "goal": [x, y, yaw]}:
-                self._pilot = Pilot(floor_map(flat()), FOOTPRINT, Pose(x, y, yaw))
+                self._pilot = Pilot(self._floor, FOOTPRINT, Pose(x, y, yaw))
             case {"do": "stop"}:
                 self._pilot = None
                 self._drive(ZERO)
@@ -89,18 +96,24 @@ class Simulation:
                 told["left"] = self._pilot.left
             self._drive(wanted)
         write(told)
+        if with_scan and self._witness is not None:
+            self.body.fill(self._witness.state.scratch)
+            self._witness.state.scratch["t"] = self.body.t
+            self._witness.state.put()
 
 
 def _numbers(pose: Pose) -> list[float]:
     return [pose.x, pose.y, pose.yaw]
 
 
-def main() -> None:
+def main(scene: str = "flat", witness: str = "") -> None:
+    memory = Memory(os.open(witness, os.O_RDWR)) if witness else None
+    simulation = Simulation(load_scene(scene_path(scene)), memory)
     orders: queue.SimpleQueue[Line] = queue.SimpleQueue()
-    threading.Thread(target=Simulation().live, args=(orders,), daemon=True).start()
+    threading.Thread(target=simulation.live, args=(orders,), daemon=True).start()
     for line in read():
         orders.put(line)
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

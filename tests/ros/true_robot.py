@@ -19,11 +19,12 @@ LIMIT_S = 30.0
 class TrueRobot:
     """What the robot tells of itself beside ROS."""
 
-    def __init__(self, surroundings: Mapping[str, str]) -> None:
+    def __init__(self, surroundings: Mapping[str, str], *more: str) -> None:
+        """``more`` goes to :mod:`tests.ros.simulation`."""
         self._ready = threading.Event()
         self._changed = threading.Condition()
         self.pose, self.twist = [math.nan] * 3, [0.0] * 3
-        command: list[str | Path] = [environment.PYTHON, "-m", "tests.ros.robot", sys.executable]
+        command: list[str | Path] = [environment.PYTHON, "-m", "tests.ros.robot", sys.executable, *more]
         self.program = Program(command, surroundings, self._hear)
         assert self._ready.wait(LIMIT_S)
 
