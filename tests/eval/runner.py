@@ -74,9 +74,8 @@ def run(trial: Trial, *, speed: str = "max", through: Through = "host") -> Verdi
         if through in ("ros", "nav2", "rclpy"):
             witnessed = Memory.create()
             more.callback(os.close, witnessed.fd)
-            behind = (
-                _node(file, witnessed) if through == "rclpy" else _peer(file, witnessed, navigates=through == "nav2")
-            )
+            is_node, navigates = through == "rclpy", through == "nav2"
+            behind = _node(file, witnessed) if is_node else _peer(file, witnessed, navigates=navigates)
             options = ["robot.kind=ros2", f"robot.model={ROS_MODEL}", f"robot.door={more.enter_context(behind)}"]
         evidence = _perform(trial, _settings(trial, file, speed, options), witnessed)
     found = faults(trial.success, evidence)
