@@ -26,6 +26,7 @@ from tests.tui.sheets import Shot, sheet_of, shot_of
 from tests.tui.test_replay import WHOLE_TASK
 from tui.doctor.examiner import Examiner
 from tui.doctor.finding import Check, Finding
+from tui.screens.doctor import DoctorScreen
 from tui.screens.settings import SettingsScreen
 from tui.shown.watchdog import SILENT_S
 
@@ -130,6 +131,7 @@ async def doctor_open(desk: Desk, folder: Path) -> None:
     desk.app.examining.know(lambda: Examiner(load(environ={}), checks=checks))
     await desk.press("d")
     await desk.until(lambda: "Set robot.camera to rays" in desk.text)
+    await desk.until(lambda: isinstance(desk.app.screen, DoctorScreen) and not desk.app.screen.is_examining)
 
 
 OPENED: dict[str, Callable[[Desk, Path], Awaitable[None]]] = {"settings": settings_open, "doctor": doctor_open}

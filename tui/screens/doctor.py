@@ -85,7 +85,8 @@ class DoctorScreen(Screen[None]):
         self._status = StatusLine()
         self._page = FindingsPage(classes="pane")
         self._found: tuple[Finding, ...] = ()
-        self._examining = False
+        self.is_examining = False
+        """Something is still looked at."""
         self._examined = ""  # at this moment
 
     def compose(self) -> ComposeResult:
@@ -99,9 +100,9 @@ class DoctorScreen(Screen[None]):
 
     def begin(self) -> None:
         """Examine everything; nothing happens while that is being done already."""
-        if self._examining:
+        if self.is_examining:
             return
-        self._examining, self._examined, self._found = True, "", ()
+        self.is_examining, self._examined, self._found = True, "", ()
         self._page.go_home()
         self._draw()
         threading.Thread(target=self._look, name="doctor", daemon=True).start()
@@ -118,7 +119,7 @@ class DoctorScreen(Screen[None]):
 
     def on_doctor_screen_found(self, message: Found) -> None:
         if message.finding is None:
-            self._examining = False
+            self.is_examining = False
         else:
             self._found = (*self._found, message.finding)
         self._draw()
@@ -161,7 +162,7 @@ class DoctorScreen(Screen[None]):
         count = Counter(finding.state for finding in self._found)
         figures = " · ".join(f"{SIGNS[state][0]} {count[state]} {strings.FINDINGS[state]}" for state in SIGNS)
         name = strings.CHECKS.get(self._examined, self._examined)
-        last = strings.EXAMINING.format(name=name, count=len(self._found)) if self._examining else figures
+        last = strings.EXAMINING.format(name=name, count=len(self._found)) if self.is_examining else figures
         return [*rows, Row("", (("", ""),)), Row("", ((last, _DIM),))]
 
 
