@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from engine.errors import ExitCode
+from engine.robot.description import described
 from engine.robot.saved_map import read_map
 from engine.robot.sim.floor import floor_map
 from tests.e2e.engine import Engine, engine
@@ -148,3 +149,16 @@ def process_of(running: Engine, name: str) -> psutil.Process:
     if name == "engine":
         return own
     return next(child for child in own.children(recursive=True) if f"{name}_main" in " ".join(child.cmdline()))
+
+
+def test_its_camera_on_a_topic_shows_what_it_sees(tmp_path: Path) -> None:
+    port = free_port()
+    made = described("ros2").model_dump(mode="json")
+    made |= {"camera": {"depth": False, "view": 48, "on_arm": False}, "lidar": {"range": 12}}
+    made["ros"] |= {"camera": {"image": "/image"}}
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(yaml.safe_dump({key: value for key, value in made.items() if value is not None}), "utf-8")
+    told = ("--set", "robot.kind=ros2", "--set", f"robot.door=ws://127.0.0.1:{port}", "--set", f"robot.model={mine}")
+    with Peer(port), engine(tmp_path / "state", "", *told) as running:
+        ready = running.until("log", lambda body: body["source"] == "camera" and body["message"].startswith("ready"))
+        assert "/image 320×240, no depth" in ready["message"]
