@@ -113,11 +113,14 @@ class Peer:
     def do(self, line: Line) -> None:
         getattr(self, f"do_{line.pop('do')}")(**line)
 
-    def do_publish(self, topic: str, type: str, message: Line, latched: bool) -> None:
+    def do_publish(self, topic: str, type: str, message: Line, latched: bool, wait_s: float) -> None:
         if topic not in self._publishers:
             durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
             qos = QoSProfile(depth=10, durability=durability)
-            self._publishers[topic] = self.node.create_publisher(_class(type), topic, qos)
+            self._publishers[topic] = made = self.node.create_publisher(_class(type), topic, qos)
+            end = time.monotonic() + wait_s
+            while not made.get_subscription_count() and time.monotonic() < end:
+                self._never.wait(STEP_S)  # rclpy has an event for it, which is not always told
         self._publishers[topic].publish(_filled(_class(type)(), message))
 
     def do_listen(self, topic: str, type: str) -> None:

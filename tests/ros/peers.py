@@ -66,8 +66,10 @@ class RosPeer:
         self.program = Program([python, "-m", "tests.ros.peer"], surroundings, self._hear)
         assert self._ready.wait(START_S), "the peer does not start"
 
-    def publish(self, topic: str, type: str, message: Message, *, latched: bool = False) -> None:
-        self.program.tell({"do": "publish", "topic": topic, "type": type, "message": message, "latched": latched})
+    def publish(self, topic: str, type: str, message: Message, *, latched: bool = False, wait_s: float = 0.0) -> None:
+        """The first one on a topic waits so long at most until somebody listens."""
+        told = {"topic": topic, "type": type, "message": message, "latched": latched, "wait_s": wait_s}
+        self.program.tell({"do": "publish", **told})
 
     def listen(self, topic: str, type: str) -> Heard:
         self._topics[topic] = queue.SimpleQueue()

@@ -19,7 +19,7 @@ from tests.e2e.engine import Engine, engine
 from tests.e2e.test_board import ended
 from tests.eval.runner import ROS_MODEL
 from tests.ros import environment
-from tests.ros.conftest import LIMIT_S, needs_ros
+from tests.ros.conftest import LIMIT_S, needs_ros, until_heard
 from tests.ros.peers import RosPeer
 from tests.ros.true_robot import TrueRobot
 from tests.ros.ways import ByRosbridge, free_domain
@@ -115,12 +115,17 @@ def test_a_node_of_rclpy_has_sentences_and_plans_carried_out(
     outcomes, plans = peer.listen("/outcome", STRING), peer.listen("/plan", STRING)
     options = ("ros.door=rclpy", "robot.speed=real")
     with in_ros(tmp_path, surroundings, *options) as running:
-        running.until("log", lambda body: body["source"] == "robot" and "ready" in body["message"])
-        running.until("log", lambda body: body["source"] == "ros" and "ready" in body["message"])
+        loading = {"robot", "ros"}
+        while loading:
+            ready = running.until("log", lambda body: body["message"].startswith("ready"))
+            loading.discard(ready["source"])
 
-        peer.publish("/speech_to_text/command", STRING, {"data": "turn left 45 degrees"})
-        assert made(plans)["goal"]
-        assert over(outcomes, "turn")["outcome"] == "done"
+        sentence = "turn left 45 degrees"
+        until_heard(outcomes, lambda: peer.publish("/speech_to_text/command", STRING, {"data": "what time is it?"}))
+        peer.publish("/speech_to_text/command", STRING, {"data": sentence})
+        assert over(outcomes, sentence)["outcome"] == "done"
+        while not made(plans)["actions"]:
+            pass
 
         response = peer.call("/get_plan", PLAN, {"command": "go to the kitchen, then beep", "language": "en"})
         answer = response.get(timeout=LIMIT_S)
@@ -138,7 +143,7 @@ def test_a_node_of_rclpy_has_sentences_and_plans_carried_out(
         assert not result["success"]
         (step,) = json.loads(result["results"])
         assert step["outcome"] == "interrupted"
-        assert over(outcomes, "turn")["outcome"] == "interrupted"
+        over(outcomes, outcome="interrupted")
 
         goal = peer.goal("/execute_plan", EXECUTE, {"plan": "beep(); arm_nod()"})
         how, result = goal.ended.get(timeout=LIMIT_S)
@@ -146,10 +151,12 @@ def test_a_node_of_rclpy_has_sentences_and_plans_carried_out(
         assert len(json.loads(result["results"])) == 2
 
         peer.publish("/speech_to_text/command", STRING, {"data": "patrol"})
-        running.until("robot.state", lambda body: body["moving"])
-        peer.publish("/stop", "std_msgs/msg/Empty", {})
-        while over(outcomes, "turn")["outcome"] != "interrupted":
-            pass
+        running.until("action.started", lambda body: body["name"] == "patrol")
+        stopped = False
+        while not stopped:
+            heard = until_heard(outcomes, lambda: peer.publish("/stop", "std_msgs/msg/Empty", {}))
+            over_now = json.loads(heard["data"])
+            stopped = over_now["kind"] == "turn" and over_now["outcome"] == "interrupted"
 
 
 def made(heard: queue.SimpleQueue[Any]) -> dict[str, Any]:
@@ -157,8 +164,9 @@ def made(heard: queue.SimpleQueue[Any]) -> dict[str, Any]:
     return found
 
 
-def over(heard: queue.SimpleQueue[Any], kind: str) -> dict[str, Any]:
-    """The next outcome of this kind."""
-    while (found := made(heard))["kind"] != kind:
-        pass
-    return found
+def over(heard: queue.SimpleQueue[Any], request: str = "", outcome: str = "") -> dict[str, Any]:
+    """The end of the next turn with this request, or this outcome."""
+    while True:
+        found = made(heard)
+        if found["kind"] == "turn" and request in found["request"] and outcome in found["outcome"]:
+            return found

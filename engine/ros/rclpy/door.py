@@ -10,6 +10,7 @@ import functools
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 from engine.ros.door import CALL_S, Code, Goal, Graph, Message, Outcome, Reply, Take, Then, Work
@@ -159,7 +160,14 @@ class RclpyDoor:
         if (old := self._subscriptions.pop(topic, None)) is not None:
             self._loop.node.destroy_subscription(old)
         if (found := self._type(topic, type, "msg")) is not None:
-            made = self._make(topic, lambda: subscribe(self._loop, topic, found, take, how))
+            lossy = replace(how, every=False)
+
+            def unfit() -> None:
+                """A publisher that loses messages is heard by one that does not mind alone."""
+                if how.every and not how.latched:
+                    self._loop.soon(lambda: self._subscribe(topic, type, take, lossy))
+
+            made = self._make(topic, lambda: subscribe(self._loop, topic, found, take, how, unfit))
             self._subscriptions[topic] = made
 
     def _call(self, service: str, type: str, request: Message, one: _Open, limit_s: float) -> None:

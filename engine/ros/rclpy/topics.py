@@ -58,9 +58,10 @@ class How:
     every: bool
 
 
-def subscribe(loop: Loop, topic: str, type: Any, take: Take, how: How) -> Any:
-    """A subscription. It is best effort, which hears every publisher; a latched one is reliable, as those that latch
-    are."""
+def subscribe(loop: Loop, topic: str, type: Any, take: Take, how: How, unfit: Callable[[], object]) -> Any:
+    """A subscription. It is best effort, which hears every publisher; one that latches, or of which every message
+    counts, is reliable, and ``unfit`` is told where a publisher is not."""
+    from rclpy.event_handler import SubscriptionEventCallbacks
     from rclpy.qos import (  # type: ignore[import-not-found]
         DurabilityPolicy,
         QoSProfile,
@@ -82,7 +83,9 @@ def subscribe(loop: Loop, topic: str, type: Any, take: Take, how: How) -> Any:
 
     qos = QoSProfile(
         depth=DEEP if how.every else DEPTH,
-        reliability=ReliabilityPolicy.RELIABLE if how.latched else ReliabilityPolicy.BEST_EFFORT,
+        reliability=ReliabilityPolicy.RELIABLE if how.latched or how.every else ReliabilityPolicy.BEST_EFFORT,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if how.latched else DurabilityPolicy.VOLATILE,
     )
-    return loop.node.create_subscription(type, topic, taken_raw if how.every_s else taken, qos, raw=bool(how.every_s))
+    told = taken_raw if how.every_s else taken
+    callbacks = SubscriptionEventCallbacks(incompatible_qos=lambda info: unfit())
+    return loop.node.create_subscription(type, topic, told, qos, raw=bool(how.every_s), event_callbacks=callbacks)
