@@ -22,7 +22,7 @@ from engine.robot.host.memory import STATE
 from engine.robot.host.sent_arm import SentArm
 from engine.robot.ros2 import messages, pictures
 from engine.robot.ros2.body import LATE_S, REPEAT_S, REST_S, Ros2Body
-from engine.robot.ros2.navigation import AGAIN_S, STUBBORN_S
+from engine.robot.ros2.navigation import AGAIN_S, QUIET_S, STUBBORN_S
 from engine.ros.door import Graph, Message, Outcome, Reply, Take, Then, Work
 
 ROBOT = described("ros2")
@@ -326,7 +326,13 @@ def test_a_goal_that_was_lost_is_called_back_when_the_door_is_open_again() -> No
     body.step()
     assert len(table.calls) == 2, "a door that was opened anew has not found it yet"
     assert body.trouble
-    table.calls[-1][2](Outcome("succeeded"))
+    table.calls[-1][2](Outcome("succeeded", {"return_code": 0, "goals_canceling": [{}]}))
+    table.answer = Outcome("succeeded", {"return_code": 0, "goals_canceling": []})
+    body.step()
+    assert body.trouble, "what is being cancelled has not ended"
+    for _ in range(round(2 * QUIET_S / AGAIN_S)):
+        table.t += AGAIN_S
+        body.step()
     table.takes["/odom"](odometry(5.0, 5.0, math.pi / 2))
     assert body.trouble == ""
 
@@ -370,11 +376,13 @@ def test_a_stop_is_not_gone_on_with_and_neither_is_what_somebody_has_driven_sinc
         assert len(table.goals) == count
 
 
-def test_a_host_that_was_replaced_calls_back_what_the_one_before_had_sent() -> None:
+def test_a_host_that_was_replaced_calls_back_what_the_one_before_had_sent(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("engine.robot.ros2.navigation.AGAIN_S", 0.0)  # the clock of a table hardly goes
+    monkeypatch.setattr("engine.robot.ros2.navigation.QUIET_S", 0.0)
     table = Table()
     table.answer = Outcome("succeeded")
     body = Ros2Body(table, ROBOT, START, np.zeros((), STATE), clock=table)
-    ((service, _, _),) = table.calls
+    service, _, _ = table.calls[0]
     assert service == "/navigate_to_pose/_action/cancel_goal"
     assert body.trouble == ""
 

@@ -108,7 +108,7 @@ class Controller:
         """Have the body go there by itself, map frame."""
         if self._navigator is None:
             return False
-        self._envelope.command(ZERO, self.t)
+        self._envelope.halt()
         self._goal, self._rests = (goal, ticket), False
         self._navigator.go(compose(inverse(self._correction), goal), ticket)
         return True

@@ -165,6 +165,8 @@ class Ros2Body:
             self._tell(now)
 
     def drive(self, twist: Twist) -> None:
+        if self._navigation is not None and self._navigation.is_under_way:
+            return  # others drive it
         limited = self._description.speeds.within(twist) if not self.trouble else ZERO
         if limited == self._told:
             return
@@ -236,13 +238,19 @@ class Ros2Body:
             self._navigation.fill(record)
 
     def close(self) -> None:
+        """Where a goal may be under way, the guard speaks last: a server may take late what was sent before."""
         if self._navigation is not None:
             self._navigation.give_up()
         self.hold_arm()
         self._told = ZERO
         self._tell(self._clock())
+        speaks = self._navigation is not None and self._navigation.may_drive
         self._door.close()
-        self._end_guard()
+        guard, self._guard = self._guard, None
+        if guard is not None and speaks:
+            guard.release()  # it leaves by itself
+        elif guard is not None:
+            guard.discard()
 
     # Its guard
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+import select
 import signal
 import sys
 import time
@@ -12,7 +13,7 @@ import time
 from engine.errors import SaysoError
 from engine.robot.description import RosOf
 from engine.robot.geometry import ZERO
-from engine.robot.host.guard_main import watch
+from engine.robot.host.guard_main import TICK_S, watch
 from engine.robot.ros2 import messages
 from engine.robot.ros2.navigation import CANCEL, EVERYTHING
 from engine.ros.door import Door
@@ -20,8 +21,8 @@ from engine.ros.opening import open_door
 
 CANCEL_S = 0.1
 """Between two requests to cancel."""
-LAST_WORDS = 30
-"""How often it tells the robot to rest before it leaves: a bridge needs a moment to find a service."""
+LAST_WORDS = 150
+"""How often it tells the robot to rest before it leaves, in 1.5 s: a goal that was sent last may be taken late."""
 
 
 class Resting:
@@ -35,10 +36,21 @@ class Resting:
     def __call__(self) -> None:
         about, now = self._about, time.monotonic()
         self._door.publish(about.velocity, messages.velocity_type(about), messages.velocity(ZERO, about, time.time()))
-        if about.navigation is not None and now - self._cancelled_at > CANCEL_S:
-            self._cancelled_at = now
-            service = f"{about.navigation}/_action/cancel_goal"
-            self._door.call(service, CANCEL, {"goal_info": EVERYTHING}, lambda outcome: None)
+        if now - self._cancelled_at <= CANCEL_S:
+            return
+        self._cancelled_at = now
+        for action in (about.navigation, about.arm.trajectory if about.arm is not None else None):
+            if action is not None:
+                service = f"{action}/_action/cancel_goal"
+                self._door.call(service, CANCEL, {"goal_info": EVERYTHING}, lambda outcome: None)
+
+
+def _opened(door: Door, link: int) -> bool:
+    """Wait until the door is open, for before that this guards nothing; False where the host has ended meanwhile."""
+    while door.trouble:
+        if select.select([link], [], [], TICK_S)[0]:
+            return False
+    return True
 
 
 def main(argv: list[str]) -> int:
@@ -56,6 +68,8 @@ def main(argv: list[str]) -> int:
     except SaysoError as error:
         print(error, file=sys.stderr)  # noqa: T201 - the host puts our stderr into its own error
         return int(error.exit_code)
+    if not _opened(door, args.link):
+        return 0
     watch(args.memory, args.link, Resting(door, RosOf.model_validate_json(args.about)), last_words=LAST_WORDS)
     door.close()
     return 0

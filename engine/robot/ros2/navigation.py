@@ -24,6 +24,8 @@ EVERYTHING: Final = {"goal_id": {"uuid": [0] * 16}, "stamp": {"sec": 0, "nanosec
 """What a request to cancel says for all goals (action_msgs/srv/CancelGoal)."""
 AGAIN_S: Final = 0.2
 """Between two requests to cancel what may be under way."""
+QUIET_S: Final = 1.0
+"""For so long nothing must have been there to cancel: a goal may be taken late."""
 FOUND_S: Final = 10.0
 """In which a door that was opened anew has found a navigation that is there: nodes take their time for that."""
 STUBBORN_S: Final = 2.0
@@ -45,6 +47,7 @@ class Navigation:
         self._asking = False
         self._asked_at = -math.inf
         self._first_asked_at: float | None = None  # since the door is open
+        self._quiet_since: float | None = None  # nothing has been there to cancel
         self._ticket = 0
         self._how: Faring = "going"
         self._left, self._code, self._why = math.nan, 0, ""
@@ -60,13 +63,24 @@ class Navigation:
         return self.is_ending and self._clock() - self._given_up_at > STUBBORN_S
 
     @property
+    def is_under_way(self) -> bool:
+        """It drives the robot, and is to."""
+        return self._goal is not None
+
+    @property
+    def may_drive(self) -> bool:
+        """It may drive the robot, as far as anybody knows."""
+        return bool(self._open) or self._astray or self._clock() - self._given_up_at < STUBBORN_S
+
+    @property
     def is_astray(self) -> bool:
         """A goal that was lost may still drive the robot."""
         return self._astray
 
     def recall(self) -> None:
         """Cancel whatever is under way there, once the door is open again; to be called now and then."""
-        if not self._astray:
+        late = self.is_ending and self._clock() - self._given_up_at > AGAIN_S
+        if not self._astray and not late:
             return
         if self._door.trouble:
             self._first_asked_at = None
@@ -119,14 +133,23 @@ class Navigation:
 
     def _recalled(self, outcome: Outcome) -> None:
         self._asking = False
-        since = self._first_asked_at
-        is_missing = outcome.code == "no_server" and since is not None and self._clock() - since > FOUND_S
-        if outcome.code == "succeeded" or is_missing:
-            self._astray, self._first_asked_at = False, None
+        now, since = self._clock(), self._first_asked_at
+        is_missing = outcome.code == "no_server" and since is not None and now - since > FOUND_S
+        stands = outcome.code == "succeeded" and not outcome.result.get("return_code")
+        if not stands or outcome.result.get("goals_canceling"):
+            self._quiet_since = None  # a request that was taken, or refused, is no end
+        elif self._quiet_since is None:
+            self._quiet_since = now
+        elif now - self._quiet_since >= QUIET_S:
+            self._astray = False
+        if is_missing:
+            self._astray = False
+        if not self._astray:
+            self._first_asked_at = self._quiet_since = None
 
     def _ended(self, number: int, outcome: Outcome) -> None:
         self._open.discard(number)
-        if outcome.code in ("lost", "timed_out"):
+        if outcome.code in ("lost", "timed_out", "rejected"):  # a server that was slow may take it yet
             self._astray = True
         if number != self._sent or self._goal is None:
             return

@@ -232,6 +232,8 @@ class Rosbridge:
             self.trouble = f"the bridge at {self._url} is gone (it has closed the connection)"
         except GONE as error:
             self.trouble = f"the bridge at {self._url} is gone ({why(error)})"
+        except Exception as error:  # noqa: BLE001 - one boundary: a fault over one message is not the door's end
+            self.trouble = f"the bridge at {self._url} is gone ({error!r:.120})"
         finally:
             await line.close()
             await self._lines.close()

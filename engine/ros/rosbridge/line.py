@@ -6,6 +6,7 @@ has ended: whatever comes behind it waits, a zero velocity, too. So whoever uses
 
 from __future__ import annotations
 
+import json
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from typing import Any, Final
@@ -42,8 +43,8 @@ class Line:
         """What the bridge sends, until the connection ends. Raises ``GONE`` unless it was closed in order."""
         async for text in self._socket:
             try:
-                order = msgspec.json.decode(text)
-            except (msgspec.DecodeError, UnicodeDecodeError):
+                order = _read(text)
+            except (ValueError, RecursionError):
                 continue  # a bridge that says what nobody can read has said nothing
             if isinstance(order, dict):
                 yield order
@@ -94,6 +95,14 @@ class Lines:
 def why(error: Exception) -> str:
     """What went wrong with a connection, for people."""
     return str(error).splitlines()[0][:120] if str(error) else type(error).__name__
+
+
+def _read(text: str | bytes) -> object:
+    """JSON, and what a bridge makes of numbers that are none: NaN and Infinity, which Python's own reader knows."""
+    try:
+        return msgspec.json.decode(text)
+    except msgspec.DecodeError:
+        return json.loads(text)
 
 
 def _plain(value: object) -> object:
