@@ -574,8 +574,8 @@ def _ros_name(name: str) -> str:
 
 
 RosName = Annotated[str, AfterValidator(_ros_name)]
-DOOR = re.compile(r"wss?://[^/:\s]+(?::\d{1,5})?(?:/\S*)?|zenoh://[^/\s]+(?:/\d+)?|rclpy")
-"""How a way to a ROS graph is written."""
+DOOR = re.compile(r"wss?://(?:\[[0-9a-fA-F:]+\]|[^/:@?\s]+)(?::\d{1,5})?(?:/[^?\s]*)?|zenoh://[^/@?\s]+(?:/\d+)?|rclpy")
+"""How a way to a ROS graph is written: without secrets, for it is shown."""
 
 
 class RosNames(Section):
