@@ -38,7 +38,8 @@ def odometry(x: float, y: float, yaw: float, vx: float = 0.0) -> dict[str, Any]:
 
 
 def joint_states(angle: float, gripper: float) -> dict[str, Any]:
-    return {"name": [*"abcde", "finger"], "position": [0.1, angle, 0.0, 0.0, 0.0, gripper]}
+    """With a wheel that is not measured."""
+    return {"name": [*"abcde", "finger", "wheel"], "position": [0.1, angle, 0.0, 0.0, 0.0, gripper, None]}
 
 
 def tf(x: float, y: float, yaw: float) -> dict[str, Any]:
@@ -235,6 +236,8 @@ def test_a_scan_lies_around_it() -> None:
     assert (found[0], found[90]) == pytest.approx((2.0, 1.0))
     assert np.isinf(found[180]), "nearer than it measures"
     assert body.scan() is None, "nothing newer has come"
+    table.takes["/scan"]({**scan, "ranges": ranges, "range_max": None})
+    assert body.scan() is not None, "what knows no farthest"
 
 
 def test_where_it_finds_itself_on_its_map_is_where_it_is() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -58,8 +59,9 @@ def robot_probe(settings: Settings, kind: str | None, name: str, *, json: bool =
     if found.graph.why:
         say(f"sayso: {found.graph.why}: what has none of the usual names was not found.")
     say(f"sayso: this is in {target} now. Look it through, then:")
-    of_map = f" --set robot.map={there}" if found.map is not None else ""
-    say(f"  sayso --set robot.kind=ros2 --set robot.door={settings.robot.door} --set robot.model={name}{of_map}")
+    chosen = ["robot.kind=ros2", f"robot.door={settings.robot.door}", f"robot.model={name}"]
+    chosen += [f"robot.map={there}"] if found.map is not None else []
+    say("  " + shlex.join(["sayso", *(word for setting in chosen for word in ("--set", setting))]))
     return int(ExitCode.DONE)
 
 

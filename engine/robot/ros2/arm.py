@@ -67,11 +67,10 @@ class RosArm:
     def _take(self, message: Message) -> None:
         """A ``JointState``, which may tell of some joints alone."""
         try:
-            at = dict(zip(map(str, message["name"]), map(float, message["position"]), strict=True))
-        except (KeyError, TypeError, ValueError, OverflowError):
+            told = dict(zip(map(str, message["name"]), message["position"], strict=True))
+        except (KeyError, TypeError, ValueError):
             return
-        if not all(map(math.isfinite, at.values())):
-            return
+        at = {name: float(angle) for name, angle in told.items() if _is_angle(angle)}
         named = tuple(self._about.joints.values())
         if all(joint.name in at for joint in named):
             self.joints = tuple((at[joint.name] - joint.zero) * joint.sign for joint in named)
@@ -84,3 +83,8 @@ class RosArm:
         told: Any = outcome.result.get("error_string")
         wrong = outcome.code not in ("succeeded", "canceled")
         self.fault = (told or outcome.why or outcome.code) if wrong else ""
+
+
+def _is_angle(value: object) -> bool:
+    """A joint that is not measured, such as a wheel's, is told as null or as no number."""
+    return isinstance(value, int | float) and abs(value) < 1e9

@@ -112,15 +112,16 @@ def scan_points(message: Mapping[str, Any]) -> tuple[NDArray[np.float64], NDArra
     measured, s; None where it makes no sense."""
     try:
         first, step = float(message["angle_min"]), float(message["angle_increment"])
-        low, high = float(message["range_min"]), float(message["range_max"])
+        low, most = float(message["range_min"]), message["range_max"]
+        high = math.inf if most is None else float(most)  # a bridge has no word for infinity
         took = float(message.get("time_increment") or 0.0)
         ranges = np.array([math.nan if r is None else r for r in message["ranges"]], dtype=np.float64)
     except (KeyError, TypeError, ValueError, OverflowError):
         return None
-    known = all(math.isfinite(value) for value in (first, step, low, high, took))
+    known = all(math.isfinite(value) for value in (first, step, low, took)) and high > 0
     if not known or ranges.ndim != 1 or len(ranges) > _MOST_RAYS:
         return None
-    ray = np.flatnonzero((ranges >= low) & (ranges <= high))
+    ray = np.flatnonzero((ranges >= low) & (ranges <= high) & np.isfinite(ranges))
     angles, away = first + step * ray, ranges[ray]
     after: NDArray[np.float64] = took * ray.astype(np.float64)
     return np.column_stack((np.cos(angles), np.sin(angles))) * away[:, None], after
