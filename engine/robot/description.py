@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
@@ -124,6 +124,11 @@ class Gripper(Section):
     open: float = Field(default=30, ge=0, le=270, description="deg of the servo.")
 
 
+def _check_joints(joints: Mapping[str, object]) -> None:
+    if tuple(joints) != ARM_JOINTS:
+        raise ValueError(f"the joints are, in this order: {', '.join(ARM_JOINTS)}")
+
+
 class ArmOf(Section):
     """The arm: lengths in m, places in the base frame (shoulder) and in the wrist's (eye)."""
 
@@ -137,8 +142,7 @@ class ArmOf(Section):
 
     @model_validator(mode="after")
     def _all_joints(self) -> Self:
-        if tuple(self.joints) != ARM_JOINTS:
-            raise ValueError(f"the joints are, in this order: {', '.join(ARM_JOINTS)}")
+        _check_joints(self.joints)
         return self
 
 
@@ -210,8 +214,7 @@ class RosArmOf(Section):
 
     @model_validator(mode="after")
     def _all_joints(self) -> Self:
-        if tuple(self.joints) != ARM_JOINTS:
-            raise ValueError(f"the joints are, in this order: {', '.join(ARM_JOINTS)}")
+        _check_joints(self.joints)
         return self
 
 
@@ -315,6 +318,12 @@ class Description(Section):
         if self.camera is not None:
             has.add("camera")
         return frozenset(has)
+
+    def eye(self, joints: Sequence[float]) -> Mount:
+        """Where the camera is, base frame, with the arm at these joints, rad. The robot must have one."""
+        assert self.camera is not None
+        yaw, shoulder, elbow, wrist, roll = joints
+        return self.arm_model.camera((yaw, shoulder, elbow, wrist, roll)) if self.camera.on_arm else self.camera.mount
 
     @property
     def battery(self) -> Battery | None:

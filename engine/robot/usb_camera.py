@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from config.schema import Camera as CameraSettings
 from engine.errors import CameraError
-from engine.robot.camera import Lens, Mount, Picture, floor_depth, floor_error
+from engine.robot.camera import Lens, Picture, floor_depth, floor_error
 from engine.robot.camera_news import Lost, Opened, Opening, TellOfCamera
 from engine.robot.description import Description
 from engine.robot.host.memory import Memory, believed
@@ -117,8 +117,8 @@ class UsbCamera:
         assert description.camera is not None, "the same"
         self._device = settings.device
         self._size = settings.width, settings.height
-        self._about = description.camera
-        self._arm = description.arm_model
+        self._description = description
+        self._view = np.radians(description.camera.view)
         self._memory = memory
         self._tell = tell
         self._loop = asyncio.get_running_loop()
@@ -155,17 +155,11 @@ class UsbCamera:
         width, height = self._size
         rgb = cv2.cvtColor(cv2.resize(bgr, (width, height), interpolation=cv2.INTER_AREA), cv2.COLOR_BGR2RGB)
         record = self._memory.state.get()
-        lens = Lens.of_view(width, height, np.radians(self._about.view))
-        mount = self._mount(record)
+        lens = Lens.of_view(width, height, self._view)
+        mount = self._description.eye(record["joints"].tolist())
         pose = believed(record, self._memory.correction.scratch)
         pixels: NDArray[np.uint8] = np.asarray(rgb, dtype=np.uint8)
         return Picture(float(record["t"]), pixels, floor_depth(lens, mount), lens, mount, pose, guessed=True)
-
-    def _mount(self, record: Any) -> Mount:
-        if not self._about.on_arm:
-            return self._about.mount
-        yaw, shoulder, elbow, wrist, roll = record["joints"].tolist()
-        return self._arm.camera((yaw, shoulder, elbow, wrist, roll))
 
     # In the thread that reads
 
@@ -198,7 +192,7 @@ class UsbCamera:
         self._newest, self._lost = (at, bgr), None
         if first:
             height, width = bgr.shape[:2]
-            mount = self._mount(self._memory.state.get())
+            mount = self._description.eye(self._memory.state.get()["joints"].tolist())
             self._tell(Opened(f"{path} {width}×{height}, no depth: {how_good(float(mount.position[2]))}"))
         self._came.set()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Final
 from urllib.parse import urlsplit
 
@@ -12,6 +13,8 @@ from engine.ros.door import Door
 FORMS: Final = "ws://HOST:PORT of a rosbridge, zenoh://HOST:PORT[/DOMAIN] of a zenoh router, or rclpy"
 """What a setting may say, in words for people."""
 ZENOH_PORT: Final = 7447
+LOOK_S: Final = 0.02
+"""Between two looks whether a door is open."""
 
 
 def open_door(door: str, name: str = "sayso") -> Door:
@@ -38,3 +41,11 @@ def open_door(door: str, name: str = "sayso") -> Door:
         folders = [mine] if mine.is_dir() else []
         return ZenohDoor(f"tcp/{host}:{port or ZENOH_PORT}", int(domain), definitions=folders, name=name)
     raise UsageError(f"{door!r} leads to no graph of ROS 2.", hint=f"It may be {FORMS}.")
+
+
+def wait_for(door: Door, seconds: float) -> str:
+    """Wait so long at most until a door is open: its trouble then, empty where it is. For commands that people type."""
+    until = time.monotonic() + seconds
+    while (trouble := door.trouble) and time.monotonic() < until:
+        time.sleep(LOOK_S)
+    return trouble

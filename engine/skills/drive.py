@@ -47,6 +47,12 @@ def why_held(state: RobotState) -> tuple[ErrorCode, str]:
     return "no_progress", "the wheels turned but I did not move"
 
 
+def stopped_before(state: RobotState, goal: Pose, name: str, reason: str) -> str:
+    """That it stopped on its way to a place of this name, how far from it, and why."""
+    left = math.dist((state.pose.x, state.pose.y), (goal.x, goal.y))
+    return f"I stopped {left:.1f} m before {name}: {reason}."
+
+
 class Stall:
     """Notices that a distance to the goal has stopped shrinking."""
 

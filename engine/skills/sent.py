@@ -9,6 +9,7 @@ from engine.robot.geometry import Pose
 from engine.robot.robot import Going, RobotState
 from engine.skills.context import SkillContext
 from engine.skills.doors import closed_door, is_closed
+from engine.skills.drive import stopped_before
 from engine.skills.outcome import ErrorCode, Result, fail, ok
 
 TOLD_S: Final = 1.0
@@ -40,7 +41,7 @@ async def send_to(context: SkillContext, goal: Pose, name: str) -> Result | None
         going = state.going
         if going is None or going.ticket != ticket:
             if state.t - sent > TOLD_S:
-                return fail("robot_halted", _stopped(state, goal, name, state.halted or "it was told to stop"))
+                return fail("robot_halted", stopped_before(state, goal, name, state.halted or "it was told to stop"))
             continue
         if going.how != "going":
             return _ended(context, going, state, goal, name)
@@ -66,17 +67,12 @@ def _ended(context: SkillContext, going: Going, state: RobotState, goal: Pose, n
         case "rejected":
             return fail("unreachable", f"I cannot get to {name}: my navigation refuses it.")
         case "timed_out":
-            return fail("time_limit", _stopped(state, goal, name, "it took too long"))
+            return fail("time_limit", stopped_before(state, goal, name, "it took too long"))
         case "lost":
-            return fail("robot_lost", _stopped(state, goal, name, "my navigation is gone"))
+            return fail("robot_lost", stopped_before(state, goal, name, "my navigation is gone"))
         case "canceled":
-            return fail("robot_halted", _stopped(state, goal, name, state.halted or "it was told to stop"))
+            return fail("robot_halted", stopped_before(state, goal, name, state.halted or "it was told to stop"))
     code, reason = _REASONS.get(going.code, ("no_progress", going.why or "my navigation gave up"))
     if (door := closed_door(context)) is not None:
         code, reason = "door_closed", is_closed(door)
-    return fail(code, _stopped(state, goal, name, reason), nav2=going.code)
-
-
-def _stopped(state: RobotState, goal: Pose, name: str, reason: str) -> str:
-    left = math.dist((state.pose.x, state.pose.y), (goal.x, goal.y))
-    return f"I stopped {left:.1f} m before {name}: {reason}."
+    return fail(code, stopped_before(state, goal, name, reason), nav2=going.code)

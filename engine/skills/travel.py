@@ -21,7 +21,7 @@ from engine.robot.occupancy import Route, Unreachable, route
 from engine.robot.robot import RobotState
 from engine.skills.context import SkillContext
 from engine.skills.doors import closed_door, is_closed
-from engine.skills.drive import Stall, settle, why_held
+from engine.skills.drive import Stall, settle, stopped_before, why_held
 from engine.skills.hand import look
 from engine.skills.lookout import Lookout, lookout
 from engine.skills.outcome import Result, fail, ok
@@ -73,8 +73,7 @@ async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout) -
         if ending == "hemmed":
             hemmed += 1
             if hemmed == HEMMED:
-                left = math.dist((state.pose.x, state.pose.y), (goal.x, goal.y))
-                return fail("path_blocked", f"I stopped {left:.1f} m before {name}: {_lies_there(context)}.")
+                return fail("path_blocked", stopped_before(state, goal, name, _lies_there(context)))
             await look(context)  # it may not be there any more, or elsewhere
             continue
         if ending in ("astray", "strewn") and corrections < CORRECTIONS:
@@ -86,10 +85,9 @@ async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout) -
             break
         detours += 1
         seen = context.robot.scan().on_map(state.pose, SEEN_RANGE)
-    left = math.dist((state.pose.x, state.pose.y), (goal.x, goal.y))
     if shut is not None:
-        return fail("door_closed", f"I stopped {left:.1f} m before {name}: {is_closed(shut)}.")
-    return fail(code, f"I stopped {left:.1f} m before {name}: {reason}.")
+        return fail("door_closed", stopped_before(state, goal, name, is_closed(shut)))
+    return fail(code, stopped_before(state, goal, name, reason))
 
 
 def way_to(context: SkillContext, goal: Pose, seen: NDArray[np.float64] = NOTHING_SEEN) -> Route | Unreachable:

@@ -16,6 +16,7 @@ from tests.ros import environment
 from tests.ros.lines import Program
 from tests.ros.peers import DoorPeer, Peer, RosPeer
 from tests.ros.remote import RemoteDoor
+from tests.rosbridge import free_port
 from tests.zenoh_router import Router
 
 
@@ -140,13 +141,6 @@ class ByZenoh:
     @property
     def _door(self) -> str:
         return f"zenoh://127.0.0.1:{self._router.port}"
-
-
-def free_port() -> int:
-    """A TCP port of this machine that nothing listens on."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def free_domain() -> int:

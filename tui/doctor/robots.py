@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import TYPE_CHECKING, Final
 
 from config.schema import Settings
@@ -89,7 +88,7 @@ def _ros_robot(name: str, url: str, about: RosOf) -> Finding:
 
 def ros_graph(settings: Settings) -> Finding:
     """The way to it is tried; nothing is said there."""
-    from engine.ros.opening import open_door
+    from engine.ros.opening import open_door, wait_for
 
     if settings.ros.door is None:
         return Finding("ROS graph", "ok", "none (ros.door)")
@@ -97,10 +96,8 @@ def ros_graph(settings: Settings) -> Finding:
         door = open_door(settings.ros.door, "sayso_doctor")
     except SaysoError as error:
         return Finding("ROS graph", "missing", error.message, error.hint)
-    until = time.monotonic() + ROS_S
     try:
-        while (trouble := door.trouble) and time.monotonic() < until:
-            time.sleep(0.05)
+        trouble = wait_for(door, ROS_S)
     finally:
         door.close()
     if trouble:

@@ -246,11 +246,7 @@ class Ros2Body:
         self._tell(self._clock())
         speaks = self._navigation is not None and self._navigation.may_drive
         self._door.close()
-        guard, self._guard = self._guard, None
-        if guard is not None and speaks:
-            guard.release()  # it leaves by itself
-        elif guard is not None:
-            guard.discard()
+        self._end_guard(speaks=speaks)
 
     # Its guard
 
@@ -265,9 +261,12 @@ class Ros2Body:
         with contextlib.suppress(ProcessError, OSError):  # ``trouble`` tells, and there is another try
             self._guard = self._start_guard()
 
-    def _end_guard(self) -> None:
+    def _end_guard(self, *, speaks: bool = False) -> None:
+        """One that ``speaks`` tells the robot to rest for a while, and leaves by itself."""
         guard, self._guard = self._guard, None
-        if guard is not None:
+        if guard is not None and speaks:
+            guard.release()
+        elif guard is not None:
             guard.discard()
 
     # What it tells

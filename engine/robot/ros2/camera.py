@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from config.schema import Camera as CameraSettings
 from engine.errors import CameraError
-from engine.robot.camera import Lens, Mount, Picture, floor_depth
+from engine.robot.camera import Lens, Picture, floor_depth
 from engine.robot.camera_news import Lost, Opened, Opening, TellOfCamera
 from engine.robot.description import Description
 from engine.robot.host.memory import Memory, believed
@@ -43,8 +43,8 @@ class RosCamera:
         assert description.ros is not None, "the same"
         assert description.ros.camera is not None, "the same"
         self._door = door
-        self._about, self._topics = description.camera, description.ros.camera
-        self._arm = description.arm_model
+        self._description, self._topics = description, description.ros.camera
+        self._view = np.radians(description.camera.view)
         self._size = settings.width, settings.height
         self._memory = memory
         self._tell = tell
@@ -92,9 +92,9 @@ class RosCamera:
             return None
         came, rgb = self._colours
         width, height = self._size
-        lens = self._lens or Lens.of_view(width, height, np.radians(self._about.view))
+        lens = self._lens or Lens.of_view(width, height, self._view)
         record = self._memory.state.get()
-        mount = self._mount(record)
+        mount = self._description.eye(record["joints"].tolist())
         pose = believed(record, self._memory.correction.scratch)
         small: NDArray[np.uint8] = np.asarray(cv2.resize(rgb, self._size, interpolation=cv2.INTER_AREA), np.uint8)
         if self._topics.depth is None:
@@ -103,12 +103,6 @@ class RosCamera:
             return None
         depth = cv2.resize(self._depths[1], self._size, interpolation=cv2.INTER_NEAREST).astype(np.float32)
         return Picture(float(record["t"]), small, depth, lens, mount, pose)
-
-    def _mount(self, record: Any) -> Mount:
-        if not self._about.on_arm:
-            return self._about.mount
-        yaw, shoulder, elbow, wrist, roll = record["joints"].tolist()
-        return self._arm.camera((yaw, shoulder, elbow, wrist, roll))
 
     # In the door's thread
 

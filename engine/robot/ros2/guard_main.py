@@ -15,7 +15,7 @@ from engine.robot.description import RosOf
 from engine.robot.geometry import ZERO
 from engine.robot.host.guard_main import TICK_S, watch
 from engine.robot.ros2 import messages
-from engine.robot.ros2.navigation import CANCEL, EVERYTHING
+from engine.ros.actions.parts import ALL, CANCEL, cancel_request, cancel_service
 from engine.ros.door import Door
 from engine.ros.opening import open_door
 
@@ -41,8 +41,7 @@ class Resting:
         self._cancelled_at = now
         for action in (about.navigation, about.arm.trajectory if about.arm is not None else None):
             if action is not None:
-                service = f"{action}/_action/cancel_goal"
-                self._door.call(service, CANCEL, {"goal_info": EVERYTHING}, lambda outcome: None)
+                self._door.call(cancel_service(action), CANCEL, cancel_request(ALL), lambda outcome: None)
 
 
 def _opened(door: Door, link: int) -> bool:

@@ -16,12 +16,10 @@ from typing import Any, Final
 from engine.robot.geometry import Pose
 from engine.robot.host.memory import Record
 from engine.robot.robot import Faring
+from engine.ros.actions.parts import ALL, CANCEL, cancel_request, cancel_service
 from engine.ros.door import Code, Door, Goal, Message, Outcome
 
 NAVIGATE: Final = "nav2_msgs/action/NavigateToPose"
-CANCEL: Final = "action_msgs/srv/CancelGoal"
-EVERYTHING: Final = {"goal_id": {"uuid": [0] * 16}, "stamp": {"sec": 0, "nanosec": 0}}
-"""What a request to cancel says for all goals (action_msgs/srv/CancelGoal)."""
 AGAIN_S: Final = 0.2
 """Between two requests to cancel what may be under way."""
 QUIET_S: Final = 1.0
@@ -90,7 +88,7 @@ class Navigation:
             return
         self._asking, self._asked_at = True, now
         self._first_asked_at = now if self._first_asked_at is None else self._first_asked_at
-        self._door.call(f"{self._action}/_action/cancel_goal", CANCEL, {"goal_info": EVERYTHING}, self._recalled)
+        self._door.call(cancel_service(self._action), CANCEL, cancel_request(ALL), self._recalled)
 
     def go(self, goal: Pose, frame: str, ticket: int) -> None:
         """Send the robot there, in this frame; it leaves off whatever it did."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 import threading
-import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -20,6 +19,7 @@ from engine.robot.ros2 import messages, pictures
 from engine.robot.ros2.arm import FOLLOW, STATES
 from engine.robot.ros2.navigation import NAVIGATE
 from engine.ros.door import Door, Graph, Message
+from engine.ros.opening import wait_for
 
 MAP: Final = "nav_msgs/msg/OccupancyGrid"
 _USUAL: Final = {
@@ -59,11 +59,8 @@ class Probed:
 
 def probe(door: Door, seconds: float) -> Probed:
     """Look and listen for about so long; the door stays open. Raises ``DeviceError``."""
-    until = time.monotonic() + seconds
-    while door.trouble:
-        if time.monotonic() > until:
-            raise DeviceError(f"Nothing can be found out: {door.trouble}.", hint="Does it run, and is the door right?")
-        time.sleep(0.02)
+    if trouble := wait_for(door, seconds):
+        raise DeviceError(f"Nothing can be found out: {trouble}.", hint="Does it run, and is the door right?")
     graph = _listed(door, seconds)
     heard = _heard(door, _topics(graph), seconds)
     return _described(graph, heard)

@@ -7,7 +7,7 @@ import uuid
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from engine.ros.actions.parts import CANCEL, CODES, Carrier, goal_id, id_of
+from engine.ros.actions.parts import CANCEL, CODES, Carrier, cancel_request, goal_id, id_of
 from engine.ros.door import ACCEPT_S, Goal, Message, Outcome, Take, Then
 
 
@@ -84,12 +84,12 @@ class SentGoal:
             return
         self._unwanted = True
         if self._accepted:
-            self._call("cancel_goal", CANCEL, {"goal_info": goal_id(self.id)}, lambda outcome: None)
+            self._ask_to_cancel()
 
     def _hear_accepted(self, outcome: Outcome) -> None:
         if outcome.code == "timed_out":
             # It may still take the goal, which nobody wants any more
-            self._call("cancel_goal", CANCEL, {"goal_info": goal_id(self.id)}, lambda outcome: None)
+            self._ask_to_cancel()
         if outcome.code != "succeeded":
             self._end(Outcome(outcome.code, why=outcome.why))
         elif not outcome.result.get("accepted"):
@@ -123,6 +123,9 @@ class SentGoal:
         if then is not None:
             self._stop_timer()
             then(outcome)
+
+    def _ask_to_cancel(self) -> None:
+        self._call("cancel_goal", CANCEL, cancel_request(self.id), lambda outcome: None)
 
     def _call(self, part: str, type: str, request: Message, then: Then, limit_s: float = ACCEPT_S) -> None:
         self._carrier.call(f"{self._order.action}/_action/{part}", type, request, then, limit_s=limit_s)

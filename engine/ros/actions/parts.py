@@ -3,7 +3,8 @@ https://design.ros2.org/articles/actions.html).
 
 ``send_goal`` takes a goal or rejects it, ``get_result`` answers when it has ended, ``cancel_goal`` asks for its end;
 ``feedback`` tells how far it is, and ``status`` how all goals are. A door whose protocol knows only topics and services
-has actions by :mod:`engine.ros.actions.clients` and :mod:`engine.ros.actions.servers`; here is what both need.
+has actions by :mod:`engine.ros.actions.clients` and :mod:`engine.ros.actions.servers`. Here is what they need, and what
+every door and robot needs of the names and numbers.
 """
 
 from __future__ import annotations
@@ -17,10 +18,14 @@ from engine.ros.door import Code, End, Message, Reply, Take, Then, octets
 CANCEL: Final = "action_msgs/srv/CancelGoal"
 STATUS: Final = "action_msgs/msg/GoalStatusArray"
 
-EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = 2, 3, 4, 5, 6
+ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = 1, 2, 3, 4, 5, 6
 """States of a goal (action_msgs/msg/GoalStatus); 0 is that of a goal that nobody knows."""
+UNDER_WAY: Final = (ACCEPTED, EXECUTING, CANCELING)
+"""States of a goal that has not ended."""
 ENDS: Final[dict[End, int]] = {"succeeded": SUCCEEDED, "canceled": CANCELED, "aborted": ABORTED}
 CODES: Final[dict[object, Code]] = {SUCCEEDED: "succeeded", CANCELED: "canceled", ABORTED: "aborted"}
+ALL: Final = bytes(16)
+"""The id that means every goal where one is to be cancelled."""
 
 
 class Carrier(Protocol):
@@ -39,6 +44,16 @@ class Carrier(Protocol):
 
 def goal_id(id: bytes) -> dict[str, Any]:
     return {"goal_id": {"uuid": id}}
+
+
+def cancel_service(action: str) -> str:
+    """The name of the service that cancels goals of an action; its type is ``CANCEL``."""
+    return f"{action}/_action/cancel_goal"
+
+
+def cancel_request(id: bytes) -> dict[str, Any]:
+    """What that service is asked: to cancel one goal, or ``ALL``."""
+    return {"goal_info": {"goal_id": {"uuid": list(id)}, "stamp": {"sec": 0, "nanosec": 0}}}
 
 
 def id_of(message: object) -> bytes:

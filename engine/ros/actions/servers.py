@@ -7,14 +7,24 @@ import time
 from collections.abc import Callable
 from typing import Any, Final
 
-from engine.ros.actions.parts import CANCEL, CANCELING, ENDS, EXECUTING, STATUS, Carrier, goal_id, id_of
+from engine.ros.actions.parts import (
+    ALL,
+    CANCEL,
+    CANCELING,
+    ENDS,
+    EXECUTING,
+    STATUS,
+    Carrier,
+    cancel_service,
+    goal_id,
+    id_of,
+)
 from engine.ros.door import End, Execution, Message, Reply, Work
 
 KEEP_S: Final = 60.0
 """How long a result waits for somebody who asks for it."""
 
 _REJECTED, _UNKNOWN, _TERMINATED = 1, 2, 3  # why a goal is not cancelled (action_msgs/srv/CancelGoal)
-_ALL: Final = bytes(16)  # the id that means every goal
 
 
 class ActionServers:
@@ -48,7 +58,7 @@ class _ActionServer:
         carrier.advertise(f"{action}/_action/status", STATUS, latched=True)
         carrier.serve(f"{action}/_action/send_goal", f"{type}_SendGoal", self._take)
         carrier.serve(f"{action}/_action/get_result", f"{type}_GetResult", self._get_result)
-        carrier.serve(f"{action}/_action/cancel_goal", CANCEL, self._cancel)
+        carrier.serve(cancel_service(action), CANCEL, self._cancel)
 
     def give_up(self) -> None:
         for execution in tuple(self._goals.values()):
@@ -81,11 +91,11 @@ class _ActionServer:
         chosen = [
             execution
             for id, execution in self._goals.items()
-            if id == wanted or (before and execution.since <= before) or (wanted == _ALL and not before)
+            if id == wanted or (before and execution.since <= before) or (wanted == ALL and not before)
         ]
         cancelled = [execution for execution in chosen if execution.cancel()]
         code = 0
-        if not cancelled and wanted != _ALL:
+        if not cancelled and wanted != ALL:
             code = _UNKNOWN if wanted not in self._goals else _TERMINATED if chosen else _REJECTED
         reply({"return_code": code, "goals_canceling": [execution.info() for execution in cancelled]})
         if cancelled:

@@ -8,13 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final
 
+from engine.ros.actions.parts import CODES
 from engine.ros.door import ACCEPT_S, Code, End, Message, Outcome, Take, Then, Work
 from engine.ros.rclpy.loop import Due, Loop
 from engine.ros.rclpy.messages import BadTypeError, to_mapping, to_message
 from engine.ros.rclpy.services import LOOK_S
 
-_ENDS: Final[dict[int, Code]] = {4: "succeeded", 5: "canceled", 6: "aborted"}
-"""Statuses of ``action_msgs/msg/GoalStatus`` in which a goal has ended."""
 _WATCH_S: Final = 0.5
 """Between two looks whether the server of a goal is still there."""
 _GRACE_S: Final = 2.0
@@ -104,7 +103,7 @@ class SentGoal:
             self._loop.call(self._feedback, to_mapping(message.feedback))
 
     def _result(self, response: Any) -> None:
-        code = _ENDS.get(response.status, "lost")
+        code = CODES.get(response.status, "lost")
         why = "" if code == "succeeded" else f"{self.action} has {code} it"
         self.over(code, to_mapping(response.result), why if code != "lost" else f"{self.action} knows it no more")
 

@@ -14,14 +14,14 @@ from collections.abc import Callable, Coroutine, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
+from engine.ros.actions.parts import ENDS, STATUS
 from engine.ros.door import CALL_S, End, Execution, Graph, Message, Outcome, Reply, Take, Then, Work
 from engine.ros.door import Goal as AnyGoal
-from engine.ros.rosbridge.goals import STATUS, Goal, Statuses, call
+from engine.ros.rosbridge.goals import Goal, Statuses, call
 from engine.ros.rosbridge.line import GONE, LEAVE_S, OPEN_S, Line, Lines, opened, why
 
 AGAIN_S: Final = 0.5
 """Between two tries to connect."""
-_ENDS: Final[dict[End, int]] = {"succeeded": 4, "canceled": 5, "aborted": 6}
 
 _LAST: Final = "/sayso/leaves"
 """A service that nobody has."""
@@ -349,7 +349,7 @@ class _Execution:
             before, self._over = self._over, True
         if before:
             return
-        self._tell({"op": "action_result", **self._about, "values": result, "status": _ENDS[how], "result": True})
+        self._tell({"op": "action_result", **self._about, "values": result, "status": ENDS[how], "result": True})
         self._ended(str(self._about["id"]))
 
 

@@ -16,13 +16,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from engine.ros.actions.parts import CODES, UNDER_WAY, cancel_request, cancel_service
 from engine.ros.door import ACCEPT_S, Code, Message, Outcome, Take, octets
 from engine.ros.rosbridge.line import GONE, Line, Lines, why
 
-STATUS: Final = "action_msgs/msg/GoalStatusArray"
-_UNDER_WAY: Final = (1, 2, 3)
-"""Statuses of a goal that has not ended: accepted, executing, canceling."""
-_ENDED: Final[dict[int, Code]] = {4: "succeeded", 5: "canceled", 6: "aborted"}
 _LOOK_S: Final = 1.0
 """Between two looks whether the server is still there, while nothing is heard of it."""
 _AGAIN_S: Final = 0.1
@@ -185,7 +182,7 @@ class Goal:
             self._end(Outcome("lost", why=why(error)))
 
     def _of_result(self, heard: dict[str, Any], values: object) -> Outcome:
-        code = _ENDED.get(heard.get("status", 0)) if heard.get("result") else None
+        code = CODES.get(heard.get("status")) if heard.get("result") else None
         if code is not None and isinstance(values, dict):
             return Outcome(code, values, "" if code == "succeeded" else f"{self.action} has {code} it")
         told = str(values)
@@ -206,7 +203,7 @@ class Goal:
     async def _server_gone(self, lines: Lines) -> Outcome | None:
         """How it ends because nobody serves it; None where somebody does. Whoever is there answers that there is no
         such goal to cancel."""
-        outcome = await call(lines, f"{self.action}/_action/cancel_goal", _cancelling(uuid.uuid4().bytes), ACCEPT_S)
+        outcome = await call(lines, cancel_service(self.action), cancel_request(uuid.uuid4().bytes), ACCEPT_S)
         if outcome.code == "no_server":
             return Outcome("no_server", why=f"nobody serves {self.action}")
         return outcome if outcome.code in ("lost", "timed_out") else None
@@ -215,8 +212,8 @@ class Goal:
         """Until somebody ends this task: a bridge forgets what it is told before the server has the goal."""
         while True:
             if self._server_id:
-                request = _cancelling(bytes(self._server_id))
-                await call(lines, f"{self.action}/_action/cancel_goal", request, ACCEPT_S)
+                request = cancel_request(bytes(self._server_id))
+                await call(lines, cancel_service(self.action), request, ACCEPT_S)
             await asyncio.sleep(_AGAIN_S)
             self.told(self._order_to_cancel)
 
@@ -241,7 +238,7 @@ class Statuses:
         """A ``GoalStatusArray``."""
         with contextlib.suppress(KeyError, TypeError, ValueError):
             now = {_id_of(status): int(status["status"]) for status in message["status_list"]}
-            new = [id for id, status in now.items() if id not in self._known and status in _UNDER_WAY]
+            new = [id for id, status in now.items() if id not in self._known and status in UNDER_WAY]
             self._known = set(now)
             for id in new:
                 if self._expecting:
@@ -251,11 +248,6 @@ class Statuses:
 def _id_of(status: Message) -> tuple[int, ...]:
     found = status["goal_info"]["goal_id"]["uuid"]
     return tuple(octets(found) or found)
-
-
-def _cancelling(id: bytes) -> Message:
-    """A request of ``CancelGoal`` for one goal."""
-    return {"goal_info": {"goal_id": {"uuid": list(id)}, "stamp": {"sec": 0, "nanosec": 0}}}
 
 
 class _Unfinished(Exception):
