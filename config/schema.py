@@ -330,7 +330,7 @@ class Robot(Section):
         devices = [os.path.realpath(path) for path in (self.lidar, self.port) if path]
         if len(set(devices)) < len(devices):
             raise ValueError("robot.lidar and robot.port are one and the same port")
-        if self.kind == "ros2" and not DOOR.fullmatch(self.door or ""):
+        if self.kind == "ros2" and not is_door(self.door or ""):
             raise ValueError(
                 "a robot of ros2 needs robot.door, such as ws://127.0.0.1:9090, zenoh://127.0.0.1:7447 or rclpy"
             )
@@ -574,8 +574,18 @@ def _ros_name(name: str) -> str:
 
 
 RosName = Annotated[str, AfterValidator(_ros_name)]
-DOOR = re.compile(r"wss?://(?:\[[0-9a-fA-F:]+\]|[^/:@?\s]+)(?::\d{1,5})?(?:/[^?\s]*)?|zenoh://[^/@?\s]+(?:/\d+)?|rclpy")
+_DOOR = re.compile(
+    r"wss?://(?:\[[0-9a-fA-F:]+\]|[^/:@?\s]+)(?::\d{1,5})?(?:/[^?\s]*)?|zenoh://[^/@?\s]+(?:/\d+)?|rclpy"
+)
 """How a way to a ROS graph is written: without secrets, for it is shown."""
+
+
+def is_door(text: str) -> bool:
+    """Whether it is a way to a ROS graph."""
+    try:
+        return _DOOR.fullmatch(text) is not None and urlsplit(text).port != 0
+    except ValueError:  # no such port
+        return False
 
 
 class RosNames(Section):
@@ -610,7 +620,7 @@ class Ros(Section):
     @field_validator("door")
     @classmethod
     def _way(cls, door: str | None) -> str | None:
-        if door is not None and not DOOR.fullmatch(door):
+        if door is not None and not is_door(door):
             raise ValueError(
                 "this is no way to a ROS graph; write ws://127.0.0.1:9090, zenoh://127.0.0.1:7447 or rclpy"
             )

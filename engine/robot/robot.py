@@ -81,6 +81,7 @@ class RobotState:
     estop: bool = False  # the emergency stop is pressed
     battery: BatteryState | None = None  # where something measures it
     going: Going | None = None  # of a robot that finds its way itself
+    arm_fault: str = ""  # why an arm that finds its own way did not carry out its last motion, in words for people
 
     @property
     def work_t(self) -> float:

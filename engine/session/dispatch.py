@@ -13,7 +13,7 @@ import asyncio
 import contextlib
 import math
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 from ulid import ULID
@@ -217,6 +217,7 @@ class Dispatcher:
         remains: Remains[Result] = Remains(lambda found: self._drop(run, action, found))
         try:
             result = await bounded(self._registry[action.name].run(context, **action.args), remains)
+            result = self._with_fault(result)
             if not self._epoch.is_current(run.epoch):  # it ended by itself, but after the stop
                 result = self._interrupted(run, action, result)
         except asyncio.CancelledError:
@@ -235,6 +236,12 @@ class Dispatcher:
             run.emit(ErrorRaised("skill_crashed", message, "Please report it."))
         self._write(run, action, key, result, began)
         return result
+
+    def _with_fault(self, result: Result) -> Result:
+        """What went wrong, and what the controller of the arm says of it."""
+        if result.outcome != "failed" or not (fault := self._robot.state().arm_fault):
+            return result
+        return replace(result, message=f"{result.message} My arm says: {fault}.")
 
     def _write(self, run: Run, action: Action, key: str, result: Result, began: float) -> None:
         """The one end of an action, in the books and on the bus, before anybody else can run."""

@@ -35,6 +35,7 @@ NOTHING: Final = 0.008
 """Gap in m below which there is nothing between closed fingers."""
 
 _TOLERANCE = 0.012  # rad
+_HEARD_S = 0.1  # s in which the controller of the arm has heard of it
 _ARM_LIMIT_S = 6.0  # s of robot time for one movement
 _GRIP_LIMIT_S = 2.0  # s of robot time for the fingers
 _FASTEST = 2.5  # rad/s, along lines, whose speed is set by their steps
@@ -94,16 +95,22 @@ async def fold(context: SkillContext) -> bool:
 
 async def move_to(context: SkillContext, joints: Joints, *, speed: float = 1.5) -> bool:
     """Move the arm to ``joints``, or as near as its ranges allow, and wait until it is there; False when it does not
-    get there in time."""
+    get there in time, or its controller says that it does not."""
     joints = context.robot.arm.possible(joints)
     context.robot.move_arm(joints, context.epoch, speed=speed)
     state = await context.robot.tick()
-    end = state.work_t + _ARM_LIMIT_S
+    sent = state.work_t
+    end = sent + _ARM_LIMIT_S
     while any(abs(a - b) > _TOLERANCE for a, b in zip(state.joints, joints, strict=True)):
-        if state.work_t > end:
+        if state.work_t > end or _is_refused(state, sent):
             return False
         state = await context.robot.tick()
     return True
+
+
+def _is_refused(state: RobotState, sent: float) -> bool:
+    """Whether the controller of the arm gives up what it was sent, and not what it was sent before that."""
+    return bool(state.arm_fault) and state.work_t - sent > _HEARD_S
 
 
 def nearest(solutions: tuple[Joints, ...], joints: Joints) -> Joints | None:
@@ -141,7 +148,7 @@ async def move_along(
     while any(abs(a - b) > _TOLERANCE for a, b in zip(state.joints, joints, strict=True)):
         if until(state):
             return True
-        if state.work_t > end:
+        if state.work_t > end or _is_refused(state, end - _ARM_LIMIT_S):
             return False
         state = await context.robot.tick()
     return True

@@ -34,13 +34,13 @@ async def send_to(context: SkillContext, goal: Pose, name: str) -> Result | None
     """Have it go to ``goal`` and face its direction; ``name`` is what people call it. None where nobody there finds the
     way, and nothing has moved."""
     ticket = context.robot.go(goal, context.epoch)
-    sent = context.robot.state().t
+    sent = context.robot.state().work_t
     furthest = 0.0
     while True:
         state = await context.robot.tick()
         going = state.going
         if going is None or going.ticket != ticket:
-            if state.t - sent > TOLD_S:
+            if state.work_t - sent > TOLD_S:
                 return fail("robot_halted", stopped_before(state, goal, name, state.halted or "it was told to stop"))
             continue
         if going.how != "going":

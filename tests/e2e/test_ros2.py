@@ -54,6 +54,10 @@ def test_what_it_has_is_found_and_written_down_and_drives_it_then(tmp_path: Path
         assert done.returncode == ExitCode.DONE, done.stderr
         done = sayso("robot", "probe", "ros2", "--as", "mine", *told, state=tmp_path, environ=environ)
         assert done.returncode == ExitCode.USAGE, "the first one is kept"
+        (tmp_path / "config" / "robots" / "other-map.pgm").symlink_to(tmp_path / "elsewhere")
+        done = sayso("robot", "probe", "ros2", "--as", "other", *told, state=tmp_path, environ=environ)
+        assert done.returncode == ExitCode.USAGE, "a link is not written through"
+        assert not (tmp_path / "elsewhere").exists()
 
 
 def test_it_is_driven_by_sentences_and_its_bridge_goes_and_comes_back(tmp_path: Path) -> None:

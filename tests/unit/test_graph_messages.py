@@ -129,6 +129,8 @@ def test_names_lie_in_the_namespace_unless_they_are_complete(namespace: str | No
     [
         ("ros.door=tcp://peer:1", "this is no way to a ROS graph"),
         ("ros.door=ws://", "this is no way to a ROS graph"),
+        ("ros.door=ws://robot:99999", "this is no way to a ROS graph"),
+        ("ros.door=zenoh://robot:0", "this is no way to a ROS graph"),
         ("ros.names.plan=two words", "this is no name of a ROS graph"),
         ("ros.names.plan=", "Input should be"),
         ("ros.names.plan=a//b", "this is no name of a ROS graph"),

@@ -21,8 +21,9 @@ from engine.robot.host.controller import Controller
 from engine.robot.host.memory import STATE
 from engine.robot.host.sent_arm import SentArm
 from engine.robot.ros2 import messages, pictures
+from engine.robot.ros2.arm import SEND_S
 from engine.robot.ros2.body import LATE_S, REPEAT_S, REST_S, Ros2Body
-from engine.robot.ros2.navigation import AGAIN_S, QUIET_S, STUBBORN_S
+from engine.robot.ros2.moving_action import AGAIN_S, QUIET_S, STUBBORN_S
 from engine.ros.door import Graph, Message, Outcome, Reply, Take, Then, Work
 
 ROBOT = described("ros2")
@@ -348,6 +349,7 @@ def under_control(table: Table) -> tuple[Controller, Ros2Body]:
 
 def test_a_pause_rests_on_the_way_and_goes_on_but_not_with_what_has_ended() -> None:
     table = Table()
+    table.answer = Outcome("succeeded")
     controller, body = under_control(table)
     controller.go(Pose(2.0, 2.0, 0.0), 1)
     controller.rest()
@@ -380,8 +382,8 @@ def test_a_stop_is_not_gone_on_with_and_neither_is_what_somebody_has_driven_sinc
 
 
 def test_a_host_that_was_replaced_calls_back_what_the_one_before_had_sent(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("engine.robot.ros2.navigation.AGAIN_S", 0.0)  # the clock of a table hardly goes
-    monkeypatch.setattr("engine.robot.ros2.navigation.QUIET_S", 0.0)
+    monkeypatch.setattr("engine.robot.ros2.moving_action.AGAIN_S", 0.0)  # the clock of a table hardly goes
+    monkeypatch.setattr("engine.robot.ros2.moving_action.QUIET_S", 0.0)
     table = Table()
     table.answer = Outcome("succeeded")
     body = Ros2Body(table, ROBOT, START, np.zeros((), STATE), clock=table)
@@ -421,8 +423,10 @@ def test_an_arm_is_sent_and_holds_when_told() -> None:
     point = sent.goal["trajectory"]["points"][0]
     assert point["positions"] == pytest.approx([0.6, 0.5, 0, 0, 0])
     assert point["time_from_start"] == {"sec": 2, "nanosec": 0}, "0.5 rad at 0.25 rad/s"
+    table.answer = Outcome("succeeded")
     arm.paused = True
     assert sent.cancelled
+    table.t += SEND_S
     arm.paused = False
     assert table.goals[-1] is not sent, "it goes on"
     arm.hold()
@@ -432,6 +436,127 @@ def test_an_arm_is_sent_and_holds_when_told() -> None:
     arm.grip(0.25)
     arm.grip(0.25)
     assert [goal.goal for goal in table.goals[count:]] == [{"command": {"position": 0.5, "max_effort": 0.0}}]
+
+
+def test_an_arm_that_fails_says_why_and_is_told_the_same_again() -> None:
+    table = Table()
+    body = table.body(WITH_ARM)
+    arm = SentArm(body, body, WITH_ARM.ranges)
+    for count in (1, 2):
+        arm.move((0.5, 0.0, 0.0, 0.0, 0.0), 0.5)
+        assert (len(table.goals), arm.fault) == (count, "")
+        table.goals[-1].then(Outcome("aborted", {"error_string": "a joint is outside of its path"}))
+        arm.step(0.002)
+        assert arm.fault == "a joint is outside of its path"
+        assert arm.targets == body.joints, "it is on its way to nowhere"
+        table.t += SEND_S
+    arm.grip(0.25)
+    table.goals[-1].then(Outcome("no_server"))
+    arm.grip(0.25)
+    assert len(table.goals) == 4
+
+
+def test_a_hand_that_is_led_along_a_line_is_told_the_newest_now_and_then() -> None:
+    table = Table()
+    body = table.body(WITH_ARM)
+    for hundredth in range(10):
+        body.send_arm((0.01 * hundredth, 0.0, 0.0, 0.0, 0.0), 1.0)
+    assert len(table.goals) == 1
+    table.t += SEND_S
+    body.step()
+    assert [goal.goal["trajectory"]["points"][0]["positions"][0] for goal in table.goals] == pytest.approx([0.1, 0.19])
+
+
+def test_a_motion_of_the_arm_that_was_lost_is_called_back() -> None:
+    table = Table()
+    body = table.body(WITH_ARM)
+    body.send_arm((0.5, 0.0, 0.0, 0.0, 0.0), 0.5)
+    table.goals[-1].then(Outcome("lost"))
+    assert body.trouble == "nobody knows whether its arm has stopped"
+    table.answer = Outcome("succeeded", {"return_code": 0, "goals_canceling": []})
+    for _ in range(round(2 * QUIET_S / AGAIN_S)):
+        table.t += AGAIN_S
+        body.step()
+    table.takes["/odom"](odometry(5.0, 5.0, math.pi / 2))
+    assert {service for service, _, _ in table.calls} == {"/arm_controller/follow_joint_trajectory/_action/cancel_goal"}
+    assert body.trouble == ""
+
+
+def test_a_journey_after_a_stop_waits_until_the_stop_has_been_heard() -> None:
+    table = Table()
+    body = table.body()
+    body.go(Pose(2.0, 2.0, 0.0), 1)
+    body.give_up()
+    _, request, then = table.calls[-1]
+    assert request["goal_info"]["goal_id"]["uuid"] == [0] * 16, "whatever there is"
+    body.go(Pose(3.0, 2.0, 0.0), 2)
+    assert len(table.goals) == 1
+    assert fares(body)[:2] == (2, "going")
+    then(Outcome("succeeded", {"return_code": 0, "goals_canceling": [{}]}))
+    body.step()
+    assert len(table.goals) == 2
+    assert not table.goals[-1].cancelled
+    body.give_up()
+    body.go(Pose(4.0, 2.0, 0.0), 3)
+    assert body.give_up(), "it waits, and was wanted"
+    table.calls[-1][2](Outcome("succeeded"))
+    body.step()
+    assert len(table.goals) == 2, "nobody wants it any more"
+
+
+def test_a_goal_that_ends_as_it_is_sent_has_ended() -> None:
+    table = Table()
+    body = table.body()
+
+    def send_goal(action: str, type: str, goal: Message, then: Then, **more: Any) -> Sent:
+        then(Outcome("lost", why="the bridge is gone"))
+        return Sent(action, goal, then, lambda message: None)
+
+    table.send_goal = send_goal  # type: ignore[method-assign]
+    body.go(Pose(2.0, 2.0, 0.0), 1)
+    assert fares(body) == (1, "lost", 0, "the bridge is gone")
+    assert not body.give_up()
+
+
+def test_who_learns_on_the_way_where_it_is_goes_on_to_the_same_place_on_the_map() -> None:
+    table = Table()
+    table.answer = Outcome("succeeded")
+    controller, body = under_control(table)
+    controller.go(Pose(2.0, 2.0, 0.0), 1)
+    controller.correct(Pose(0.01, 0.0, 0.0))
+    assert len(table.goals) == 1, "that is the same place"
+    controller.correct(Pose(1.0, 0.0, 0.0))
+    first, second = (goal.goal["pose"]["pose"]["position"] for goal in table.goals)
+    assert table.goals[0].cancelled
+    assert first == {"x": pytest.approx(5.0), "y": pytest.approx(6.0), "z": 0.0}
+    assert second == {"x": pytest.approx(5.0), "y": pytest.approx(5.0), "z": 0.0}, "its north is the map's east"
+    assert fares(body)[:2] == (1, "going")
+    table.goals[-1].then(Outcome("succeeded"))
+    controller.correct(Pose(2.0, 0.0, 0.0))
+    assert len(table.goals) == 2, "it is there"
+
+
+def test_what_it_rolls_while_a_host_is_replaced_is_not_lost() -> None:
+    record = np.zeros((), STATE)
+    table = Table()
+    Controller(body := table.body(), START, load(environ={}).robot.limits, ROBOT.footprint, ROBOT.ranges,
+               np.empty((0, 2))).fill(record)  # fmt: skip
+    body.close()
+    for north, expected in ((5.3, 1.3), (0.0, 1.0)):  # the latter has begun anew
+        table = Table()
+        table.opens, table.answer = False, Outcome("no_server")
+        table.trouble = ""
+        took = table.subscribe
+
+        def subscribe(topic: str, type: str, take: Take, north: float = north, took: Any = took, **more: Any) -> None:
+            took(topic, type, take, **more)
+            if topic == "/odom":
+                take(odometry(5.0 if north else 0.0, north, math.pi / 2))
+
+        table.subscribe = subscribe  # type: ignore[method-assign]
+        about = ROBOT.model_copy(update={"ros": ROBOT.ros.model_copy(update={"navigation": None})})  # type: ignore[union-attr]
+        at = Ros2Body(table, about, START, record, clock=table).odometry()
+        assert (at.x, at.y) == pytest.approx((expected, 2.0))
 
 
 def test_pictures_of_every_encoding_and_what_fills_up_their_rows() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -34,8 +35,10 @@ def robot_probe(settings: Settings, kind: str | None, name: str, *, json: bool =
     if not name.isprintable() or not name or "/" in name or name.startswith("."):
         raise UsageError(f"{name!r} is no name for a robot.")
     target = paths().robots / f"{name}.yaml"
-    if target.exists():
-        raise UsageError(f"There is a robot {name} already: {target}.", hint="--as gives the new one another name.")
+    there = target.with_name(f"{name}-map.yaml")
+    for file in (target, there, there.with_suffix(".pgm")):
+        if os.path.lexists(file):
+            raise UsageError(f"{file} is there already.", hint="--as gives the new robot another name.")
     door = open_door(settings.robot.door)
     try:
         found = probe(door, PROBE_S)
@@ -43,10 +46,9 @@ def robot_probe(settings: Settings, kind: str | None, name: str, *, json: bool =
         door.close()
     remarks = "".join(f"# - {remark}\n" for remark in found.remarks)
     text = f"# To be looked through:\n{remarks}{yaml.safe_dump(found.description, sort_keys=False, allow_unicode=True)}"
-    there = target.with_name(f"{name}-map.yaml")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text, "utf-8")
+        _write(target, text.encode())
         if found.map is not None:
             _write_map(found.map, there)
     except OSError as error:
@@ -72,7 +74,13 @@ def _write_map(found: GridMap, target: Path) -> None:
     grey[found.cells >= 65] = 0
     rows, columns = len(grey), len(grey[0])
     picture = target.with_suffix(".pgm")
-    picture.write_bytes(f"P5\n{columns} {rows}\n255\n".encode() + np.flipud(grey).tobytes())
+    _write(picture, f"P5\n{columns} {rows}\n255\n".encode() + np.flipud(grey).tobytes())
     about = {"image": picture.name, "mode": "trinary", "resolution": found.resolution}
     about |= {"origin": [*found.origin, 0.0], "negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.196}
-    target.write_text(yaml.safe_dump(about, sort_keys=False), "utf-8")
+    _write(target, yaml.safe_dump(about, sort_keys=False).encode())
+
+
+def _write(target: Path, data: bytes) -> None:
+    """A new file; nothing that is there, and nothing that a link leads to, is written over."""
+    with target.open("xb") as file:
+        file.write(data)

@@ -25,6 +25,8 @@ class ArmMotion:
         self._ranges = ranges
         self.paused = False
         """It stays where it is, and goes on to its goal when it is let go."""
+        self.fault = ""
+        """None is known: servos say nothing."""
         self.targets = self.joints
         self._goal = self.targets
         self._most, self._speed = MAX_SPEED, 0.0

@@ -119,6 +119,11 @@ class ArmMover(Protocol):
         """Open the gripper so far, 0 closed … 1 open."""
         ...
 
+    @property
+    def arm_fault(self) -> str:
+        """Why the arm does not carry out what it was sent last, in words for people; empty where it does."""
+        ...
+
     def hold_arm(self) -> None:
         """Stay where the arm is, without waiting for anybody."""
         ...

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from config.schema import Limits
 from engine.robot.clearance import Points
-from engine.robot.geometry import UNMOVED, ZERO, Pose, Twist, compose, inverse
+from engine.robot.geometry import UNMOVED, ZERO, Pose, Twist, compose, inverse, wrap
 from engine.robot.host.arm_motion import ArmMotion, Ranges
 from engine.robot.host.body import STEP_S, ArmMover, Body, Navigator
 from engine.robot.host.envelope import SCAN_LIFETIME, Envelope, into_base_frame, into_map_frame
@@ -34,6 +34,7 @@ LONGEST_BEEP_S: Final = 5.0
 BLIND: Final = Twist(0.25, 0.25, 1.0)
 """Fastest without a lidar, m/s and rad/s: a person steps aside or catches it."""
 
+_SAME_M, _SAME_RAD = 0.05, 0.05
 _REST_SPEED, _REST_TURN = 0.003, 0.01  # m/s, rad/s: what RobotState.moving counts as rest
 
 
@@ -71,6 +72,7 @@ class Controller:
         self._navigator = navigator
         self._goal: tuple[Pose, int] | None = None  # it goes there by itself: where on the map, and the ticket
         self._rests = False  # on its way there, until it is resumed
+        self._sent_with = UNMOVED  # the correction under which it was sent there
         self._envelope = Envelope(limits, footprint)
         self._edges = edges
         self._blind = blind
@@ -109,7 +111,7 @@ class Controller:
         if self._navigator is None:
             return False
         self._envelope.halt()
-        self._goal, self._rests = (goal, ticket), False
+        self._goal, self._rests, self._sent_with = (goal, ticket), False, self._correction
         self._navigator.go(compose(inverse(self._correction), goal), ticket)
         return True
 
@@ -140,6 +142,8 @@ class Controller:
         # What was seen stays where it is around the robot.
         self._seen = into_map_frame(into_base_frame(self._seen, before), self._pose)
         self._look_around()
+        if self._goal is not None and not self._rests and _are_apart(correction, self._sent_with):
+            self._send_again(*self._goal)
 
     def stop(self, *, anew: bool = False) -> None:
         """Base to zero velocity now, arm where it is, gripper as it grips. ``anew``: it may have been moved since, or
@@ -169,6 +173,11 @@ class Controller:
         self.arm.paused = False
         if self._goal is not None and self._rests:
             self.go(*self._goal)
+
+    def _send_again(self, goal: Pose, ticket: int) -> None:
+        """It goes on to the same place on the map, which is another one for its odometry by now."""
+        if self._navigator is not None and self._navigator.give_up():
+            self.go(goal, ticket)
 
     def _halt_navigator(self) -> None:
         """Have it rest on its way; where it has ended, there is nothing to go on with."""
@@ -256,6 +265,7 @@ class Controller:
         record["light"] = self._light_rgb
         record["buzzer_until"] = self._buzzer_until
         record["blocked"] = (self._blocked or "").encode()
+        record["arm_fault"] = self.arm.fault.encode()[:96]
         self.body.fill(record)
         if self._rests:
             record["going_how"] = b"going"
@@ -285,6 +295,11 @@ class Controller:
 
     def _corrected(self) -> Pose:
         return self._added if self._correction == UNMOVED else compose(self._correction, self._added)
+
+
+def _are_apart(one: Pose, other: Pose) -> bool:
+    """Whether a goal under the one is another place than under the other."""
+    return math.dist((one.x, one.y), (other.x, other.y)) > _SAME_M or abs(wrap(one.yaw - other.yaw)) > _SAME_RAD
 
 
 def added_up(last: Record) -> Pose:

@@ -475,4 +475,5 @@ def _state(record: Record, pose: Pose, estop: bool, battery: Battery | None) -> 
         estop=estop,
         battery=_battery(float(record["volts"]), battery),
         going=_going(record),
+        arm_fault=record["arm_fault"].item().decode(errors="replace"),
     )

@@ -53,6 +53,8 @@ STATE = np.dtype(
         ("going_left", "f8"),  # m
         ("going_code", "i8"),
         ("going_why", "S96"),
+        ("own_pose", "f8", 3),  # of a robot that adds up by itself, in its own frame
+        ("arm_fault", "S96"),  # why an arm that finds its own way did not carry out its last motion
         ("correction", "f8", 3),  # of odometry, in ``pose`` already
         ("true_pose", "f8", 3),  # in a simulation, without odometry noise: for tests and evaluation
         ("qpos", "f8", MAX_QPOS),  # in a simulation, of the whole scene: for its camera

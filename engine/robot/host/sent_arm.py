@@ -26,6 +26,8 @@ class SentArm:
         self._goal: tuple[tuple[float, ...], float] | None = None  # under way, and at what speed
         self._rests = body.joints
         self.grip_target = body.opening
+        self.fault = ""
+        """Why its last motion was given up, in words for people; empty from when it is moved again."""
 
     @property
     def joints(self) -> tuple[float, ...]:
@@ -68,7 +70,7 @@ class SentArm:
             return False
         wanted = tuple(goal), min(speed, MAX_SPEED)
         if wanted != self._goal:
-            self._goal = wanted
+            self._goal, self.fault = wanted, ""
             if not self._paused:
                 self._mover.send_arm(*wanted)
         return True
@@ -89,9 +91,13 @@ class SentArm:
         self._goal, self._rests = None, self._body.joints
 
     def step(self, dt: float) -> None:
-        """Time passes; it moves by itself."""
+        """Time passes; it moves by itself, or tells that it cannot."""
         del dt
         if self._goal is None or self._paused:
+            return
+        if fault := self._mover.arm_fault:
+            self._mover.hold_arm()
+            self._goal, self._rests, self.fault = None, self._body.joints, fault
             return
         goal = self._goal[0]
         if all(abs(told - is_) < THERE for told, is_ in zip(goal, self._body.joints, strict=True)):

@@ -49,8 +49,15 @@ GUARD_S: Final = 20.0
 """In which a guard gives its first sign of life: it has a door to load."""
 OPEN_LIMIT_S: Final = 20.0
 """In which a robot must have said where it is."""
+_NAVIGATION_GOES_ON: Final = (
+    "its navigation goes on although it was told to stop",
+    "nobody knows whether its navigation has stopped",
+)
+_ARM_GOES_ON: Final = ("its arm goes on although it was told to stop", "nobody knows whether its arm has stopped")
 _JUMP_M: Final = 0.2
 """By so much a pose may change at once."""
+_ROLL_M: Final = 1.0
+"""By so much while one host is gone and the next not there yet; a peer that is farther off has begun anew."""
 
 Clock = Callable[[], float]
 
@@ -78,7 +85,10 @@ class Ros2Body:
         self._clock, self._wall = clock, wall
         self._began = clock() - (float(last["t"]) if last is not None else 0.0)
         self._heard: tuple[float, Pose, Twist] | None = None  # the newest odometry, and when it came
-        self._origin = start if last is None else added_up(last)  # of the frame in which the peer adds up, on the map
+        self._origin = start  # of the frame in which the peer adds up, on the map
+        self._before: Pose | None = None  # where another host had it, in that frame
+        if last is not None:
+            self._origin, self._before = added_up(last), Pose(*last["own_pose"].tolist())
         self._located: Pose | None = None  # the same, where the peer finds itself on its map
         self._frame = "odom"  # in which it adds up
         self._navigation: Navigation | None = None
@@ -87,7 +97,11 @@ class Ros2Body:
         self._start_guard = guard
         self._guard: Guard | None = None
         self._guard_looked = -math.inf
-        self._arm = RosArm(door, self._about.arm) if self._about.arm is not None else None
+        self._arm: RosArm | None = None
+        if self._about.arm is not None:
+            self._arm = RosArm(door, self._about.arm, clock, astray=last is not None)
+        moving = ((self._navigation, _NAVIGATION_GOES_ON), (self._arm, _ARM_GOES_ON))
+        self._moving = [(part.action, words) for part, words in moving if part is not None]
         self._fastest = 1.5 * (description.speeds.forward + description.speeds.sideways)
         about = description.lidar
         self._around = Surroundings(about.at, about.nearest) if about is not None else None
@@ -109,8 +123,8 @@ class Ros2Body:
                 why = self.trouble
                 self.close()
                 raise DeviceError(f"The robot cannot be driven: {why}.", hint="Are the robot and its bridge running?")
-            if self._navigation is not None:
-                self._navigation.recall()
+            for action, _ in self._moving:
+                action.look_after()
             self._look_after_guard(clock())
             time.sleep(0.01)
 
@@ -126,10 +140,11 @@ class Ros2Body:
             return "the guard process is not there"
         if self._arm is not None and not self._arm.is_known:
             return "its joints are not heard of"
-        if self._navigation is not None and self._navigation.is_stubborn:
-            return "its navigation goes on although it was told to stop"
-        if self._navigation is not None and self._navigation.is_astray:
-            return "nobody knows whether its navigation has stopped"
+        for action, (goes_on, may_go_on) in self._moving:
+            if action.is_stubborn:
+                return goes_on
+            if action.is_astray:
+                return may_go_on
         return ""
 
     @property
@@ -157,15 +172,17 @@ class Ros2Body:
         self._look_after_guard(now)
         ending = False
         if self._navigation is not None:
-            self._navigation.recall()
-            if ending := self._navigation.is_ending or self._navigation.is_astray:
+            self._navigation.action.look_after()
+            if ending := self._navigation.action.is_ending or self._navigation.action.is_astray:
                 self._stood_at = now
+        if self._arm is not None:
+            self._arm.step()
         moves = not self._told.is_zero
         if now - self._told_at >= (ENDING_S if ending else REPEAT_S) and (moves or now - self._stood_at < REST_S):
             self._tell(now)
 
     def drive(self, twist: Twist) -> None:
-        if self._navigation is not None and self._navigation.is_under_way:
+        if self._navigation is not None and self._navigation.action.is_wanted:
             return  # others drive it
         limited = self._description.speeds.within(twist) if not self.trouble else ZERO
         if limited == self._told:
@@ -207,6 +224,11 @@ class Ros2Body:
         if self._arm is not None:
             self._arm.grip(opening)
 
+    @property
+    def arm_fault(self) -> str:
+        """See :class:`engine.robot.host.body.ArmMover`."""
+        return self._arm.fault if self._arm is not None else ""
+
     def hold_arm(self) -> None:
         """See :class:`engine.robot.host.body.ArmMover`."""
         if self._arm is not None:
@@ -234,6 +256,9 @@ class Ros2Body:
 
     def fill(self, record: Record) -> None:
         record["volts"] = self._volts
+        if self._heard is not None:
+            pose = self._heard[1]
+            record["own_pose"] = (pose.x, pose.y, pose.yaw)
         if self._navigation is not None:
             self._navigation.fill(record)
 
@@ -244,7 +269,7 @@ class Ros2Body:
         self.hold_arm()
         self._told = ZERO
         self._tell(self._clock())
-        speaks = self._navigation is not None and self._navigation.may_drive
+        speaks = any(action.may_move for action, _ in self._moving)
         self._door.close()
         self._end_guard(speaks=speaks)
 
@@ -284,7 +309,9 @@ class Ros2Body:
             return
         now, (pose, twist) = self._clock(), found
         if (before := self._heard) is None:
-            self._origin = compose(self._origin, inverse(pose))
+            then = self._before
+            rolled = then is not None and math.dist((pose.x, pose.y), (then.x, then.y)) < _ROLL_M
+            self._origin = compose(self._origin, inverse(then if rolled and then is not None else pose))
         elif math.dist((pose.x, pose.y), (before[1].x, before[1].y)) > self._fastest * (now - before[0]) + _JUMP_M:
             self._origin = compose(compose(self._origin, before[1]), inverse(pose))  # the peer has begun anew
         self._heard = (now, pose, twist)

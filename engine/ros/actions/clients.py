@@ -7,7 +7,7 @@ import uuid
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from engine.ros.actions.parts import CANCEL, CODES, Carrier, cancel_request, goal_id, id_of
+from engine.ros.actions.parts import CANCEL, CANCEL_AGAIN_S, CODES, Carrier, cancel_request, goal_id, id_of
 from engine.ros.door import ACCEPT_S, Goal, Message, Outcome, Take, Then
 
 
@@ -74,7 +74,8 @@ class SentGoal:
         if (limit_s := self._order.limit_s) is not None:
             self._stop_timer = self._carrier.later(limit_s, lambda: self._time_out(limit_s))
         request = {**goal_id(self.id), "goal": self._order.goal}
-        self._call("send_goal", f"{self._order.type}_SendGoal", request, self._hear_accepted)
+        service = f"{self._order.type}_SendGoal"
+        self._call("send_goal", service, request, self._hear_accepted, wanted=lambda: not self._unwanted)
 
     def cancel(self) -> None:
         self._carrier.soon(self._cancel)
@@ -84,7 +85,7 @@ class SentGoal:
             return
         self._unwanted = True
         if self._accepted:
-            self._ask_to_cancel()
+            self._keep_cancelling()
 
     def _hear_accepted(self, outcome: Outcome) -> None:
         if outcome.code == "timed_out":
@@ -97,8 +98,7 @@ class SentGoal:
         else:
             self._accepted = True
             if self._unwanted:
-                self._unwanted = False
-                self._cancel()
+                self._keep_cancelling()
             if self._then is not None:
                 request, service = goal_id(self.id), f"{self._order.type}_GetResult"
                 self._call("get_result", service, request, self._hear_result, math.inf)
@@ -124,11 +124,29 @@ class SentGoal:
             self._stop_timer()
             then(outcome)
 
+    def _keep_cancelling(self) -> None:
+        """Until it has ended."""
+        self._ask_to_cancel()
+        self._carrier.later(CANCEL_AGAIN_S, self._cancel_again)
+
+    def _cancel_again(self) -> None:
+        if self._then is not None:
+            self._keep_cancelling()
+
     def _ask_to_cancel(self) -> None:
         self._call("cancel_goal", CANCEL, cancel_request(self.id), lambda outcome: None)
 
-    def _call(self, part: str, type: str, request: Message, then: Then, limit_s: float = ACCEPT_S) -> None:
-        self._carrier.call(f"{self._order.action}/_action/{part}", type, request, then, limit_s=limit_s)
+    def _call(
+        self,
+        part: str,
+        type: str,
+        request: Message,
+        then: Then,
+        limit_s: float = ACCEPT_S,
+        wanted: Callable[[], bool] = lambda: True,
+    ) -> None:
+        service = f"{self._order.action}/_action/{part}"
+        self._carrier.call(service, type, request, then, limit_s=limit_s, wanted=wanted)
 
 
 _CHECKED: type[Goal] = SentGoal

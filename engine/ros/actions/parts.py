@@ -24,6 +24,8 @@ UNDER_WAY: Final = (ACCEPTED, EXECUTING, CANCELING)
 """States of a goal that has not ended."""
 ENDS: Final[dict[End, int]] = {"succeeded": SUCCEEDED, "canceled": CANCELED, "aborted": ABORTED}
 CODES: Final[dict[object, Code]] = {SUCCEEDED: "succeeded", CANCELED: "canceled", ABORTED: "aborted"}
+CANCEL_AGAIN_S: Final = 0.1
+"""Between two requests to cancel a goal, until it has ended: one may get lost, or come too early."""
 ALL: Final = bytes(16)
 """The id that means every goal where one is to be cancelled."""
 
@@ -36,7 +38,20 @@ class Carrier(Protocol):
     ) -> None: ...
     def advertise(self, topic: str, type: str, *, latched: bool = False) -> None: ...
     def subscribe(self, topic: str, type: str, take: Take) -> None: ...
-    def call(self, service: str, type: str, request: Message, then: Then, *, limit_s: float) -> None: ...
+    def call(
+        self,
+        service: str,
+        type: str,
+        request: Message,
+        then: Then,
+        *,
+        limit_s: float,
+        wanted: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """``wanted`` is asked just before it is sent, which is once its server is there; where it is not any more, the
+        call ends with ``canceled``."""
+        ...
+
     def serve(self, service: str, type: str, answer: Callable[[Message, Reply], object]) -> None: ...
     def soon(self, act: Callable[[], object]) -> object: ...
     def later(self, delay_s: float, act: Callable[[], object]) -> Callable[[], object]: ...
@@ -61,3 +76,8 @@ def id_of(message: object) -> bytes:
     with contextlib.suppress(KeyError, TypeError):
         return octets(message["goal_id"]["uuid"]) or b""  # type: ignore[index]
     return b""
+
+
+def nanoseconds(stamp: Any) -> int:
+    """Of a time as ROS tells it; 0 where it tells none."""
+    return int(stamp["sec"]) * 10**9 + int(stamp["nanosec"]) if stamp else 0

@@ -18,6 +18,7 @@ from engine.ros.actions.parts import (
     cancel_service,
     goal_id,
     id_of,
+    nanoseconds,
 )
 from engine.ros.door import End, Execution, Message, Reply, Work
 
@@ -87,7 +88,7 @@ class _ActionServer:
 
     def _cancel(self, request: Message, reply: Reply) -> None:
         info: Any = request.get("goal_info")
-        wanted, before = id_of(info), _nanoseconds(info.get("stamp"))
+        wanted, before = id_of(info), nanoseconds(info.get("stamp"))
         chosen = [
             execution
             for id, execution in self._goals.items()
@@ -180,10 +181,6 @@ class _Execution:
         for then in asking:
             then(*self._end)
         self._server.end(self._id)
-
-
-def _nanoseconds(stamp: Any) -> int:
-    return int(stamp["sec"]) * 10**9 + int(stamp["nanosec"])
 
 
 _CHECKED: type[Execution] = _Execution

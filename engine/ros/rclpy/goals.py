@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final
 
-from engine.ros.actions.parts import CODES
+from engine.ros.actions.parts import CANCEL_AGAIN_S, CODES
 from engine.ros.door import ACCEPT_S, Code, End, Message, Outcome, Take, Then, Work
 from engine.ros.rclpy.loop import Due, Loop
 from engine.ros.rclpy.messages import BadTypeError, to_mapping, to_message
@@ -68,6 +68,9 @@ class SentGoal:
             self._loop.later(LOOK_S, self._look)
             return
         self._due.pop(0).cancel()
+        if self._cancelled:
+            self.over("canceled", why="it was cancelled before it was sent")
+            return
         try:
             goal = to_message(self._client._action_type.Goal, self._message)
         except BadTypeError as error:
@@ -92,8 +95,10 @@ class SentGoal:
             self.over("rejected", why=f"{self.action} does not take this goal")
             return
         self._handle = handle
-        if self._cancelled or self._over:  # over: it was taken too late, and nobody waits for it
+        if self._over:  # it was taken too late, and nobody waits for it
             handle.cancel_goal_async()
+        elif self._cancelled:
+            self._keep_cancelling()
         if not self._over:
             handle.get_result_async().add_done_callback(lambda future: self._result(future.result()))
             self._watch()
@@ -119,7 +124,13 @@ class SentGoal:
         if not self._cancelled and not self._over:
             self._cancelled = True
             if self._handle is not None:
-                self._handle.cancel_goal_async()
+                self._keep_cancelling()
+
+    def _keep_cancelling(self) -> None:
+        """Until it has ended."""
+        if not self._over:
+            self._handle.cancel_goal_async()
+            self._loop.later(CANCEL_AGAIN_S, self._keep_cancelling)
 
     def _too_late(self) -> None:
         if self._handle is None:

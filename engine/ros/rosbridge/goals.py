@@ -16,16 +16,26 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from engine.ros.actions.parts import CODES, UNDER_WAY, cancel_request, cancel_service
+from engine.ros.actions.parts import (
+    ACCEPTED,
+    CANCEL_AGAIN_S,
+    CODES,
+    EXECUTING,
+    UNDER_WAY,
+    cancel_request,
+    cancel_service,
+    nanoseconds,
+)
 from engine.ros.door import ACCEPT_S, Code, Message, Outcome, Take, octets
 from engine.ros.rosbridge.line import GONE, Line, Lines, why
 
 _LOOK_S: Final = 1.0
 """Between two looks whether the server is still there, while nothing is heard of it."""
-_AGAIN_S: Final = 0.1
-"""Between two requests to cancel, until the goal has ended."""
 _GRACE_S: Final = 2.0
 """In which a goal that took too long has to end once it is cancelled."""
+
+Id = tuple[int, ...]
+"""Of a goal, as its server has it."""
 
 
 async def call(lines: Lines, service: str, request: Message, limit_s: float) -> Outcome:
@@ -59,7 +69,7 @@ def _what_failed(told: str, absent: str) -> tuple[Code, Message, str]:
     return "aborted", {}, told[:200] or "the bridge gives no reason"
 
 
-@dataclass
+@dataclass(eq=False)
 class Goal:
     """A goal on its way through a bridge, a :class:`engine.ros.door.Goal`. Lives in the loop of the door, but for
     ``cancel``."""
@@ -77,8 +87,11 @@ class Goal:
     _cancelled: bool = False
     _late: bool = False
     _taken: bool = False
-    _server_id: list[int] = field(default_factory=list)
-    """By which its server knows it, once that is seen."""
+    _has_feedback: bool = False
+    _server_ids: dict[Id, int] = field(default_factory=dict)
+    """By which its server may know it, each with when that goal was taken: the newest is the likeliest."""
+    _accept_by: float = 0.0
+    """When its server must have taken it."""
     _heard_at: float = 0.0
     _outcome: Outcome | None = None
     _news: asyncio.Event = field(default_factory=asyncio.Event)
@@ -102,11 +115,11 @@ class Goal:
             return gone
         if self._cancelled:
             return Outcome("canceled", why="it was cancelled before it was sent")
-        statuses.expect(self._take)
+        statuses.expect(self)
         try:
             async with lines.one() as line:
                 await line.send(self._sending)
-                outcome = await self._until_it_ends(line, lines)
+                outcome = await self._until_it_ends(line, lines, statuses)
                 if outcome.code in ("succeeded", "canceled", "aborted"):
                     return outcome
                 raise _Unfinished(outcome)  # the bridge still waits for it, and does nothing else on this connection
@@ -115,24 +128,25 @@ class Goal:
         except GONE as error:
             return Outcome("lost", why=why(error))
         finally:
-            statuses.forget(self._take)
+            statuses.forget(self)
 
     @property
     def _sending(self) -> dict[str, Any]:
         about = {"action": self.action, "action_type": self.type, "args": self.goal}
         return {"op": "send_action_goal", "id": self.id, **about, "feedback": True}
 
-    async def _until_it_ends(self, line: Line, lines: Lines) -> Outcome:
+    async def _until_it_ends(self, line: Line, lines: Lines, statuses: Statuses) -> Outcome:
         loop = asyncio.get_running_loop()
         began = loop.time()
-        hearing = asyncio.create_task(self._hear(line))
+        self._accept_by = began + ACCEPT_S
+        hearing = asyncio.create_task(self._hear(line, statuses))
         looking = asyncio.create_task(self._look(lines))
         self._heard_at = began
         cancelling: asyncio.Task[None] | None = None
         try:
             while self._outcome is None:
                 now = loop.time()
-                limits = [began + ACCEPT_S] if not self._taken else []
+                limits = [self._accept_by] if not self._taken else []
                 if self.limit_s is not None:
                     limits.append(began + self.limit_s + (_GRACE_S if self._late else 0.0))
                 if limits and now >= min(limits):
@@ -156,15 +170,23 @@ class Goal:
             return Outcome("timed_out", why=f"{self.action} took longer than {self.limit_s:g} s")
         return self._outcome or Outcome("lost", why="nobody knows how it ended")
 
-    def _take(self, id: list[int]) -> None:
-        self._taken, self._server_id = True, id
+    def seen(self, id: Id, stamp: int) -> None:
+        """Its server has taken a goal that may be this one."""
+        self._taken = True
+        self._server_ids[id] = stamp
         self._news.set()
+
+    def over(self, id: Id) -> None:
+        """A goal that might be this one has ended. Where nothing is heard of this one, it was somebody else's."""
+        if self._server_ids.pop(id, None) is not None and not self._server_ids and not self._has_feedback:
+            self._taken, self._accept_by = False, asyncio.get_running_loop().time() + ACCEPT_S
+            self._news.set()
 
     def _end(self, outcome: Outcome) -> None:
         self._outcome = self._outcome or outcome
         self._news.set()
 
-    async def _hear(self, line: Line) -> None:
+    async def _hear(self, line: Line, statuses: Statuses) -> None:
         try:
             async for heard in line.heard():
                 if heard.get("op") == "status" and "send_action_goal" in str(heard.get("msg")):
@@ -173,7 +195,9 @@ class Goal:
                     continue
                 values = heard.get("values")
                 if heard.get("op") == "action_feedback" and isinstance(values, dict):
-                    self._taken, self._heard_at = True, asyncio.get_running_loop().time()
+                    self._taken = self._has_feedback = True
+                    self._heard_at = asyncio.get_running_loop().time()
+                    statuses.forget(self)  # it was taken before: what is taken from now on is not this one
                     self.feedback(values)
                 elif heard.get("op") == "action_result":
                     self._end(self._of_result(heard, values))
@@ -211,41 +235,54 @@ class Goal:
     async def _keep_cancelling(self, lines: Lines) -> None:
         """Until somebody ends this task: a bridge forgets what it is told before the server has the goal."""
         while True:
-            if self._server_id:
-                request = cancel_request(bytes(self._server_id))
+            if self._server_ids:
+                request = cancel_request(bytes(max(self._server_ids, key=self._server_ids.__getitem__)))
                 await call(lines, cancel_service(self.action), request, ACCEPT_S)
-            await asyncio.sleep(_AGAIN_S)
+            await asyncio.sleep(CANCEL_AGAIN_S)
             self.told(self._order_to_cancel)
 
 
 class Statuses:
-    """What the status topic of one action says: which goals its server has taken."""
+    """What the status topic of one action says. It tells no goal by whose it is: one that is taken while a single one
+    of ours is expected may be that one, the newest most likely; of several of ours, each gets one in turn."""
 
     def __init__(self) -> None:
-        self._known: set[tuple[int, ...]] = set()
-        self._expecting: list[Callable[[list[int]], None]] = []
+        self._known: set[Id] = set()
+        self._expecting: list[Goal] = []
+        self._given: dict[Id, Goal] = {}
 
-    def expect(self, taken: Callable[[list[int]], None]) -> None:
-        """The next goal that is taken is this one's; it gets the id."""
-        self._expecting.append(taken)
+    def expect(self, goal: Goal) -> None:
+        """From now on it may be taken."""
+        self._expecting.append(goal)
 
-    def forget(self, taken: Callable[[list[int]], None]) -> None:
-        """It has ended."""
-        if taken in self._expecting:
-            self._expecting.remove(taken)
+    def forget(self, goal: Goal) -> None:
+        """From now on nothing that is taken is this one."""
+        if goal in self._expecting:
+            self._expecting.remove(goal)
 
     def hear(self, message: Message) -> None:
         """A ``GoalStatusArray``."""
         with contextlib.suppress(KeyError, TypeError, ValueError):
-            now = {_id_of(status): int(status["status"]) for status in message["status_list"]}
-            new = [id for id, status in now.items() if id not in self._known and status in UNDER_WAY]
+            now = {_id_of(status): status for status in message["status_list"]}
+            states = {id: int(status["status"]) for id, status in now.items()}
+            stamps = {id: nanoseconds(status["goal_info"].get("stamp")) for id, status in now.items()}
+            new = [id for id, state in states.items() if id not in self._known and state in (ACCEPTED, EXECUTING)]
             self._known = set(now)
-            for id in new:
+            for id in [id for id in self._given if states.get(id) not in UNDER_WAY]:
+                self._given.pop(id).over(id)
+            for id in sorted(new, key=stamps.__getitem__):
                 if self._expecting:
-                    self._expecting.pop(0)(list(id))
+                    self._give(id, stamps[id])
+
+    def _give(self, id: Id, stamp: int) -> None:
+        goal = self._expecting[0]
+        if len(self._expecting) > 1:
+            self.forget(goal)
+        self._given[id] = goal
+        goal.seen(id, stamp)
 
 
-def _id_of(status: Message) -> tuple[int, ...]:
+def _id_of(status: Message) -> Id:
     found = status["goal_info"]["goal_id"]["uuid"]
     return tuple(octets(found) or found)
 

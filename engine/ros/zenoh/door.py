@@ -83,12 +83,23 @@ class ZenohDoor:
         del every  # none is dropped, within reason
         self.soon(lambda: self._topics.subscribe(topic, type, take, every_s, latched))
 
-    def call(self, service: str, type: str, request: Message, then: Then, *, limit_s: float = CALL_S) -> None:
+    def call(
+        self,
+        service: str,
+        type: str,
+        request: Message,
+        then: Then,
+        *,
+        limit_s: float = CALL_S,
+        wanted: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """See also :class:`engine.ros.actions.parts.Carrier`."""
+
         def call() -> None:
             if self.trouble:
                 then(Outcome("lost", why=self.trouble))
             else:
-                self._clients.call(service, type, request, then, limit_s)
+                self._clients.call(service, type, request, then, limit_s, wanted)
 
         self._do_or(call, lambda: then(Outcome("lost", why=_SHUT)))
 

@@ -34,8 +34,16 @@ class Clients:
         self._announced: dict[Endpoint, Announced] = {}
         self._calls: set[_Call] = set()
 
-    def call(self, service: str, type: str, request: Message, then: Then, limit_s: float) -> None:
-        """There must be a session."""
+    def call(
+        self,
+        service: str,
+        type: str,
+        request: Message,
+        then: Then,
+        limit_s: float,
+        wanted: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """There must be a session. ``wanted``: see :class:`engine.ros.actions.parts.Carrier`."""
         try:
             data = self._node.codec.encode(f"{type}_Request", request)
         except (BadMessage, UsageError) as error:
@@ -46,7 +54,7 @@ class Clients:
             return
         if endpoint not in self._announced:
             self._announced[endpoint] = self._node.announce("SC", endpoint, Qos())
-        call = _Call(self._node, self._announced[endpoint], data, then, self._calls.discard)
+        call = _Call(self._node, self._announced[endpoint], data, then, self._calls.discard, wanted)
         self._calls.add(call)
         call.begin(limit_s)
 
@@ -67,7 +75,15 @@ class Clients:
 
 
 class _Call:
-    def __init__(self, node: Node, client: Announced, data: bytes, then: Then, over: Callable[[_Call], object]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        client: Announced,
+        data: bytes,
+        then: Then,
+        over: Callable[[_Call], object],
+        wanted: Callable[[], bool],
+    ) -> None:
         assert client.entity.endpoint is not None
         self.endpoint = client.entity.endpoint
         self._node = node
@@ -75,6 +91,7 @@ class _Call:
         self._data = data
         self._then: Then | None = then
         self._over = over
+        self._wanted = wanted
         self._timers: list[Callable[[], object]] = []
         self._query: Any = None  # of zenoh's, to cancel it
         self._limit_s = math.inf
@@ -92,6 +109,9 @@ class _Call:
         """Ask, if there is a server by now."""
         servers = self._node.tokens.of(self.endpoint.name, "SS")
         if self._then is None or self._query is not None or not servers:
+            return
+        if not self._wanted():
+            self.end("canceled", f"nobody wants it of {self.endpoint.name} any more")
             return
         words = [mismatch(self._client.entity, server) for server in servers]
         if all(words):
