@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from engine.events import Value
 from engine.robot.camera import Picture
+from engine.robot.company import Gesture, Posture
 
 Kind = Literal["box", "ball", "cup", "bottle", "block", "person", "thing"]
 """``block`` is a box with tags on its faces; ``thing`` is what has no shape that is known."""
@@ -30,8 +31,17 @@ PixelBox = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, slots=True)
+class Figure:
+    """How somebody was seen; None where it did not show."""
+
+    posture: Posture | None = None
+    gesture: Gesture | None = None
+    trousers: Colour | None = None  # their shirt is the colour of the sighting
+
+
+@dataclass(frozen=True, slots=True)
 class Sighting:
-    """One loose thing in one picture."""
+    """One loose thing, or one person, in one picture."""
 
     kind: Kind
     colour: Colour
@@ -43,6 +53,7 @@ class Sighting:
     surface: float  # height of what it stands on, m: 0 is the floor
     yaw: float | None = None  # of its sides, map frame, rad modulo π/2, where they show
     tag: int | None = None
+    figure: Figure | None = None  # of a person
     complete: bool = True  # neither cut off by the picture's edge nor partly behind something
 
     @property

@@ -11,6 +11,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from engine.robot.company import Gesture, Posture
 from engine.robot.geometry import Pose
 from engine.robot.sim.colours import Colour
 
@@ -179,7 +180,9 @@ class Poster(Sign):
 class Person(Part):
     """Somebody who walks round the points of a path for ever, and waits while the robot is in the way.
 
-    One point: stands there, looking to ``facing``.
+    One point: stands there, looking to ``facing``; or sits there, with ``seat`` under them, looking there; or lies on
+    it, with the head in that direction. What the robot says to them they hear when it is near, and do what people would
+    (:mod:`engine.robot.company`).
     """
 
     path: tuple[Point, ...] = Field(min_length=1)
@@ -188,6 +191,20 @@ class Person(Part):
     facing: float = 0.0  # degrees
     shirt: Colour = "petrol"
     trousers: Colour = "slate"
+    posture: Posture = "standing"
+    seat: float = Field(default=0.42, ge=0, le=1, description="m above the floor, of what they sit or lie on.")
+    gesture: Gesture | None = None
+    called: str | None = Field(default=None, description="The name that they answer with; their key without.")
+    gender: Literal["female", "male"] | None = None
+    known: bool = Field(default=False, description="The robot knows them: their name, and what they wear.")
+    replies: dict[str, str] = Field(
+        default_factory=dict, description="What they answer to a question that has this word in it."
+    )
+    leads: tuple[Point, ...] = Field(default=(), description="Where they walk, once, when somebody says to follow them.")
+    strays: float | None = Field(
+        default=None, gt=0, description="m behind the robot after which they stop once, until they are called."
+    )
+    holds: str | None = Field(default=None, description="The loose object in their hand.")
 
 
 class ScenePlace(Part):
