@@ -53,8 +53,8 @@ class Sighting:
     surface: float  # height of what it stands on, m: 0 is the floor
     yaw: float | None = None  # of its sides, map frame, rad modulo π/2, where they show
     tag: int | None = None
-    figure: Figure | None = None  # of a person
     complete: bool = True  # neither cut off by the picture's edge nor partly behind something
+    figure: Figure | None = None  # of a person
 
     @property
     def name(self) -> str:

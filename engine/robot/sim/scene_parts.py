@@ -200,7 +200,7 @@ class Person(Part):
     replies: dict[str, str] = Field(
         default_factory=dict, description="What they answer to a question that has this word in it."
     )
-    leads: tuple[Point, ...] = Field(default=(), description="Where they walk, once, when somebody says to follow them.")
+    leads: tuple[Point, ...] = Field(default=(), description="Where they walk, once, to be followed.")
     strays: float | None = Field(
         default=None, gt=0, description="m behind the robot after which they stop once, until they are called."
     )
