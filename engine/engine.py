@@ -18,7 +18,7 @@ from collections.abc import Callable, Coroutine, Mapping, Sequence
 from typing import Any, TypeVar
 
 from config import paths
-from config.schema import Place, Settings
+from config.schema import KnownPerson, Place, Settings
 from engine import __version__, events
 from engine.bus import Bus, Subscriber
 from engine.chimes import Chimes
@@ -52,6 +52,7 @@ from engine.parts.loading import (
     make_satellite,
     make_vision,
     model_store,
+    people_file,
     places_file,
 )
 from engine.parts.model import Instructions, ModelPart
@@ -76,6 +77,7 @@ from engine.session.holds import Holds
 from engine.session.recall import Recall
 from engine.session.session import Session
 from engine.session.turn import Needs
+from engine.skills.people import People
 from engine.skills.places import Places
 from engine.skills.registry import SkillRegistry
 from engine.speaking import SpokenVoice
@@ -229,9 +231,10 @@ class Engine:
         log = self._open_log()
         self._emit(events.SessionStarted(__version__, self._mode, self._robot.name, os.getpid()))
         places = Places(self._settings.places)
+        people = People(self._settings.people)
         dock = description_of(self._settings.robot).dock
         place_names = {symbol: place.name for symbol, place in self._settings.places.items()}
-        self._registry = registry = build_registry(self._settings, places)
+        self._registry = registry = build_registry(self._settings, places, people)
         robot: Part[Robot] = self._part("robot")
         planner: Part[Planner] = self._part("planner")
         hearing: Part[Hearing] = self._part("recogniser")
@@ -331,7 +334,13 @@ class Engine:
             self._keep_place(place)
             background.append(self._keep(self._rebuild(planner, build)))
 
-        places.on_added = added
+        def met(name: str, person: KnownPerson) -> None:
+            """Somebody else is known from now on."""
+            self._settings = self._settings.model_copy(update={"people": {**self._settings.people, name: person}})
+            self._keep_person(name, person)
+            background.append(self._keep(self._rebuild(planner, build)))
+
+        places.on_added, people.on_added = added, met
         charging = Charging(robot, places, dock, self._session.is_free, self._session.request, self._emit)
         background = [
             self._keep(self._beat()),
@@ -417,7 +426,15 @@ class Engine:
         """Keep a place that was remembered for later sessions."""
         file = places_file(self._settings)
         try:
-            remembered.write(file, {**remembered.read(file), place.name: place})
+            remembered.PLACES.write(file, {**remembered.PLACES.read(file), place.name: place})
+        except StorageError as error:
+            self._tell(error)
+
+    def _keep_person(self, name: str, person: KnownPerson) -> None:
+        """Keep somebody who told their name for later sessions."""
+        file = people_file(self._settings)
+        try:
+            remembered.PEOPLE.write(file, {**remembered.PEOPLE.read(file), name: person})
         except StorageError as error:
             self._tell(error)
 
