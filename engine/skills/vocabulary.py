@@ -175,6 +175,10 @@ class Vocabulary:
         """Every word for a place of the map."""
         return tuple(dict.fromkeys(self._place_words()))
 
+    def place_name(self, symbol: str) -> str:
+        """What people call a place of the map."""
+        return self._places.words(symbol)[0] if symbol and symbol != ZERO_SYMBOL else ""
+
     def all_rooms(self) -> tuple[str, ...]:
         """The name of each room, in the order of the map."""
         return tuple(room.name for room in self._rooms.values())
