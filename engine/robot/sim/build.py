@@ -21,7 +21,7 @@ from engine.robot.sim.colours import rgba
 from engine.robot.sim.dimensions import LIDAR_HEIGHT
 from engine.robot.sim.floor import door_leaf, wall_pieces
 from engine.robot.sim.furniture import FLAT, Solid, solids
-from engine.robot.sim.person import add_person
+from engine.robot.sim.person import add_person, in_hand
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.scene_parts import FloorLine, FurniturePiece, LooseObject, RoomArea, Sign
 from engine.robot.sim.textures import TAG_CELLS, cube, planks, qr_cells, tag_cells, tiles
@@ -66,9 +66,11 @@ def specify(scene: Scene, *, pictures: bool = True) -> Node:
         _furniture(spec, name, piece)
     for name, line in scene.lines.items():
         _line(spec, name, line)
+    held = {person.holds: in_hand(person) for person in scene.people.values() if person.holds is not None}
     for name, loose in scene.objects.items():
-        above = 0.001 if loose.stands_on is not None else 0.0
-        solid = _object(spec, name, loose, scene.standing_height(loose) + above)
+        above = 0.002 if loose.stands_on is not None else 0.001
+        x, y, z = held.get(name, (*loose.at, scene.standing_height(loose) + above + loose.tall / 2))
+        solid = _object(spec, name, loose, (x, y, z - loose.tall / 2))
         if pictures and loose.tag is not None:
             _paste(spec, solid, tag_cells(loose.tag))
     for mark in scene.landmarks:
@@ -234,12 +236,10 @@ def _line(spec: Node, name: str, line: FloorLine) -> None:
         _for_the_eye(disc)
 
 
-def _object(spec: Node, name: str, loose: LooseObject, z: float) -> Node:
-    """A free body; its frame is at the middle of its bottom. Returns its main geom."""
+def _object(spec: Node, name: str, loose: LooseObject, at: tuple[float, float, float]) -> Node:
+    """A free body; its frame is at the middle of its bottom, which is ``at`` this place. Returns its main geom."""
     turn = math.radians(loose.turn)
-    body = spec.worldbody.add_body(
-        name=name, pos=[*loose.at, z + 0.001], quat=[math.cos(turn / 2), 0, 0, math.sin(turn / 2)]
-    )
+    body = spec.worldbody.add_body(name=name, pos=at, quat=[math.cos(turn / 2), 0, 0, math.sin(turn / 2)])
     body.add_freejoint(name=name)
     size, colour = loose.size, rgba(loose.colour)
     seen: list[Node] = []  # what is for the eye only

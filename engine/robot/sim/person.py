@@ -14,9 +14,8 @@ import mujoco
 import numpy as np
 
 from engine.robot.geometry import Pose, wrap
-from engine.robot.sim.body import LOOSE, UNSEEN, Node
-from engine.robot.sim.colours import rgba
-from engine.robot.sim.dimensions import LIDAR_HEIGHT
+from engine.robot.sim.body import Node
+from engine.robot.sim.figure import WAVE_HZ, WAVE_SWING, Vector, add_figure, holding_point, waving_joint
 from engine.robot.sim.scene_parts import Person, Point
 
 TURN_SPEED = 2.0
@@ -27,57 +26,28 @@ BERTH = 0.5
 _AHEAD = math.radians(75)  # to either side: where somebody looks while walking
 _ARRIVED = 0.05  # m from a point of the path
 _JOINTS = ("x", "y", "yaw")
-_ROBOT = 2  # the contact bit of the robot's own geoms, which nothing else has
-_G = mujoco.mjtGeom
-_SKIN, _HAIR = "#d9a57f", "#4a3428"
 
 
 def add_person(spec: Node, name: str, person: Person) -> None:
-    """Put somebody at the beginning of their path; the joints are their pose in the map frame."""
-    x, y = person.path[0]
-    body = spec.worldbody.add_body(name=name, pos=[x, y, 0], sleep=mujoco.mjtSleepPolicy.mjSLEEP_NEVER)
+    """Put somebody at the beginning of their path; the joints are their pose in the map frame, at the first moment too,
+    for whoever looks at a scene in which nobody walks."""
+    (x, y), yaw = person.path[0], _first_yaw(person)
+    c, s = math.cos(yaw), math.sin(yaw)
+    turn = [math.cos(yaw / 2), 0, 0, math.sin(yaw / 2)]
+    body = spec.worldbody.add_body(name=name, pos=[x, y, 0], quat=turn, sleep=mujoco.mjtSleepPolicy.mjSLEEP_NEVER)
     slide, hinge = mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_HINGE
-    axes = ([1, 0, 0], [0, 1, 0], [0, 0, 1])
-    for joint, kind, axis, ref in zip(_JOINTS, (slide, slide, hinge), axes, (x, y, 0.0), strict=True):
+    axes = ([c, -s, 0], [s, c, 0], [0, 0, 1])  # those of the map, seen from the body
+    for joint, kind, axis, ref in zip(_JOINTS, (slide, slide, hinge), axes, (x, y, yaw), strict=True):
         body.add_joint(name=f"{name} {joint}", type=kind, axis=axis, ref=ref)
-    _figure(body, person)
+    add_figure(body, name, person)
 
 
-def _figure(body: Node, person: Person) -> None:
-    """Legs, trunk, arms and head, in the proportions of a grown-up; looks along x."""
-    tall = person.height
-    leg, shoulder, head = 0.48 * tall, 0.82 * tall, 0.075 * tall
-    for side in (-1, 1):
-        _part(body, _G.mjGEOM_BOX, (0.03, side * 0.09, 0.035), (0.12, 0.045, 0.035), "black")
-        _part(body, _G.mjGEOM_CYLINDER, (0, side * 0.09, leg / 2), (0.058, leg / 2, 0), person.trousers, mass=12)
-        arm = (shoulder - 0.42 * tall) / 2
-        _part(
-            body, _G.mjGEOM_CAPSULE, (0, side * 0.235, shoulder - arm), (0.04, arm - 0.02, 0), person.shirt, shade=0.9
-        )
-        _part(body, _G.mjGEOM_SPHERE, (0.01, side * 0.235, shoulder - 2 * arm - 0.03), (0.045, 0, 0), _SKIN)
-    middle, half = (leg + shoulder) / 2, (shoulder - leg) / 2 + 0.02
-    _part(body, _G.mjGEOM_ELLIPSOID, (0, 0, leg), (0.11, 0.165, 0.13), person.trousers)
-    _part(body, _G.mjGEOM_BOX, (0, 0, middle), (0.1, 0.18, half), person.shirt, mass=40)
-    _part(body, _G.mjGEOM_CYLINDER, (0, 0, shoulder + 0.02), (0.045, 0.05, 0), _SKIN)
-    _part(body, _G.mjGEOM_ELLIPSOID, (0, 0, tall - head), (0.8 * head, 0.75 * head, head), _SKIN)
-    _part(body, _G.mjGEOM_ELLIPSOID, (-0.02, 0, tall - 0.8 * head), (0.8 * head, 0.8 * head, 0.85 * head), _HAIR)
-
-
-def _part(
-    body: Node,
-    kind: Node,
-    at: tuple[float, float, float],
-    size: tuple[float, float, float],
-    colour: str,
-    *,
-    shade: float = 1.0,
-    mass: float = 0.0,
-) -> None:
-    """What has a mass is solid for the robot; the rest is for the eye."""
-    geom = body.add_geom(type=kind, pos=at, size=size, rgba=rgba(colour, shade=shade), mass=mass)
-    low = at[2] - (size[1] if kind == _G.mjGEOM_CYLINDER else size[2])
-    geom.group = LOOSE if low <= LIDAR_HEIGHT <= 2 * at[2] - low else UNSEEN
-    geom.contype, geom.conaffinity = 0, _ROBOT if mass else 0
+def in_hand(person: Person) -> Vector:
+    """Where the middle of a thing is that they hold in the beginning, map frame, m."""
+    front, left, height = holding_point(person)
+    (x, y), yaw = person.path[0], _first_yaw(person)
+    c, s = math.cos(yaw), math.sin(yaw)
+    return x + c * front - s * left, y + s * front + c * left, height
 
 
 class Walkers:
@@ -105,15 +75,18 @@ class _Walker:
         joints = [model.joint(f"{name} {joint}") for joint in _JOINTS]
         self._qpos = np.array([joint.qposadr[0] for joint in joints])
         self._dofs = np.array([joint.dofadr[0] for joint in joints])
-        self._path, self._speed, self._facing = person.path, person.speed, math.radians(person.facing)
+        self._path, self._speed, self._yaw = person.path, person.speed, _first_yaw(person)
+        self._arm: tuple[int, int] | None = None  # place of the angle and of the speed of one that waves
+        if person.gesture == "waving":
+            arm = model.joint(waving_joint(name))
+            self._arm = int(arm.qposadr[0]), int(arm.dofadr[0])
         self._towards = 0
 
     def begin(self, data: Any, *, again: bool) -> None:
         path = self._path
         self._towards = 1 % len(path)
         if not again:
-            yaw = _direction(path[0], path[self._towards]) if len(path) > 1 else self._facing
-            data.qpos[self._qpos] = (*path[0], yaw)
+            data.qpos[self._qpos] = (*path[0], self._yaw)
             return
         x, y = data.qpos[self._qpos[:2]].tolist()
         detours = [
@@ -135,6 +108,16 @@ class _Walker:
         # Velocities alone would let a contact push people about; positions alone would be jumps for it.
         data.qpos[self._qpos] = (x + velocity[0] * seconds, y + velocity[1] * seconds, wrap(yaw + turning * seconds))
         data.qvel[self._dofs] = 0.0
+        if self._arm is not None:
+            angle, rate = self._arm
+            data.qpos[angle] = WAVE_SWING * math.sin(2 * math.pi * WAVE_HZ * data.time)
+            data.qvel[rate] = 0.0
+
+
+def _first_yaw(person: Person) -> float:
+    """In which direction somebody looks in the beginning, rad, map frame."""
+    path = person.path
+    return _direction(path[0], path[1]) if len(path) > 1 else math.radians(person.facing)
 
 
 def _in_the_way(here: Point, yaw: float, robot: Pose) -> bool:

@@ -175,16 +175,18 @@ def _sample(picture: NDArray[np.float64], right: NDArray[np.float64], down: NDAr
 
 def _widen(model: Any) -> None:
     """Let the bounding volume of every body hold all of its geoms. MuJoCo has left out those that cannot collide, but
-    ``mj_multiRay`` casts no ray at a body past its volume: bottles would have no caps."""
+    ``mj_multiRay`` casts no ray at a body past its volume: bottles would have no caps. It also takes the middle of a
+    volume as if the body were not turned, so the volumes are made to have theirs where the body's is: people who look
+    west would have no hand to point with."""
     for body in np.flatnonzero(model.body_bvhnum):
         axes = _axes(model.body_iquat[body])
-        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        reach = np.zeros(3)
         for geom in np.flatnonzero(model.geom_bodyid == body):
             turned = axes.T @ _axes(model.geom_quat[geom])
             middle = axes.T @ (model.geom_pos[geom] - model.body_ipos[body]) + turned @ model.geom_aabb[geom, :3]
             half = np.abs(turned) @ model.geom_aabb[geom, 3:]
-            low, high = np.minimum(low, middle - half), np.maximum(high, middle + half)
-        model.bvh_aabb[model.body_bvhadr[body]] = (*(low + high) / 2, *(high - low) / 2)
+            reach = np.maximum(reach, np.abs(middle) + half)
+        model.bvh_aabb[model.body_bvhadr[body]] = (0, 0, 0, *reach)
 
 
 def _axes(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:

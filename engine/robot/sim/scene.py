@@ -108,6 +108,11 @@ class Scene(Part):
         placed += [(f"landmarks.{i}", mark.at) for i, mark in enumerate(self.landmarks)]
         placed += [(f"posters.{i}", poster.at) for i, poster in enumerate(self.posters)]
         placed += [(f"people.{n}.path", point) for n, person in self.people.items() for point in person.path]
+        placed += [(f"people.{n}.leads", point) for n, person in self.people.items() for point in person.leads]
+        for name, person in self.people.items():
+            if person.holds is not None:
+                _must_know(person.holds, self.objects, f"people.{name}.holds", "object")
+        _must_differ([person.holds for person in self.people.values() if person.holds is not None], "people.holds")
         placed += [(f"places.{n}", place.at) for n, place in self.places.items()]
         placed.append(("start", (self.start.x, self.start.y)))
         for key, (x, y) in placed:
