@@ -25,7 +25,6 @@ T = TypeVar("T", bound=BaseModel)
 class Kept(Generic[T]):
     """One kind of what is kept, by name, a file for each house."""
 
-    what: str  # in words, several of them
     model: type[T]
     head: str
     named: bool = False  # whether the model holds its name as well
@@ -43,7 +42,7 @@ class Kept(Generic[T]):
         except (BadFile, ValidationError, AttributeError, TypeError) as error:
             if isinstance(error.__cause__, NotADirectoryError):
                 return {}
-            message = f"The {self.what} in {file} cannot be read: {str(error).splitlines()[0]}."
+            message = f"What was learnt, in {file}, cannot be read: {str(error).splitlines()[0]}."
             raise StorageError(message, hint="Mend the file, or delete it.") from error
 
     def write(self, file: Path, told: Mapping[str, T]) -> None:
@@ -59,13 +58,11 @@ class Kept(Generic[T]):
 
 
 PLACES: Final = Kept(
-    "places",
     Place,
     "# Places that you had the robot remember in this house. You may change them; they are read at the start.\n",
     named=True,
 )
 PEOPLE: Final = Kept(
-    "people",
     KnownPerson,
     "# People who told the robot their names in this house. You may change them; they are read at the start.\n",
 )

@@ -36,6 +36,7 @@ _UNLIKE = 0.03  # m that count against something else on the same spot
 _PILED = 0.03  # m between the middles of things in one picture that are not the same thing
 _LARGER = 1.2  # times as wide as what shows of it
 _ACROSS = 0.5  # m that somebody takes
+_HANDED = (0.05, 0.08)  # m, of what was never seen
 _EDGE = 6  # pixels at the picture's edge where a thing may be cut off and not be noticed
 
 
@@ -126,6 +127,27 @@ class WorldMemory:
         with self._lock:
             self._things.pop(thing.number, None)
             self._held, self._pitch = thing, pitch
+
+    def receive(self, what: Wanted, t: float) -> Thing:
+        """Somebody has put it into the gripper, at ``t`` (robot time, s): what it is, only they have said."""
+        with self._lock:
+            self._numbers += 1
+            self._held, self._pitch = (
+                Thing(
+                    number=self._numbers,
+                    kind=what.kind or "thing",
+                    colour=what.colour or "grey",
+                    tag=what.tag,
+                    position=(0.0, 0.0, 0.0),
+                    sigma=0.0,
+                    size=_HANDED,
+                    surface=0.0,
+                    yaw=None,
+                    seen_at=t,
+                ),
+                math.pi / 2,
+            )
+            return self._held
 
     def put(self, position: tuple[float, float, float] | None, t: float) -> None:
         """What was held lies at ``position`` (of its middle, map frame) now; None: nobody knows where."""

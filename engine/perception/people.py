@@ -78,6 +78,15 @@ class _Record:
     lately: list[tuple[float, Sighting]] = field(default_factory=list)  # what they did in the last moments
 
 
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What somebody has answered."""
+
+    who: str  # as they are called
+    question: str
+    answer: str
+
+
 class PeopleMemory:
     """Everybody seen so far. ``known`` are those who live here, by name, and what they wear."""
 
@@ -86,6 +95,16 @@ class PeopleMemory:
         self._known = dict(known or {})
         self._records: dict[int, _Record] = {}
         self._numbers = 0
+        self._last_answer: Answer | None = None
+
+    def heard(self, answer: Answer) -> None:
+        """Somebody has answered."""
+        self._last_answer = answer
+
+    @property
+    def last_answer(self) -> Answer | None:
+        """What was answered last."""
+        return self._last_answer
 
     def know(self, known: Mapping[str, Looks]) -> None:
         """These are the known people from now on."""

@@ -124,7 +124,7 @@ _ZH_FRONT: Final = re.compile(
     "[我你他她咱](?:们|家)?的|所有的?|全部的?|在|到|去|从)+(?=.)"
 )
 _ZH_AT: Final = re.compile(
-    "(?:在)?(?P<at>.+?)(?:里|里面|旁边|旁|边上|边|那边|那里|那儿|前面|前)?的(?P<who>[^的]*人|.+)"
+    "在?(?P<at>.+?)(?:里面?|上面?|旁边?|边上?|那[边里儿]|前面?)?的?(?P<who>(?:穿|正在|坐|站|躺|挥|招|举|指).+|[^的]*人)"
 )
 """Somebody, and before that where they are."""
 _VESSEL: Final = re.compile(r".*?[这那一]([瓶杯盒])(?=.)")
@@ -246,7 +246,7 @@ class Entities:
         :class:`UnknownPerson`."""
         plain = " ".join(words.replace("’", "'").split()).strip(' ,.!?;:，。！？；：、"“”')
         if is_chinese(plain):
-            found = _ZH_AT.match(plain)
+            found = _ZH_AT.fullmatch(plain)
             if found is not None and self._is_spot(found["at"]):
                 return self._vocabulary.people.who(found["who"]), found["at"]
             return self._vocabulary.people.who(plain), ""

@@ -15,6 +15,7 @@ from typing import Final, Literal
 
 import numpy as np
 
+from engine.han import is_chinese
 from engine.perception.people import PersonSeen
 from engine.perception.sighting import Colour, Part, Sight, Sighting
 from engine.robot.geometry import Pose, Twist
@@ -238,15 +239,22 @@ async def lead(context: SkillContext, person: PersonSeen, name: str, goal: Pose,
                 await face_point(context, (*legs.at, 1.0))
                 return ok(f"I guided {name} to {place}.", x=context.pose.x, y=context.pose.y)
         await face_point(context, (*legs.at, 1.0))
-        await context.say(f"{name}, please come along." if name[:1].isupper() else "Please come along.")
+        await context.say(calls(name, context.worded("Please come along.")))
         if await _wait(context, legs):
             continue
         fetched += 1
         if fetched > _FETCHES or not await _fetch(context, legs, person):
             x, y = legs.at
-            message = f"{name[:1].upper()}{name[1:]} did not come along to {place}: I last saw them"
-            return fail("target_lost", f"{message} {place_of(context.robot.floor_map, x, y)}.")
-        await context.say(f"{name}, please follow me to {place}." if name[:1].isupper() else f"Please follow me to {place}.")
+            where = place_of(context.robot.floor_map, x, y)
+            return fail("target_lost", f"I lost {name} on the way to {place}: I last saw them {where}.")
+        await context.say(calls(name, context.worded(f"Please follow me to {place}.")))
+
+
+def calls(name: str, words: str) -> str:
+    """A sentence to somebody, with their name before it where they have one."""
+    if not name or name.startswith("the "):
+        return words
+    return f"{name}，{words}" if is_chinese(words) else f"{name}, {words[:1].lower()}{words[1:]}"
 
 
 async def _drive_ahead(context: SkillContext, legs: Legs, goal: Pose, place: str) -> tuple[Result, Lead]:

@@ -64,6 +64,7 @@ class SkillContext:
     see: See
     world: WorldMemory
     ask_about: AskAbout | None = None  # where a model that sees is configured
+    worded: Callable[[str], str] = lambda text: text  # a sentence of ours, in the language of the request
     people: People = field(default_factory=People)
     ask: Ask | None = None  # where answers can be heard
 

@@ -39,7 +39,7 @@ FRESH_S: Final = 20.0
 """Somebody who was seen within this time is where they were, or near it."""
 AT: Final = 1.6
 """m from a piece of furniture or a place within which somebody is at it."""
-_SIDES: Final = (0.0, 0.95, -0.95)
+_SIDES: Final = (0.0, 1.0, -1.0)
 """rad by which the arm turns the camera when it looks around."""
 _LEVEL: Final = (2.0, 0.9)
 """m ahead and up, where the camera looks then."""
@@ -105,10 +105,12 @@ async def look_around(context: SkillContext, found: Callable[[], bool] = lambda:
     return None
 
 
-async def find_somebody(context: SkillContext, who: Someone, where: str = "", *, named: bool = True) -> PersonSeen | Result:
-    """Somebody who is meant, or why nobody is found. ``where``: a room, a piece of furniture or a place by its name; else
-    here, then where they mostly are, then through the rooms. ``named``: a stranger who is looked for by a name must have
-    it; else whoever may be called so will do."""
+async def find_somebody(
+    context: SkillContext, who: Someone, where: str = "", *, named: bool = True
+) -> PersonSeen | Result:
+    """Somebody who is meant, or why nobody is found. ``where``: a room, a piece of furniture or a place by its name;
+    else here, then where they mostly are, then through the rooms. ``named``: a stranger who is looked for by a name
+    must have it; else whoever may be called so will do."""
     wanted = fits(context, who) if named else may_be(context, who)
     rooms = context.robot.floor_map.rooms
     room = next((room for room in rooms if room.name == where), None)
@@ -199,11 +201,9 @@ async def _find_at(context: SkillContext, who: Someone, wanted: Seen, where: str
         return math.dist(person.position[:2], at[:2]) < AT
 
     def found() -> PersonSeen | None:
-        people = [p for p in context.world.people.everybody if wanted(p) and near(p)]
         now = context.robot.state().t
-        return min(
-            (p for p in people if now - p.seen_at < FRESH_S), key=lambda p: math.dist(p.position[:2], at[:2]), default=None
-        )
+        fresh = [p for p in context.world.people.everybody if wanted(p) and near(p) and now - p.seen_at < FRESH_S]
+        return min(fresh, key=lambda p: math.dist(p.position[:2], at[:2]), default=None)
 
     room = room_at(context.robot.floor_map, at[0], at[1])
     if not room.holds(context.pose.x, context.pose.y) or math.dist((context.pose.x, context.pose.y), at[:2]) > 2.5:
@@ -238,7 +238,7 @@ async def _go_in_sight(context: SkillContext, at: Point, name: str) -> Result:
 
 
 def _no(who: Someone) -> str:
-    return f"no {who}" if not who.name else who.name if who.name == "" else f"nobody called {who.name}"
+    return f"nobody called {who.name}" if who.name else f"no {who}"
 
 
 def _nobody(context: SkillContext, who: Someone, rooms: list[str]) -> Result:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from config.schema import KnownPerson
 from engine.errors import ExitCode
 from engine.han import SIMPLER
+from engine.perception.people import Looks
 from engine.perception.someone import Someone, UnknownPerson, someone
 
 
@@ -61,6 +62,11 @@ class People:
             person = old.model_copy(update=seen)
         self._people[name] = person
         self.on_added(name, person)
+
+
+def looks_of(people: People) -> dict[str, Looks]:
+    """By what each of them is told apart."""
+    return {name: Looks(one.shirt, one.trousers, one.tag) for name, one in people.known().items()}
 
 
 def _key(word: str) -> str:

@@ -1,7 +1,7 @@
 """Acts on people: finding, meeting, following, guiding them, and talking with them.
 
-Who is meant is said by a name, a description or a pronoun; where they are, beside it ("the person at the sink"). Whoever
-is only named, and neither known here nor said to be anywhere, is asked about.
+Who is meant is said by a name, a description or a pronoun; where they are, beside it ("the person at the sink").
+Whoever is only named, and neither known here nor said to be anywhere, is asked about.
 """
 
 from __future__ import annotations
@@ -151,7 +151,7 @@ def question(text: str) -> str:
     turned = re.sub(r"\b(?:his|her|their)\b", "your", re.sub(r"\b(?:him|them)\b", "you", turned))
     if not re.match(r"(?:what|where|when|why|how|which|who|do|does|is|are|would|will|can|could|have)\b", turned, re.I):
         turned = f"what about {turned}"
-    return f"{turned[:1].upper()}{turned[1:]}?"
+    return f"{turned[:1].upper()}{turned[1:].rstrip()}?"
 
 
 def _first(found: re.Match[str]) -> str:
@@ -188,13 +188,22 @@ def take(doing: Doing, thing: str, words: str, where: str = "") -> Calls:
 
 
 def count(doing: Doing, roles: Roles) -> Calls:
-    words, state, place = roles.words("person"), roles.words("state"), roles.words("place")
+    words, place = roles.words("person"), roles.words("place")
+    state = _ARE.search(doing.said)
     try:
-        who, at = doing.entities.somebody(f"{words} {state}".strip())
+        who, at = doing.entities.somebody(f"{words} {state[1]}" if state is not None else words)
     except PlanError:
         raise Unable("person", words) from None
     room = spot(doing, place or at)
     return call("count_people", str(who), *((room,) if room else ()))
+
+
+_ARE: Final = re.compile(
+    r"\bare (?:they )?((?:sitting|standing|lying|waving|pointing|raising|wearing|dressed|men|women|male|female|"
+    r"boys|girls)[^,.?!]*)[.?!]?$",
+    re.I,
+)
+"""What is asked of them behind the place: "how many people in the kitchen are sitting"."""
 
 
 def describe(doing: Doing, roles: Roles) -> Calls:

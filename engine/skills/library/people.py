@@ -8,13 +8,14 @@ from collections.abc import Callable
 from typing import Annotated, Final
 
 from config.schema import KnownPerson
+from engine.facts import fact
 from engine.han import is_chinese
-from engine.perception.people import PersonSeen
-from engine.perception.someone import Someone, UnknownPerson, someone
+from engine.perception.naming import wanted
+from engine.perception.people import Answer, PersonSeen
+from engine.perception.someone import Someone
 from engine.robot.arm import Joints
 from engine.skills.accompany import Pursuit, lead
 from engine.skills.context import SkillContext
-from engine.skills.facts import fact
 from engine.skills.find import room_called
 from engine.skills.hand import close_fingers, fold, move_to, open_fingers, presses, still_held
 from engine.skills.meeting import (
@@ -29,7 +30,7 @@ from engine.skills.meeting import (
     seen_now,
 )
 from engine.skills.outcome import Result, fail, ok
-from engine.skills.registry import NOT_SAID, Word, skill
+from engine.skills.registry import Word, skill
 from engine.skills.search import room_at
 from engine.skills.travel import go_to
 
@@ -94,15 +95,15 @@ async def meet(context: SkillContext, who: Who = ANYBODY, where: Where = "") -> 
     person = await with_somebody(context, who, where, named=False)
     if isinstance(person, Result):
         return person
-    wanted = who_is(context, who)
-    if person.name is not None and wanted.name in ("", person.name):
-        await context.say(f"Hello, {person.name}.")
+    meant = who_is(context, who)
+    if person.name is not None and meant.name in ("", person.name):
+        await context.say(context.worded(f"Hello, {person.name}."))
         return ok(f"I met {person.name}{_place(context, person)}.", **_data(person))
-    name = await _learn_name(context, person, wanted.name)
+    name = await _learn_name(context, person, meant.name)
     if isinstance(name, Result):
         return name
-    if wanted.name and name and name != wanted.name:
-        return fail("object_not_found", f"I looked for {wanted.name}, and met {name} there.", name=name)
+    if meant.name and name and name != meant.name:
+        return fail("object_not_found", f"I looked for {meant.name}, and met {name} there.", name=name)
     if not name:
         return ok(f"I met {called(person)}, who did not tell me their name.", **_data(person))
     return ok(f"I met {name}{_place(context, person)}.", **{**_data(person), "name": name})
@@ -112,12 +113,12 @@ async def _learn_name(context: SkillContext, person: PersonSeen, expected: str) 
     """Ask somebody for their name and remember it; empty where they do not tell it."""
     asks = f"Hello. Are you {expected}?" if expected else "Hello. What is your name?"
     if context.ask is None:
-        await context.say("Hello.")
+        await context.say(context.worded("Hello."))
         return expected
-    answer = await context.ask(asks)
+    answer = await context.ask(context.worded(asks))
     name = name_told(answer or "", expected)
     if expected and answer and not name:
-        name = name_told(await context.ask("What is your name?") or "", "")
+        name = name_told(await context.ask(context.worded("What is your name?")) or "", "")
     if name:
         know(context, person, name)
     return name
@@ -184,7 +185,7 @@ async def person_follow(context: SkillContext, who: Who = ANYBODY, to: Annotated
             return False
         return room.holds(*at) or math.dist(at, (goal.x, goal.y)) < THERE
 
-    await context.say("I follow you.")
+    await context.say(context.worded("I follow you."))
     return await Pursuit(context, person, called(person)).run(there)
 
 
@@ -202,24 +203,24 @@ async def guide(context: SkillContext, who: Who, to: Annotated[str, Word("place"
         return ok(f"I am at {place}. I saw nobody come along.") if went.ok else went
     name = person.name or "the person"
     ask = f"Please follow me to {place}."
-    await context.say(f"{person.name}, {ask[0].lower()}{ask[1:]}" if person.name else ask)
+    await context.say(_addressed(person, context.worded(ask)))
     result = await lead(context, person, name, goal, place)
     if result.ok:
-        await context.say(f"Here we are: {place}.")
+        await context.say(context.worded(f"Here we are: {place}."))
     return result
 
 
 async def nearest_of(context: SkillContext, who: str) -> PersonSeen | Result:
     """Somebody who is meant and is near; else they are looked for and gone up to."""
-    wanted, pose = who_is(context, who), context.pose
+    meant, pose = who_is(context, who), context.pose
 
     def near(person: PersonSeen) -> bool:
         return math.dist(person.position[:2], (pose.x, pose.y)) < BESIDE + 1.0
 
-    person = seen_now(context, fits(context, wanted), near)
+    person = seen_now(context, fits(context, meant), near)
     if person is None:
-        await look_around(context, lambda: seen_now(context, fits(context, wanted), near) is not None)
-        person = seen_now(context, fits(context, wanted), near)
+        await look_around(context, lambda: seen_now(context, fits(context, meant), near) is not None)
+        person = seen_now(context, fits(context, meant), near)
     if person is not None:
         await face_point(context, person.position)
         return person
@@ -243,7 +244,10 @@ def _addressed(person: PersonSeen, words: str) -> str:
     """With the name of whom it is said to before it."""
     if person.name is None:
         return words[:1].upper() + words[1:]
-    return f"{person.name}，{words}" if is_chinese(words) else f"{person.name}, {words}"
+    if is_chinese(words):
+        return f"{person.name}，{words}"
+    keeps = words.split(" ", 1)[0] in ("I", "I'm")
+    return f"{person.name}, {words if keeps else words[:1].lower() + words[1:]}"
 
 
 @skill(occupies=["base", "arm", "camera", "voice"])
@@ -257,17 +261,17 @@ async def ask_person(context: SkillContext, who: Who, question: Sentence) -> Res
     answer = await context.ask(_addressed(person, question))
     if not answer:
         return fail("no_progress", f"{called(person).capitalize()} did not answer.")
-    context.world.heard(called(person), question, answer)
+    context.world.people.heard(Answer(called(person), question, answer))
     return ok(f"{_name(person)} answered: “{answer}”.", answer=answer)
 
 
 @skill(occupies=["voice"])
 async def report_answer(context: SkillContext) -> Result:
     """Say what the person who was asked last has answered."""
-    told = context.world.last_answer
+    told = context.world.people.last_answer
     if told is None:
         return fail("nothing_held", "Nobody has answered me anything yet.")
-    await context.say(f"{told.who[:1].upper()}{told.who[1:]} said: “{told.answer}”")
+    await context.say(context.worded(f"{told.who[:1].upper()}{told.who[1:]} said: “{told.answer}”."))
     return ok(f"I said what {told.who} had answered.", answer=told.answer)
 
 
@@ -279,7 +283,7 @@ async def answer_question(context: SkillContext, who: Who = ANYBODY) -> Result:
         return person
     if context.ask is None:
         return fail("not_supported", "I cannot hear questions here.")
-    asked = await context.ask(_addressed(person, "What is your question?"))
+    asked = await context.ask(_addressed(person, context.worded("What is your question?")))
     if not asked:
         return fail("no_progress", f"{_name(person)} asked nothing.")
     answer = fact(asked) or ("我不知道。" if is_chinese(asked) else "I do not know.")
@@ -290,16 +294,14 @@ async def answer_question(context: SkillContext, who: Who = ANYBODY) -> Result:
 @skill(occupies=["base", "arm", "camera"])
 async def count_people(context: SkillContext, who: Who = ANYBODY, where: Where = "") -> Result:
     """Look through a room and say how many people, or how many of a kind, are there."""
-    wanted = who_is(context, who)
-    room = room_called(context, where) if where else room_at(
-        context.robot.floor_map, context.pose.x, context.pose.y
-    )
+    meant = who_is(context, who)
+    room = room_called(context, where) if where else room_at(context.robot.floor_map, context.pose.x, context.pose.y)
     everybody = await people_in(context, room.name)
     if isinstance(everybody, Result):
         return everybody
-    fit = fits(context, wanted)
+    fit = fits(context, meant)
     count = sum(fit(person) for person in everybody)
-    return ok(f"In the {room.name} I see {_number(count, wanted)}.", people=count)
+    return ok(f"In the {room.name} I see {_counted(count, meant)}.", people=count)
 
 
 async def people_in(context: SkillContext, room_name: str) -> tuple[PersonSeen, ...] | Result:
@@ -312,14 +314,13 @@ async def people_in(context: SkillContext, room_name: str) -> tuple[PersonSeen, 
     return tuple(p for p in context.world.people.everybody if p.seen_at >= began and room.holds(*p.position[:2]))
 
 
-def _number(count: int, who: Someone) -> str:
-    words = str(who)
-    head, _, rest = words.partition(" ")
-    plural = {"person": "people", "woman": "women", "man": "men"}.get(head, head)
-    tail = f" {rest}" if rest else ""
-    if count == 0:
-        return f"no {plural}{tail}"
-    return f"one {head}{tail}" if count == 1 else f"{count} {plural}{tail}"
+def _counted(count: int, who: Someone) -> str:
+    """``no person sitting``, ``one woman``, ``2 people waving``."""
+    if count < 2:
+        return f"{'one' if count else 'no'} {who}"
+    head, _, rest = str(who).partition(" ")
+    several = {"person": "people", "woman": "women", "man": "men"}.get(head, head)
+    return f"{count} {several} {rest}".rstrip()
 
 
 @skill(occupies=["base", "arm", "camera", "voice"])
@@ -350,7 +351,7 @@ async def describe_person(context: SkillContext, who: Who = ANYBODY, what: Sente
         case "clothes":
             return ok(f"{_name(person)} wears {_clothes(person)}.")
     doing = " and ".join(filter(None, (_posture(person), person.gesture)))
-    told = f"{_name(person)} wears {_clothes(person)}{f', and is {doing}' if doing else ''}."
+    told = f"{_name(person)} wears {_clothes(person)}.{f' They are {doing}.' if doing else ''}"
     return ok(told, **_data(person))
 
 
@@ -359,8 +360,9 @@ def _posture(person: PersonSeen) -> str:
 
 
 def _clothes(person: PersonSeen) -> str:
-    legs = f" and {person.trousers} trousers" if person.trousers else ""
-    return f"a {person.shirt} shirt{legs}" if person.shirt else f"{person.trousers or 'something'} trousers"
+    legs = f"{person.trousers} trousers" if person.trousers else ""
+    shirt = f"a {person.shirt} shirt" if person.shirt else ""
+    return " and ".join(filter(None, (shirt, legs))) or "something"
 
 
 @skill(occupies=["base", "arm", "camera", "voice"])
@@ -373,7 +375,7 @@ async def hand_over(context: SkillContext, who: Who = ANYBODY) -> Result:
     if isinstance(person, Result):
         return person
     await move_to(context, OFFER, speed=0.8)
-    await context.say(_addressed(person, f"Please take the {held.name}."))
+    await context.say(_addressed(person, context.worded(f"Please take the {held.name}.")))
     if await _until(context, lambda: not presses(context), TAKE_S):
         context.world.put(None, context.robot.state().t)
         await open_fingers(context, 0.05)
@@ -384,7 +386,9 @@ async def hand_over(context: SkillContext, who: Who = ANYBODY) -> Result:
 
 
 @skill(occupies=["base", "arm", "camera", "voice"])
-async def take_from(context: SkillContext, who: Who = ANYBODY, thing: Annotated[str, Word("object")] = "thing") -> Result:
+async def take_from(
+    context: SkillContext, who: Who = ANYBODY, thing: Annotated[str, Word("object")] = "thing"
+) -> Result:
     """Go to somebody, hold out the open hand, and take what they put into it."""
     if context.world.held is not None and still_held(context):
         return fail("hand_full", f"I hold the {context.world.held.name} already.")
@@ -393,7 +397,7 @@ async def take_from(context: SkillContext, who: Who = ANYBODY, thing: Annotated[
         return person
     await move_to(context, OFFER, speed=0.8)
     await open_fingers(context, 0.055)
-    await context.say(_addressed(person, f"Please give me the {thing}."))
+    await context.say(_addressed(person, context.worded(f"Please give me the {thing}.")))
     state = context.robot.state()
     end = state.work_t + TAKE_S
     while state.work_t < end:
@@ -401,9 +405,9 @@ async def take_from(context: SkillContext, who: Who = ANYBODY, thing: Annotated[
             state = await context.robot.tick()
         await close_fingers(context)
         if presses(context):
-            context.world.hold_unseen(thing, context.robot.state().t)
+            held = context.world.receive(wanted(thing), context.robot.state().t)
             await fold(context)
-            return ok(f"{_name(person)} gave me the {thing}.", taken=thing)
+            return ok(f"{_name(person)} gave me the {held.name}.", taken=held.name)
         await open_fingers(context, 0.055)
     await fold(context)
     return fail("no_progress", f"{_name(person)} gave me nothing.")
