@@ -24,6 +24,7 @@ class TrueRobot:
         self._ready = threading.Event()
         self._changed = threading.Condition()
         self.pose, self.twist = [math.nan] * 3, [0.0] * 3
+        self.joints, self.finger = [math.nan] * 5, math.nan  # rad and m, as the simulation counts them
         command: list[str | Path] = [environment.PYTHON, "-m", "tests.ros.robot", sys.executable, *more]
         self.program = Program(command, surroundings, self._hear)
         assert self._ready.wait(LIMIT_S)
@@ -34,12 +35,19 @@ class TrueRobot:
 
     def until(self, holds: Any) -> None:
         with self._changed:
-            assert self._changed.wait_for(lambda: holds(self), LIMIT_S), (self.pose, self.twist)
+            assert self._changed.wait_for(lambda: holds(self), LIMIT_S), (
+                self.pose,
+                self.twist,
+                self.joints,
+                self.finger,
+            )
 
     def _hear(self, line: Line) -> None:
         if "ready" in line:
             self._ready.set()
             return
         with self._changed:
-            self.pose, self.twist = line["pose"], line["twist"]
+            self.pose, self.twist, self.joints, self.finger = (
+                line[name] for name in ("pose", "twist", "joints", "finger")
+            )
             self._changed.notify_all()
