@@ -11,7 +11,7 @@ follows. It carries the simulated robot behind the topics that robots of ROS hav
 | /arm_controller/follow_joint_trajectory (FollowJointTrajectory) | served, see :mod:`tests.ros.robot_arm` |
 | /gripper_controller/gripper_cmd (GripperCommand) | the same |
 
-In lines of JSON it tells where it and its joints truly are, for tests only.
+In lines of JSON it tells where it and its joints truly are and what it touches, for tests only.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ class Robot:
             self.camera.show(line["qpos"], stamp)
         if self._count % 10 == 0:
             self._battery.publish(BatteryState(voltage=14.2, percentage=0.8))
-        write({name: line[name] for name in ("pose", "twist", "joints", "finger")})
+        write({name: line[name] for name in ("pose", "twist", "joints", "finger", "touching")})
 
     def _frame(self, parent: str, child: str, pose: list[float]) -> Any:
         frame = TransformStamped(child_frame_id=child)

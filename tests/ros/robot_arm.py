@@ -1,8 +1,12 @@
-"""The arm and the gripper of :mod:`tests.ros.robot`: two actions, served with the habits of ros2_control. A new goal
-ends the one before; one that is cancelled leaves the arm where it is; a trajectory for other joints is refused; fingers
-that something keeps from their goal have it aborted, and go on pressing.
+"""The arm and the gripper of :mod:`tests.ros.robot`: two actions, served with the habits of ros2_control.
 
-Its joints are called and counted otherwise than those of the simulation, as with most robots.
+- A new goal ends the one before: it is aborted here, and cancelled by the controllers of ros2_control.
+- A goal that is cancelled leaves the arm, or the fingers, where they are.
+- A trajectory for other joints is refused.
+- Fingers that something keeps from their goal have it aborted, and go on pressing (gripper_action_controller, whose
+  ``allow_stalling`` is false unless somebody sets it).
+
+The joints are called and counted otherwise than those of the simulation, as with most robots.
 """
 
 from __future__ import annotations
@@ -107,7 +111,6 @@ class Arm:
             case "replaced":
                 goal.abort()
             case [_, finger, stalled]:
-                # Source: gripper_action_controller, whose allow_stalling is false unless somebody sets it.
                 (goal.abort if stalled else goal.succeed)()
                 return GripperCommand.Result(position=finger, stalled=stalled, reached_goal=not stalled)
         return GripperCommand.Result(position=self._finger)

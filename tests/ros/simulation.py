@@ -5,9 +5,9 @@ It is told ``{"do": "drive", "twist": [vx, vy, wz]}``, ``{"do": "go", "goal": [x
 "stop"}``; its arm ``{"do": "follow", "number": n, "points": [[seconds, joints], …]}`` or ``{"do": "hold"}``, its
 gripper ``{"do": "grip", "number": n, "finger": m}`` or ``{"do": "hold fingers"}``. A velocity holds for LIFETIME_S.
 
-Fifty times a second it tells where odometry has it, how it moves and where its joints are; ten times a second its scan
-and the whole state of its world, by which pictures are made (:mod:`tests.ros.photographer`); on a journey what is left
-of the way; and how a journey, a trajectory or a grip has ended.
+Fifty times a second it tells where odometry has it, how it moves and where its joints are; ten times a second its scan,
+what it touches, and the whole state of its world, by which pictures are made (:mod:`tests.ros.photographer`); on a
+journey what is left of the way; and how a journey, a trajectory or a grip has ended.
 """
 
 from __future__ import annotations
@@ -103,6 +103,7 @@ class Simulation:
         }
         if with_scan and scan is not None:
             told["qpos"] = self.body.data.qpos
+            told["touching"] = self.body.touching()
             told["scan"] = [value if math.isfinite(value) else None for value in scan.tolist()]
         if self._pilot is not None and scan is not None:
             wanted = self._pilot.guide(self.body.true_pose, Scan(self.body.t, LIDAR_ANGLES, scan))
