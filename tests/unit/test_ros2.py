@@ -6,7 +6,7 @@ import base64
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import pytest
@@ -36,6 +36,10 @@ def odometry(x: float, y: float, yaw: float, vx: float = 0.0) -> dict[str, Any]:
     header = {"frame_id": "odom"}
     at = {"position": {"x": x, "y": y, "z": 0.0}, "orientation": turn}
     return {"header": header, "pose": {"pose": at}, "twist": {"twist": moves}}
+
+
+EMPTY: Final[Message] = {"angle_min": 0.0, "angle_increment": 0.1, "range_max": 12.0, "ranges": [None] * 63}
+"""A turn of a lidar around which nothing stands."""
 
 
 def joint_states(angle: float, gripper: float) -> dict[str, Any]:
@@ -91,6 +95,8 @@ class Table:
             self.takes["/odom"](odometry(5.0, 5.0, math.pi / 2))
             if "/joint_states" in self.takes:
                 self.takes["/joint_states"](joint_states(0.0, 1.0))
+            if "/scan" in self.takes:
+                self.takes["/scan"](EMPTY)
         return self.t
 
     def mismatches(self) -> Mapping[str, str]:
@@ -467,6 +473,21 @@ def test_a_hand_that_is_led_along_a_line_is_told_the_newest_now_and_then() -> No
     assert [goal.goal["trajectory"]["points"][0]["positions"][0] for goal in table.goals] == pytest.approx([0.1, 0.19])
 
 
+def test_a_motion_that_was_replaced_may_tell_its_end_after_the_one_that_replaced_it() -> None:
+    table = Table()
+    body = table.body(WITH_ARM)
+    body.send_arm((0.1, 0.0, 0.0, 0.0, 0.0), 1.0)
+    table.t += SEND_S
+    body.send_arm((0.2, 0.0, 0.0, 0.0, 0.0), 1.0)
+    first, second = table.goals
+    second.then(Outcome("succeeded"))
+    assert body.trouble == ""
+    first.then(Outcome("aborted"))
+    table.t += STUBBORN_S
+    table.takes["/odom"](odometry(5.0, 5.0, math.pi / 2))
+    assert body.trouble == ""
+
+
 def test_a_motion_of_the_arm_that_was_lost_is_called_back() -> None:
     table = Table()
     body = table.body(WITH_ARM)
@@ -545,13 +566,14 @@ def test_what_it_rolls_while_a_host_is_replaced_is_not_lost() -> None:
     for north, expected in ((5.3, 1.3), (0.0, 1.0)):  # the latter has begun anew
         table = Table()
         table.opens, table.answer = False, Outcome("no_server")
-        table.trouble = ""
         took = table.subscribe
 
         def subscribe(topic: str, type: str, take: Take, north: float = north, took: Any = took, **more: Any) -> None:
             took(topic, type, take, **more)
             if topic == "/odom":
                 take(odometry(5.0 if north else 0.0, north, math.pi / 2))
+            if topic == "/scan":
+                take(EMPTY)
 
         table.subscribe = subscribe  # type: ignore[method-assign]
         about = ROBOT.model_copy(update={"ros": ROBOT.ros.model_copy(update={"navigation": None})})  # type: ignore[union-attr]
