@@ -38,8 +38,8 @@ def odometry(x: float, y: float, yaw: float, vx: float = 0.0) -> dict[str, Any]:
     return {"header": header, "pose": {"pose": at}, "twist": {"twist": moves}}
 
 
-EMPTY: Final[Message] = {"angle_min": 0.0, "angle_increment": 0.1, "range_max": 12.0, "ranges": [None] * 63}
-"""A turn of a lidar around which nothing stands."""
+EMPTY: Final[Message] = {"angle_min": 0.0, "angle_increment": 0.1, "range_max": 12.0, "ranges": [9.0] * 63}
+"""A turn of a lidar near which nothing stands."""
 
 
 def joint_states(angle: float, gripper: float) -> dict[str, Any]:
