@@ -1,0 +1,74 @@
+"""What people understand of a sentence that the robot says to them: which of the things in ``docs/people.md`` it wants,
+and whom it means.
+
+They know these few phrases in English and Chinese, and whether a sentence is a question.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from engine.han import SIMPLER, is_chinese
+
+Wish = Literal["name", "follow", "come along", "arrived", "lead", "take", "give", "pass", "answer", "nothing"]
+"""What the robot wants of somebody: that they say who they are, follow it, do so again, stand, walk ahead, take what it
+holds, give it what they hold, let it pass, answer a question; or nothing."""
+
+_PHRASES: Final[dict[Wish, re.Pattern[str]]] = {
+    "name": re.compile(r"\byour name\b|\bwho are you\b|你叫什么|你的名字|你是谁|怎么称呼"),
+    "come along": re.compile(r"\bcome along\b|跟上"),
+    "follow": re.compile(r"\bfollow me\b|跟我来|跟我走|跟着我|跟随我"),
+    "lead": re.compile(r"\bi(?:'ll| will| shall|'m| am)? follow(?:ing)? you\b|我(?:会)?跟(?:着|随)?你|我(?:会)?跟在你"),
+    "arrived": re.compile(r"\bhere we are\b|到了"),
+    "take": re.compile(r"\bplease take\b|\btake (?:this|the)\b|请拿着|请拿好|请接着|请收下"),
+    "give": re.compile(r"\bgive me\b|\bhand me\b|把.*(?:给|递)我|给我|递给我"),
+    "pass": re.compile(r"\blet me pass\b|\bmay i pass\b|\bstep aside\b|让一下|让一让|让我过|借过"),
+}
+_ARE_YOU = re.compile(r"\bare you (?:called |named )?([^?.!,]+)\?|你(?:是|叫)([^？?，。]+?)吗?\s*[？?]")
+_QUESTION = re.compile(r"[?？]\s*$|[吗呢]\s*[。]?\s*$")
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """A sentence, as people understand it."""
+
+    text: str  # as it was said
+    wish: Wish
+    to: str | None = None  # who is spoken to by name
+    are_you: str | None = None  # the name that is asked after: "are you William?"
+
+    @property
+    def chinese(self) -> bool:
+        return is_chinese(self.text)
+
+    def mentions(self, word: str) -> bool:
+        """Whether the sentence has this in it, in whatever case."""
+        return word.casefold() in self.text.casefold()
+
+
+def understood(text: str, names: Collection[str]) -> Heard:
+    """What a sentence wants, and of whom, where people have these names."""
+    plain = text.casefold().translate(SIMPLER)
+    to = next((name for name in names if _is_called(name, plain)), None)
+    if (asked := _ARE_YOU.search(plain)) is not None:
+        name, start = asked[1] or asked[2], max(asked.start(1), asked.start(2))
+        # "Are you William?", and not "are you ready?": names are written with capitals, or are those of somebody here.
+        if name.strip() in {other.casefold() for other in names} or text[start : start + 1].isupper():
+            return Heard(text, "name", to, name.strip())
+    wish = next((wish for wish, phrase in _PHRASES.items() if phrase.search(plain)), None)
+    if wish is None:
+        wish = "answer" if _QUESTION.search(plain) else "nothing"
+    return Heard(text, wish, to)
+
+
+def _is_called(name: str, plain: str) -> bool:
+    """Whether the sentence speaks to somebody of this name, and not only of them: the name begins it, or stands apart
+    from the rest of it."""
+    word = re.escape(name.casefold())
+    greeting = r"(?:(?:hello|hi|hey|excuse me|please|你好)[,，]?\s*)?"
+    begins = rf"^\s*{greeting}{word}(?![a-z])"
+    apart = rf"[,，.。!！?？]\s*{greeting}{word}\s*(?:[,，.。!！?？]|$)"
+    return re.search(f"{begins}|{apart}", plain) is not None
