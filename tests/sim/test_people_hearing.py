@@ -7,13 +7,13 @@ from typing import Any
 import pytest
 
 from engine.robot.company import Company, News
-from engine.robot.sim.heard import understood
+from engine.robot.sim.heard import names_of, understood
 from engine.robot.sim.people import REPLY_S
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.world import World
 from tests.sim.rig import settings
 
-NAMES = ("William", "Anna", "Robin")
+NAMES = names_of(("William", "Anna", "Robin"))
 HALL = {
     "name": "hall",
     "bounds": {"x": [-6, 6], "y": [-3, 3]},

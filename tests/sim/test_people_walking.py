@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 
 from engine.robot.floor_map import Wall
 from engine.robot.follow import Follower
 from engine.robot.geometry import ZERO, Pose, Twist
+from engine.robot.host.memory import STATE
 from engine.robot.occupancy import Route, route
 from engine.robot.sim.dimensions import FOOTPRINT
 from engine.robot.sim.floor import floor_map, wall_pieces
@@ -17,7 +19,7 @@ from engine.robot.sim.scene import Scene
 from engine.robot.sim.scene_file import load_scene, scene_path
 from engine.robot.sim.world import World
 from tests.sim.rig import drive, settings, tick
-from tests.sim.test_people_hearing import company_of, hall, said
+from tests.sim.test_people_hearing import HALL, company_of, hall, said
 
 
 def family(start: Pose, **people: dict[str, Any]) -> World:
@@ -127,7 +129,7 @@ def test_who_leads_walks_their_way_waits_for_the_robot_and_stands_at_its_end() -
     assert [n.does for n in said(world, "I follow you.")] == ["hears", "leads"]
     drive(world, ZERO, 6.0)
     assert apart(world, "ann") == pytest.approx(2.0, abs=0.1), "they wait"
-    while world.true_pose.x < 3.4:
+    while world.true_pose.x < 3.6:
         drive(world, Twist(0.3), 0.1)
     drive(world, ZERO, 6.0)
     assert place(world, "ann") == pytest.approx((4, 2), abs=0.08)
@@ -164,3 +166,17 @@ def test_who_walks_about_goes_on_once_the_robot_has_passed() -> None:
     drive(world, Twist(0.5), 7.0)
     drive(world, ZERO, 10.0)
     assert place(world, "eve") != pytest.approx(aside, abs=0.3)
+
+
+def test_who_was_led_away_from_their_path_stays_there_after_the_host_was_replaced() -> None:
+    eve = {"path": [[-1.2, -1], [-1.2, 1]], "speed": 0.3}
+    world = hall(eve=eve)
+    said(world, "Please follow me.")
+    drive(world, Twist(0.3), 9.0)
+    last = np.zeros((), STATE)
+    world.fill(last)
+    again = World(Scene.model_validate({**HALL, "people": {"eve": eve}}), settings(), last)
+    stood = place(again, "eve")
+    assert stood[0] > 0
+    drive(again, ZERO, 3.0)
+    assert place(again, "eve") == pytest.approx(stood, abs=0.01)

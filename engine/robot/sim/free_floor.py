@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,24 +26,26 @@ class FreeFloor:
 
     def can_see(self, start: Point, end: Point) -> bool:
         """Whether no wall is between."""
-        return not _meets(self._walls, start, end, 0.0)
+        return not _meets(self._walls, start, [end], 0.0)[0]
 
-    def can_walk(self, start: Point, end: Point, margin: float) -> bool:
-        """Whether the straight way keeps so far from everything, m; where somebody is already nearer than that, it may
-        lead away."""
-        return not _meets(self._everything, start, end, margin)
+    def can_walk(self, start: Point, ends: Sequence[Point], margin: float) -> list[bool]:
+        """Whether the straight way to each of these keeps so far from everything, m; where somebody is already nearer
+        than that, it may lead away."""
+        found: list[bool] = (~_meets(self._everything, start, ends, margin)).tolist()
+        return found
 
 
-def _meets(areas: NDArray[np.float64], start: Point, end: Point, margin: float) -> bool:
-    """Whether a line meets one of these rectangles (x_min, y_min, x_max, y_max), grown by a margin, other than one that
-    it begins in."""
-    here, way = np.array(start), np.subtract(end, start)
+def _meets(areas: NDArray[np.float64], start: Point, ends: Sequence[Point], margin: float) -> NDArray[np.bool_]:
+    """Which lines meet one of these rectangles (x_min, y_min, x_max, y_max), grown by a margin, other than one that
+    they begin in."""
+    here, ways = np.array(start), np.subtract(np.reshape(ends, (-1, 1, 2)), start)  # by line, rectangle and axis
     low, high = areas[:, :2] - margin, areas[:, 2:] + margin
-    way = np.where(np.abs(way) < 1e-9, 1e-9, way)
-    one, other = (low - here) / way, (high - here) / way  # how far along the line it meets each side, 0…1
-    enters, leaves = np.minimum(one, other).max(axis=1), np.maximum(one, other).min(axis=1)
+    ways = np.where(np.abs(ways) < 1e-9, 1e-9, ways)
+    one, other = (low - here) / ways, (high - here) / ways  # how far along the line it meets each side, 0…1
+    enters, leaves = np.minimum(one, other).max(axis=2), np.maximum(one, other).min(axis=2)
     begins_in = ((low < here) & (here < high)).all(axis=1)
-    return bool(((enters <= leaves) & (leaves >= 0) & (enters <= 1) & ~begins_in).any())
+    met: NDArray[np.bool_] = ((enters <= leaves) & (leaves >= 0) & (enters <= 1) & ~begins_in).any(axis=1)
+    return met
 
 
 def ahead(here: Point, yaw: float, metres: float) -> Point:

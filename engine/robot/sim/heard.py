@@ -7,7 +7,7 @@ They know these few phrases in English and Chinese, and whether a sentence is a 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -49,10 +49,23 @@ class Heard:
         return word.casefold() in self.text.casefold()
 
 
-def understood(text: str, names: Collection[str]) -> Heard:
+Names = Mapping[str, re.Pattern[str]]
+"""Of people, and how each is spoken to."""
+
+
+def names_of(people: Collection[str]) -> Names:
+    """Their names, ready for :func:`understood`. Somebody is spoken to, and not only of, where the name begins a
+    sentence or stands apart from the rest of it."""
+    greeting = r"(?:(?:hello|hi|hey|excuse me|please|你好)[,，]?\s*)?"
+    begins = rf"^\s*{greeting}{{name}}(?![a-z])"
+    apart = rf"[,，.。!！?？]\s*{greeting}{{name}}\s*(?:[,，.。!！?？]|$)"
+    return {name: re.compile(f"{begins}|{apart}".replace("{name}", re.escape(name.casefold()))) for name in people}
+
+
+def understood(text: str, names: Names) -> Heard:
     """What a sentence wants, and of whom, where people have these names."""
     plain = text.casefold().translate(SIMPLER)
-    to = next((name for name in names if _is_called(name, plain)), None)
+    to = next((name for name, is_called in names.items() if is_called.search(plain)), None)
     if (asked := _ARE_YOU.search(plain)) is not None:
         name, start = asked[1] or asked[2], max(asked.start(1), asked.start(2))
         # "Are you William?", and not "are you ready?": names are written with capitals, or are those of somebody here.
@@ -62,13 +75,3 @@ def understood(text: str, names: Collection[str]) -> Heard:
     if wish is None:
         wish = "answer" if _QUESTION.search(plain) else "nothing"
     return Heard(text, wish, to)
-
-
-def _is_called(name: str, plain: str) -> bool:
-    """Whether the sentence speaks to somebody of this name, and not only of them: the name begins it, or stands apart
-    from the rest of it."""
-    word = re.escape(name.casefold())
-    greeting = r"(?:(?:hello|hi|hey|excuse me|please|你好)[,，]?\s*)?"
-    begins = rf"^\s*{greeting}{word}(?![a-z])"
-    apart = rf"[,，.。!！?？]\s*{greeting}{word}\s*(?:[,，.。!！?？]|$)"
-    return re.search(f"{begins}|{apart}", plain) is not None

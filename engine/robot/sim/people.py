@@ -14,7 +14,7 @@ from engine.robot.company import Happening, News
 from engine.robot.geometry import Pose, wrap
 from engine.robot.sim.free_floor import FreeFloor, direction
 from engine.robot.sim.handing import Giving, Hands, Taking
-from engine.robot.sim.heard import Heard, understood
+from engine.robot.sim.heard import Heard, names_of, understood
 from engine.robot.sim.person import Mover
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.somebody import Somebody
@@ -42,7 +42,8 @@ class People:
         self._people = [
             Somebody(Mover(model, data, name, person), name, person) for name, person in scene.people.items()
         ]
-        self._names = {somebody.name.casefold(): somebody for somebody in self._people}
+        self._called = {somebody.name: somebody for somebody in self._people}
+        self._names = names_of(self._called)
         self._robot = scene.start.pose
         self._news: deque[News] = deque(maxlen=_KEPT)
         self._due: deque[tuple[float, Somebody, Heard]] = deque()  # what they will do something about, and when
@@ -56,7 +57,7 @@ class People:
         heard = understood(text, self._names)
         near = [one for one in self._people if one.pose.distance_to(self._robot) <= HEARING]
         if heard.to is not None:
-            near = [one for one in near if one is self._names[heard.to]]
+            near = [one for one in near if one is self._called[heard.to]]
         if not near:
             return
         listener = min(near, key=lambda one: self._rank(one, heard))
@@ -104,11 +105,11 @@ class People:
 
     def _react(self, one: Somebody, heard: Heard) -> None:
         wish, t = heard.wish, self._t
-        if one.strayed and heard.to is not None and wish not in ("arrived", "follow"):
-            wish = "come along" if wish == "nothing" else wish
+        if wish == "nothing" and one.strayed and heard.to is not None:
+            wish = "come along"  # their name alone is enough
         if wish in ("name", "answer"):
             self._tell_of(one, "says", one.answer(heard))
-        elif not one.can(heard) and wish != "come along":
+        elif not one.can(heard):
             return
         elif wish == "follow":
             one.follow(Following(self._trail, self._floor))

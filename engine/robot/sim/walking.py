@@ -33,7 +33,8 @@ _AHEAD = math.radians(75)  # to either side: where somebody looks while walking
 _CRUMB, _CRUMBS = 0.1, 1000  # m between points of the trail, and how many of them are kept
 _JUMP = 0.5  # m that no robot drives in a step: it was put somewhere else
 _SHORT_CUT, _SHORT_CUT_S, _WIDE = 2.0, 0.4, 0.3  # m, s between two looks for one, m of room that it needs
-_FEW = 30  # points of the trail that are tried
+_NARROW = 0.1  # m of room that somebody needs at least
+_FEW = 40  # points of the trail that are looked at for a short cut
 _ASIDE_SPEED = 0.5  # m/s
 _PASSED = 1.3  # m from the robot at which it has passed
 _PATIENCE_S = 12.0  # that who has stepped aside waits for it
@@ -137,19 +138,20 @@ class Following:
         return Walk(trail[self._next], min(FOLLOW_SPEED, max(0.1, 1.5 * (max(apart, way) - BEHIND))))
 
     def _farthest(self, at: Point) -> int | None:
-        """The newest point of the trail that can be walked to straight: near by, or however far in the beginning."""
+        """The newest point of the trail that can be walked to straight: near by, or farther in the beginning."""
         trail, chosen = self._trail, self._next
-        known = chosen is not None and chosen >= trail.begin
-        oldest = chosen + 1 if known and chosen is not None else trail.begin
-        for number in range(trail.end - 1, oldest - 1, -1):
-            point = trail[number]
-            far = math.dist(at, point)
-            if (far < _SHORT_CUT or (not known and far < 2 * _SHORT_CUT)) and self._floor.can_walk(at, point, _WIDE):
-                return number
-        if known:
-            return chosen
-        near = sorted((math.dist(at, trail[number]), number) for number in range(trail.begin, trail.end))
-        return next((number for _, number in near[:_FEW] if self._floor.can_walk(at, trail[number], 0.1)), None)
+        if chosen is not None and chosen >= trail.begin:
+            ahead_of = range(chosen + 1, min(chosen + _FEW, trail.end))
+            reached = self._reached(at, ahead_of, _SHORT_CUT, _WIDE)
+            return reached[-1] if reached else chosen
+        recent = range(max(trail.begin, trail.end - 4 * _FEW), trail.end)
+        reached = self._reached(at, recent, 2 * _SHORT_CUT, _WIDE) or self._reached(at, recent, math.inf, _NARROW)
+        return reached[-1] if reached else None
+
+    def _reached(self, at: Point, numbers: range, within: float, margin: float) -> list[int]:
+        near = [number for number in numbers if math.dist(at, self._trail[number]) < within]
+        free = self._floor.can_walk(at, [self._trail[number] for number in near], margin) if near else ()
+        return [number for number, is_free in zip(near, free, strict=True) if is_free]
 
 
 class Leading:
@@ -176,11 +178,13 @@ class SteppingAside:
 
     def __init__(self, here: Pose, robot: Pose, floor: FreeFloor, t: float) -> None:
         at, line = (here.x, here.y), direction((robot.x, robot.y), (here.x, here.y))
-        free = [side for side in (math.pi / 2, -math.pi / 2) if floor.can_walk(at, ahead(at, line + side, ASIDE), 0.25)]
+        ends = {side: ahead(at, line + side, ASIDE) for side in (math.pi / 2, -math.pi / 2)}
+        is_free = floor.can_walk(at, list(ends.values()), 0.25)
+        free = [side for side, can in zip(ends, is_free, strict=True) if can]
         # The robot wants to go on ahead: who already stands a little to one side of that goes to this side.
         off = wrap(line - robot.yaw)
         free.sort(key=lambda side: side * off < 0)
-        self.to = ahead(at, line + free[0], ASIDE) if free else None
+        self.to = ends[free[0]] if free else None
         self._until = t + _PATIENCE_S
         self._nearest = math.inf
 
