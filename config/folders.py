@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-FILES = ("config.yaml", "robot.yaml", "map.yaml", "skills.yaml", "platforms.yaml", "profiles.yaml")
+FILES = ("config.yaml", "robot.yaml", "map.yaml", "people.yaml", "skills.yaml", "platforms.yaml", "profiles.yaml")
 """Files of the configuration folder, in reading order; all are optional and a later one wins."""
 
 RESERVED = ("SAYSO_CONFIG_DIR", "SAYSO_CACHE_DIR", "SAYSO_STATE_DIR")
@@ -41,6 +41,11 @@ class Paths:
     def places(self) -> Path:
         """Places that the robot was told to remember, by house."""
         return self.config / "places"
+
+    @property
+    def people(self) -> Path:
+        """People who told the robot their names, by house."""
+        return self.config / "people"
 
     @property
     def words(self) -> Path:

@@ -28,7 +28,7 @@ from config.schema import Settings
 from config.secrets import MASK, remember, without_secrets
 from config.source import Node, SourceError, parse, parse_value, read
 
-DEFAULTS = ("engine.yaml", "robot.yaml", "map.yaml", "skills.yaml", "platforms.yaml", "profiles.yaml")
+DEFAULTS = ("engine.yaml", "robot.yaml", "map.yaml", "people.yaml", "skills.yaml", "platforms.yaml", "profiles.yaml")
 PREFIX = "SAYSO_"
 FLAG = "--set"
 MAX_TOLD = 50

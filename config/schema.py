@@ -387,6 +387,21 @@ class Place(Section):
     orientation: Quaternion = Quaternion()
 
 
+PersonColour = Literal["red", "orange", "yellow", "green", "blue", "purple", "white", "grey", "black"]
+
+
+class KnownPerson(Section):
+    """Somebody whom the robot knows; their name is the key."""
+
+    aliases: tuple[str, ...] = Field(default=(), description="Other names, in any language.")
+    shirt: PersonColour | None = Field(default=None, description="What they wear, by which they are told apart.")
+    trousers: PersonColour | None = None
+    tag: int | None = Field(default=None, ge=0, le=586, description="AprilTag 36h11 that they wear.")
+    gender: Literal["female", "male"] | None = Field(default=None, description="How they are spoken of.")
+    language: Literal["en", "zh"] | None = Field(default=None, description="To speak to them in; null: the request's.")
+    place: str | None = Field(default=None, description="The room in which they mostly are; it is looked in first.")
+
+
 class Platform(Section):
     """A large-model service."""
 
@@ -453,7 +468,9 @@ class ExternalParameter(Section):
     )
     min: float | None = Field(default=None, description="Smallest number allowed.")
     max: float | None = Field(default=None, description="Largest number allowed.")
-    kind: Literal["place", "places", "object", "surface", "room", "colour", "thing_colour", "sentence"] | None = Field(
+    kind: (
+        Literal["place", "places", "object", "surface", "room", "person", "colour", "thing_colour", "sentence"] | None
+    ) = Field(
         default=None,
         description="Of words: places are separated by commas or and; colour is that of the light.",
     )
@@ -651,6 +668,7 @@ class Settings(Section):
     robot: Robot
     ros: Ros
     places: dict[str, Place]
+    people: dict[str, KnownPerson]
     skills: dict[str, ExternalSkill]
     platforms: dict[str, Platform]
     profiles: dict[str, Profile]
@@ -673,6 +691,16 @@ class Settings(Section):
                     message = f"{word!r} names both {taken[word]} and {symbol}; a place's words are its own"
                     raise Misnamed(message, taken[word], symbol)
         return places
+
+    @field_validator("people")
+    @classmethod
+    def _each_their_own_name(cls, people: dict[str, KnownPerson]) -> dict[str, KnownPerson]:
+        taken: dict[str, str] = {}
+        for name, person in people.items():
+            for word in (name, *person.aliases):
+                if not word.strip() or taken.setdefault(word.casefold(), name) != name:
+                    raise Misnamed(f"{word!r} names nobody, or two people; a person's names are their own", name)
+        return people
 
     @model_validator(mode="after")
     def _models_that_think(self) -> Settings:

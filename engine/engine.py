@@ -18,7 +18,7 @@ from collections.abc import Callable, Coroutine, Mapping, Sequence
 from typing import Any, TypeVar
 
 from config import paths
-from config.schema import Place, Settings
+from config.schema import KnownPerson, Place, Settings
 from engine import __version__, events
 from engine.bus import Bus, Subscriber
 from engine.chimes import Chimes
@@ -52,6 +52,7 @@ from engine.parts.loading import (
     make_satellite,
     make_vision,
     model_store,
+    people_file,
     places_file,
 )
 from engine.parts.model import Instructions, ModelPart
@@ -70,12 +71,14 @@ from engine.robot.bodies import description_of, make_robot
 from engine.robot.floor_map import FloorMap
 from engine.robot.robot import Robot, RobotState, Scan
 from engine.scheduling import collect_in_small_steps, prefer, workers
+from engine.session.around import Around
 from engine.session.dispatch import Dispatcher
 from engine.session.hesitation import Hesitation
 from engine.session.holds import Holds
 from engine.session.recall import Recall
 from engine.session.session import Session
 from engine.session.turn import Needs
+from engine.skills.people import People, looks_of
 from engine.skills.places import Places
 from engine.skills.registry import SkillRegistry
 from engine.speaking import SpokenVoice
@@ -89,6 +92,8 @@ PULSE_S = 0.05
 """Between two signs of life of the engine's loop, s."""
 SWITCH_S = 0.0005
 """How long a thread that stops the robot may have to wait for one that computes in Python, s (Python: 5 ms)."""
+AROUND_S = 0.05
+"""Between two looks at what those around the robot do."""
 PATIENCE_S = 20.0
 """How long the answer to a single request waits for a voice that still loads, s."""
 PAUSE_S = 1.0
@@ -229,9 +234,12 @@ class Engine:
         log = self._open_log()
         self._emit(events.SessionStarted(__version__, self._mode, self._robot.name, os.getpid()))
         places = Places(self._settings.places)
+        people = People(self._settings.people)
+        around = Around(self._robot, self._emit)
+        self._memory.people.know(looks_of(people))
         dock = description_of(self._settings.robot).dock
         place_names = {symbol: place.name for symbol, place in self._settings.places.items()}
-        self._registry = registry = build_registry(self._settings, places)
+        self._registry = registry = build_registry(self._settings, places, people)
         robot: Part[Robot] = self._part("robot")
         planner: Part[Planner] = self._part("planner")
         hearing: Part[Hearing] = self._part("recogniser")
@@ -251,7 +259,10 @@ class Engine:
         needs = Needs(
             robot=robot,
             planner=planner,
-            dispatcher=lambda up: Dispatcher(registry, up, places, self._epoch, holds, understood, eyes, vision, dock),
+            dispatcher=lambda up: Dispatcher(
+                registry, up, places, self._epoch, holds, understood, eyes, vision, dock, people
+            ),
+            around=lambda: around,
             hearing=hearing,
             voice=voice,
             voice_for_typed=voice if self._settings.voice.when == "always" else SilentVoice(),
@@ -331,12 +342,20 @@ class Engine:
             self._keep_place(place)
             background.append(self._keep(self._rebuild(planner, build)))
 
-        places.on_added = added
+        def met(name: str, person: KnownPerson) -> None:
+            """Somebody else is known from now on."""
+            self._settings = self._settings.model_copy(update={"people": {**self._settings.people, name: person}})
+            self._keep_person(name, person)
+            self._memory.people.know(looks_of(people))
+            background.append(self._keep(self._rebuild(planner, build)))
+
+        places.on_added, people.on_added = added, met
         charging = Charging(robot, places, dock, self._session.is_free, self._session.request, self._emit)
         background = [
             self._keep(self._beat()),
             self._keep(self._keep_robot(robot, places), "robot"),
             self._keep(self._estop.keep()),
+            self._keep(self._listen_around(around)),
             self._keep(Health(robot, paths().state, self._emit, on_battery=charging.look).keep()),
             self._keep(self._keep_planner(planner, build), "planner"),
             self._keep(ears.keep(), "microphone", "recogniser"),
@@ -417,7 +436,21 @@ class Engine:
         """Keep a place that was remembered for later sessions."""
         file = places_file(self._settings)
         try:
-            remembered.write(file, {**remembered.read(file), place.name: place})
+            remembered.PLACES.write(file, {**remembered.PLACES.read(file), place.name: place})
+        except StorageError as error:
+            self._tell(error)
+
+    async def _listen_around(self, around: Around) -> None:
+        """Tell what those around the robot do, also while nothing runs."""
+        while True:
+            around.poll()
+            await asyncio.sleep(AROUND_S)
+
+    def _keep_person(self, name: str, person: KnownPerson) -> None:
+        """Keep somebody who told their name for later sessions."""
+        file = people_file(self._settings)
+        try:
+            remembered.PEOPLE.write(file, {**remembered.PEOPLE.read(file), name: person})
         except StorageError as error:
             self._tell(error)
 

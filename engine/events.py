@@ -452,6 +452,32 @@ class PerceptionResult(Body, frozen=True):
     objects: tuple[Mapping[str, Value], ...] = ()
 
 
+@kind("person.asked")
+class PersonAsked(Body, frozen=True):
+    """The robot has asked somebody something, and waits for the answer: what is typed now is that."""
+
+    question: str
+
+
+@kind("person.answered")
+class PersonAnswered(Body, frozen=True):
+    """What was answered; empty where nobody has answered in time."""
+
+    question: str
+    answer: str
+    source: Literal["typed", "company", "heard", "nobody"]
+
+
+@kind("person.acted")
+class PersonActed(Body, frozen=True):
+    """What one of the people of a simulation has done: heard something, said something, come along."""
+
+    who: str
+    does: str
+    text: str
+    robot_t: float  # s
+
+
 # Everything else
 
 

@@ -19,7 +19,9 @@ NO_WAY: Final = 208
 NO_PROGRESS: Final = 105
 SEEN_M: Final = 2.5
 AHEAD_M: Final = 0.12
-"""What is nearer than that before the hull stops it."""
+"""What is nearer than that before the hull stops it, unless it is beyond the goal."""
+AT_GOAL_M: Final = 0.02
+"""By so much it may drive past its goal."""
 DETOURS: Final = 4
 
 
@@ -61,5 +63,5 @@ class Pilot:
             return False
         points = scan.on_map(Pose(0.0, 0.0, -math.atan2(twist.vy, twist.vx)), SEEN_M)  # x is where it goes
         reach = self._hull.radius if abs(twist.vy) > 0.05 else self._hull.length / 2
-        ahead = (points[:, 0] > 0) & (points[:, 0] < reach + AHEAD_M)
+        ahead = (points[:, 0] > 0) & (points[:, 0] < reach + min(AHEAD_M, self.left + AT_GOAL_M))
         return bool(np.any(ahead & (np.abs(points[:, 1]) < self._hull.width / 2 + 0.02)))

@@ -52,13 +52,19 @@ class Sound:
 
 
 def at_home(settings: Settings) -> Settings:
-    """The settings with the places of the robot's house: those of the map where it names some, else those of the
-    configuration, unless the map is from elsewhere; and those that were remembered there. Raises ``SceneError`` or
-    ``StorageError``."""
+    """The settings with the places and the people of the robot's house: places of the map where it names some, else
+    those of the configuration, unless the map is from elsewhere; and what was remembered there. Raises ``SceneError``
+    or ``StorageError``."""
     house = home(settings.robot)
     places = house.places or ({} if settings.robot.map is not None else settings.places)
-    kept = remembered.read(places_file(settings))
-    return settings.model_copy(update={"places": remembered.joined(places, kept)})
+    places = remembered.joined(places, remembered.PLACES.read(places_file(settings)))
+    people = {**house.people, **settings.people, **remembered.PEOPLE.read(people_file(settings))}
+    return settings.model_copy(update={"places": places, "people": people})
+
+
+def people_file(settings: Settings) -> Path:
+    """Where the people are kept who told the robot their names in its house."""
+    return remembered.file_for(paths().people, home(settings.robot).key)
 
 
 def places_file(settings: Settings) -> Path:

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.perception.people import PersonSeen
 from engine.perception.sighting import Sight, Sighting
 from engine.robot.floor_map import FloorMap
 
@@ -38,6 +39,15 @@ def describe(sight: Sight, floor_map: FloorMap) -> str:
         rest = len(order) - MOST
         text += f" There {'is' if rest == 1 else 'are'} {_count(rest)} more."
     return text
+
+
+def in_words(person: PersonSeen) -> str:
+    """Who it is and what they do: ``Anna is sitting``, ``A person in a red shirt and blue trousers is waving``."""
+    worn = " and ".join(
+        filter(None, (person.shirt and f"a {person.shirt} shirt", person.trousers and f"{person.trousers} trousers"))
+    )
+    who = person.name or (f"A person in {worn.replace('a orange', 'an orange')}" if worn else "A person")
+    return " ".join((who, "is", " and ".join(filter(None, (person.posture, person.gesture))))).rstrip()
 
 
 def _phrase(sight: Sight, name: str, side: str, place: str, things: Sequence[Sighting]) -> str:

@@ -1,4 +1,4 @@
-"""What was seen where and when: the robot's memory of loose things.
+"""What was seen where and when: the robot's memory of loose things, and beside it that of people.
 
 Every sight updates it. A sighting close to a remembered thing that it could be is that thing, moved or not; another one
 is new. What should be in the picture and is not there any more is forgotten, as long as nothing hides the place. What
@@ -18,6 +18,7 @@ from typing import Final
 import numpy as np
 
 from engine.perception.naming import Wanted
+from engine.perception.people import PeopleMemory, PersonSeen
 from engine.perception.sighting import Colour, Kind, Sight, Sighting
 from engine.robot.camera import Picture
 
@@ -34,6 +35,8 @@ MOST: Final = 200
 _UNLIKE = 0.03  # m that count against something else on the same spot
 _PILED = 0.03  # m between the middles of things in one picture that are not the same thing
 _LARGER = 1.2  # times as wide as what shows of it
+_ACROSS = 0.5  # m that somebody takes
+_HANDED = (0.05, 0.08)  # m, of what was never seen
 _EDGE = 6  # pixels at the picture's edge where a thing may be cut off and not be noticed
 
 
@@ -57,6 +60,8 @@ class Thing:
     @property
     def name(self) -> str:
         """What people would call it."""
+        if self.kind == "person":
+            return self.kind
         return f"block {self.tag}" if self.tag is not None else f"{self.colour} {self.kind}"
 
     def distance_to(self, x: float, y: float) -> float:
@@ -74,12 +79,14 @@ class World:
 
     things: tuple[Thing, ...] = ()
     held: Thing | None = None
+    people: tuple[PersonSeen, ...] = ()
 
 
 class WorldMemory:
-    """All things seen so far, and what is held."""
+    """All things seen so far, and what is held; ``people`` is everybody seen so far."""
 
-    def __init__(self) -> None:
+    def __init__(self, people: PeopleMemory | None = None) -> None:
+        self.people = people if people is not None else PeopleMemory()
         self._lock = threading.Lock()
         self._things: dict[int, Thing] = {}
         self._numbers = 0
@@ -94,7 +101,7 @@ class WorldMemory:
 
     def snapshot(self) -> World:
         """Everything, for those who only look."""
-        return World(self.things, self._held)
+        return World(self.things, self._held, self.people.everybody)
 
     @property
     def held(self) -> Thing | None:
@@ -107,8 +114,10 @@ class WorldMemory:
         return self._pitch
 
     def find(self, what: Wanted, near: tuple[float, float] | None = None) -> tuple[Thing, ...]:
-        """The things that are what is wanted: the nearest first where ``near`` is given, else the newest."""
-        found = [thing for thing in self.things if what.fits(thing.kind, thing.colour, thing.tag)]
+        """The things that are what is wanted, or the people: the nearest first where ``near`` is given, else the
+        newest."""
+        things = map(_as_thing, self.people.find(lambda person: True)) if what.kind == "person" else self.things
+        found = [thing for thing in things if what.fits(thing.kind, thing.colour, thing.tag)]
         if near is not None:
             found.sort(key=lambda thing: thing.distance_to(*near))
         return tuple(found)
@@ -119,6 +128,27 @@ class WorldMemory:
             self._things.pop(thing.number, None)
             self._held, self._pitch = thing, pitch
 
+    def receive(self, what: Wanted, t: float) -> Thing:
+        """Somebody has put it into the gripper, at ``t`` (robot time, s): what it is, only they have said."""
+        with self._lock:
+            self._numbers += 1
+            self._held, self._pitch = (
+                Thing(
+                    number=self._numbers,
+                    kind=what.kind or "thing",
+                    colour=what.colour or "grey",
+                    tag=what.tag,
+                    position=(0.0, 0.0, 0.0),
+                    sigma=0.0,
+                    size=_HANDED,
+                    surface=0.0,
+                    yaw=None,
+                    seen_at=t,
+                ),
+                math.pi / 2,
+            )
+            return self._held
+
     def put(self, position: tuple[float, float, float] | None, t: float) -> None:
         """What was held lies at ``position`` (of its middle, map frame) now; None: nobody knows where."""
         with self._lock:
@@ -128,6 +158,9 @@ class WorldMemory:
 
     def forget(self, thing: Thing) -> None:
         """It is not where it was."""
+        if thing.kind == "person":
+            self.people.forget(-thing.number)
+            return
         with self._lock:
             self._things.pop(thing.number, None)
 
@@ -136,15 +169,18 @@ class WorldMemory:
         with self._lock:
             self._things.clear()
             self._held = None
+        self.people.clear()
 
     def update(self, sight: Sight) -> tuple[Thing, ...]:
-        """Take in what was seen; gives the things in the picture in the order of ``sight.objects``."""
+        """Take in what was seen; gives the things in the picture in the order of ``sight.objects``, without people."""
+        self.people.update(sight)
+        objects = [thing for thing in sight.objects if thing.kind != "person"]
         with self._lock:
             seen: dict[int, Thing] = {}
             found: dict[int, Thing] = {}
-            by_number = sorted(range(len(sight.objects)), key=lambda index: sight.objects[index].tag is None)
+            by_number = sorted(range(len(objects)), key=lambda index: objects[index].tag is None)
             for index in by_number:  # a tag says which thing it is, the rest goes by where it is
-                sighting = sight.objects[index]
+                sighting = objects[index]
                 known = self._match(sighting, seen.keys())
                 if known is not None and known.number in seen:  # another part of what is in the picture already
                     found[index] = seen[known.number]
@@ -155,7 +191,7 @@ class WorldMemory:
                 del self._things[number]
             for thing in sorted(self._things.values(), key=lambda thing: -thing.seen_at)[MOST:]:
                 del self._things[thing.number]
-            return tuple(found[index] for index in range(len(sight.objects)))
+            return tuple(found[index] for index in range(len(objects)))
 
     def _match(self, sighting: Sighting, taken: Collection[int]) -> Thing | None:
         """The remembered thing that this is, if there is one: the one of its number wherever that was, one like it near
@@ -245,6 +281,14 @@ class WorldMemory:
             if inside and picture.depth[int(row), int(column)] > z + 0.03 + 2 * thing.sigma:
                 gone.add(thing.number)
         return gone
+
+
+def _as_thing(person: PersonSeen) -> Thing:
+    """Somebody, for those who look for people as they look for things; no thing has a number below 1."""
+    return Thing(
+        -person.number, "person", person.shirt or "grey", None, person.position, person.sigma, (_ACROSS, person.height),
+        0.0, None, -math.inf if person.gone else person.seen_at,
+    )  # fmt: skip
 
 
 def _alike(thing: Thing, sighting: Sighting) -> bool:

@@ -51,7 +51,7 @@ class Wanted:
     def fits(self, kind: Kind, colour: Colour, tag: int | None) -> bool:
         """Whether a thing is what is wanted. A block may be asked for as a box."""
         if self.tag is not None:
-            return tag == self.tag
+            return tag == self.tag and kind != "person"
         kinds: tuple[Kind | None, ...] = (None, "thing", kind, *(("box",) if kind == "block" else ()))
         return self.kind in kinds and self.colour in (None, colour) and (kind != "person" or self.kind == "person")
 

@@ -35,8 +35,11 @@ class Figure:
     """How somebody was seen; None where it did not show."""
 
     posture: Posture | None = None
-    gesture: Gesture | None = None
-    trousers: Colour | None = None  # their shirt is the colour of the sighting
+    gesture: Gesture | None = None  # in this picture alone: an arm that is up may be waving
+    shirt: Colour | None = None  # the colour of the sighting, where that is their shirt's
+    trousers: Colour | None = None
+    hand: tuple[float, float, float] | None = None  # the one that is up or points, map frame, m
+    facing: float | None = None  # map frame, rad
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,16 +55,16 @@ class Sighting:
     range: float  # from the camera, m
     surface: float  # height of what it stands on, m: 0 is the floor
     yaw: float | None = None  # of its sides, map frame, rad modulo π/2, where they show
-    tag: int | None = None
+    tag: int | None = None  # on it, or on somebody's clothes
     complete: bool = True  # neither cut off by the picture's edge nor partly behind something
     figure: Figure | None = None  # of a person
 
     @property
     def name(self) -> str:
         """What people would call it: ``red box``, ``block 3``."""
-        if self.tag is not None:
-            return f"block {self.tag}"
-        return self.kind if self.kind == "person" else f"{self.colour} {self.kind}"
+        if self.kind == "person":
+            return self.kind
+        return f"block {self.tag}" if self.tag is not None else f"{self.colour} {self.kind}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

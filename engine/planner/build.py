@@ -33,6 +33,7 @@ from engine.robot.bodies import description_of
 from engine.skills.external.host import external_skill
 from engine.skills.library import LIBRARY
 from engine.skills.library.signals import COLOURS
+from engine.skills.people import People
 from engine.skills.places import Places
 from engine.skills.registry import Skill, SkillRegistry
 from engine.skills.vocabulary import Vocabulary
@@ -40,10 +41,12 @@ from engine.understanding.base import MODEL
 from engine.understanding.learned import LearnedReader
 
 
-def build_registry(settings: Settings, places: Places | None = None, *, world: World | None = None) -> SkillRegistry:
+def build_registry(
+    settings: Settings, places: Places | None = None, people: People | None = None, *, world: World | None = None
+) -> SkillRegistry:
     """The skills that the configured robot can do: the library, and the programs of the configuration. ``world``
     replaces the words of the scene. Raises :class:`UsageError` when a program takes a name of the library."""
-    words = build_vocabulary(settings, places) if world is None else world.vocabulary(places)
+    words = build_vocabulary(settings, places, people) if world is None else world.vocabulary(places)
     robot = description_of(settings.robot)
     return SkillRegistry(
         (*LIBRARY, *_external(settings)),

@@ -13,6 +13,7 @@ from typing import Final, Literal
 
 from engine.errors import PlanError
 from engine.han import is_chinese
+from engine.perception.someone import Someone
 from engine.planner.amounts import number
 from engine.skills.places import ZERO_SYMBOL
 from engine.skills.vocabulary import Ambiguous, Vocabulary
@@ -122,6 +123,10 @@ _ZH_FRONT: Final = re.compile(
     rf"^(?:(?:[这那](?:一?{_MEASURE}|儿的?|里的?)?|[一两几某每]{_MEASURE})|"
     "[我你他她咱](?:们|家)?的|所有的?|全部的?|在|到|去|从)+(?=.)"
 )
+_ZH_AT: Final = re.compile(
+    "在?(?P<at>.+?)(?:里面?|上面?|旁边?|边上?|那[边里儿]|前面?)?的?(?P<who>(?:穿|正在|坐|站|躺|挥|招|举|指).+|[^的]*人)"
+)
+"""Somebody, and before that where they are."""
 _VESSEL: Final = re.compile(r".*?[这那一]([瓶杯盒])(?=.)")
 """What measures a drink by what it is in."""
 _ZH_BACK: Final = re.compile(
@@ -235,6 +240,41 @@ class Entities:
             return self._object(f"{which} {thing.split()[-1]}")
         except PlanError:
             return None
+
+    def somebody(self, words: str) -> tuple[Someone, str]:
+        """Who is meant, and the words for where they are said to be: "the person in red in the kitchen". Raises
+        :class:`UnknownPerson`."""
+        plain = " ".join(words.replace("’", "'").split()).strip(' ,.!?;:，。！？；：、"“”')
+        if is_chinese(plain):
+            found = _ZH_AT.fullmatch(plain)
+            if found is not None and self._is_spot(found["at"]):
+                return self._vocabulary.people.who(found["who"]), found["at"]
+            return self._vocabulary.people.who(plain), ""
+        for found in reversed(list(_RELATION.finditer(plain.casefold()))):
+            where = plain[found.end() :]
+            if self._is_spot(where):
+                return self._vocabulary.people.who(plain[: found.start()]), where
+        return self._vocabulary.people.who(plain), ""
+
+    def _is_spot(self, words: str) -> bool:
+        found = self.of(words)
+        return any((found.room, found.place, found.surface)) and not found.me
+
+    def is_stranger(self, who: Someone) -> bool:
+        """Whether only a name is said, and nobody here is known to have it."""
+        return self._vocabulary.people.is_stranger(who)
+
+    def is_known(self, words: str) -> bool:
+        """Whether these words name somebody whom the robot knows."""
+        return bool(self._vocabulary.people.name(words))
+
+    def is_stranger_called(self, name: str) -> bool:
+        """Whether somebody of this name, or this description, is not known by name."""
+        return not self._vocabulary.people.name(name)
+
+    def place_name(self, symbol: str) -> str:
+        """What people call a place of the map."""
+        return self._vocabulary.place_name(symbol)
 
     def side_in(self, words: str) -> Side | None:
         """The side that is spoken of in a description: "the wall on your right"."""

@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import Final
 
 from engine.errors import ExitCode
+from engine.facts import fact
 from engine.plan import Action, ActionCall, Plan
 from engine.planner import about_itself, amounts
 from engine.planner.doing.acts import calls_of
@@ -62,11 +63,13 @@ class Outcomes:
 
     def of(self, meaning: Meaning, heard: Heard) -> Plan | NoPlan | None:
         """What comes of one meaning; None where it is for others: what no skill serves."""
+        if (name := _own_name(heard.text)) and not meaning.has(Retract):
+            return self._planned(heard, (ActionCall("learn_name", (name,)),))
         wanted = tuple(node for node in self._wanted(meaning) if _is_order(node))
         wanted = tuple(node for node in wanted if not _is_answer(node)) or wanted
         if not wanted:
             return self._no_act(meaning, heard)
-        if len(wanted) == 1 and isinstance(act := wanted[0], Do) and act.act in _OF_THE_SESSION:
+        if len(wanted) == 1 and isinstance(act := wanted[0], Do) and self._is_of_the_session(act):
             return self._of_the_session(act, heard)
         if meaning.doubt > DOUBT and not meaning.has(Retract) and not meaning.has(Not):
             return _question(heard, "no_order", SAID[heard.language]["no_order_doubt"])
@@ -98,6 +101,11 @@ class Outcomes:
             return _answer(heard, told)
         found = self._done(rest, heard, thing, doing.place)
         return found if found is not None else _answer(heard, SAID[heard.language]["all_right"])
+
+    def _is_of_the_session(self, act: Do) -> bool:
+        """Whether it is one of the conversation; what is answered to somebody else is done."""
+        others = any(not self._entities.of(words).me for words in act.all("person"))
+        return act.act in _OF_THE_SESSION and not (act.act == "answer" and others)
 
     def _wanted(self, meaning: Meaning) -> tuple[Do | If | Repeat, ...]:
         return _only_wanted(looked_for_once(meaning.wanted(), self._entities))
@@ -136,7 +144,8 @@ class Outcomes:
             case "report":
                 return self._reported(act, heard)
             case "answer":
-                return _answer(heard, phrases.talk(heard.text, asks=True))
+                told = fact(heard.text) or fact(act.words("topic"))
+                return _answer(heard, told or phrases.talk(heard.text, asks=True))
             case "yes" | "no" if last_question(happened) is None:
                 return _answer(heard, SAID[heard.language]["all_right"])
             case "fragment" if not happened and (talk := phrases.only_talk(heard.text)):
@@ -179,7 +188,9 @@ class Outcomes:
         self, acts: Sequence[Do | If | Repeat], heard: Heard, named: str = "", place: str = ""
     ) -> Plan | NoPlan | None:
         """The plan of what is wanted; ``named`` is the thing that "it" is at first, ``place`` the symbol of "there"."""
-        doing = Doing(self._entities, heard.request.holding, named, place, greeting=SAID[heard.language]["hello"])
+        doing = Doing(
+            self._entities, heard.request.holding, named, place, said=heard.text, greeting=SAID[heard.language]["hello"]
+        )
         acts = tuple(self._completed(node) if isinstance(node, Do) else node for node in acts)
         try:
             index = next((index for index, node in enumerate(acts) if isinstance(node, If)), None)
@@ -255,6 +266,24 @@ def is_no_order(meaning: Meaning) -> bool:
     """Whether nothing in it is to be done; small talk and what takes all back, which have their own answers, apart."""
     talk = all(isinstance(node, Do) and node.act != "fact" for node in meaning.nodes)
     return not talk and not _takes_all_back(meaning) and not any(_is_order(node) for node in meaning.wanted())
+
+
+_OWN_NAME: Final = re.compile(
+    r"(?:(?:hi|hello|hey)[, ]+)?(?:(?:my name is|my name's|call me|i am called|i'm called) (?P<said>[^\W\d_][\w'-]*)|"
+    r"(?:i am|i'm) (?P<en>(?-i:[A-Z])[\w'-]*(?: (?-i:[A-Z])[\w'-]*)?))|"
+    r"(?:你好[，,]?)?(?:我叫|我的名字[叫是]|叫我)(?P<zh>[\u3400-\u9fff\w]{1,6})",
+    re.IGNORECASE,
+)
+"""How people say who they are."""
+
+
+def _own_name(text: str) -> str:
+    """The name of the speaker, where the whole of the request says it; empty where it does not."""
+    found = _OWN_NAME.fullmatch(text.replace("’", "'").strip(" .!。！"))
+    if found is None:
+        return ""
+    name = found["said"] or found["en"] or found["zh"]
+    return name.title() if name.islower() else name
 
 
 def _takes_all_back(meaning: Meaning) -> bool:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from config.schema import Place
+from config.schema import KnownPerson, Place
 from config.schema import Robot as RobotSettings
 from engine.robot.clearance import Points
 from engine.robot.floor_map import FloorMap
@@ -41,6 +41,8 @@ class Home:
     things: tuple[Thing, ...]
     called: Mapping[str, str]
     """Other names of rooms and furniture, and the ones that the map has."""
+    people: Mapping[str, KnownPerson]
+    """Whom the robot knows there, by name."""
     fences: tuple[tuple[float, float, float, float], ...]
     """Rectangles (x_min, y_min, x_max, y_max) whose outlines the robot must not cross, map frame, m."""
 
@@ -78,7 +80,7 @@ def _mapped(path: Path, changed: int) -> Home:
     x, y = floor.origin
     fence = (x, y, x + columns * floor.resolution, y + rows * floor.resolution)
     key = f"{path.stem}-{hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:8]}"
-    return Home(path.stem, key, floor, Pose(0.0, 0.0, 0.0), {}, (), {}, (fence,))
+    return Home(path.stem, key, floor, Pose(0.0, 0.0, 0.0), {}, (), {}, {}, (fence,))
 
 
 @lru_cache(maxsize=8)
@@ -97,6 +99,7 @@ def _home(scene: str) -> Home:
         places=loaded.known_places(),
         things=tuple(Thing(name, f"{thing.colour} {thing.kind}") for name, thing in loaded.objects.items()),
         called={word: name for name, words in named for word in words},
+        people=loaded.known_people(),
         fences=tuple(loaded.edges()),
     )
 

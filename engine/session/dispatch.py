@@ -41,8 +41,9 @@ from engine.robot.geometry import ZERO, Pose
 from engine.robot.robot import Robot
 from engine.robot.watch import view
 from engine.session.holds import Holds
-from engine.skills.context import AskAbout, Progress, Say, See, SkillContext
+from engine.skills.context import Ask, AskAbout, Progress, Say, See, SkillContext
 from engine.skills.outcome import ErrorCode, Result, fail
+from engine.skills.people import People
 from engine.skills.places import Places
 from engine.skills.registry import Skill, SkillRegistry
 
@@ -118,6 +119,10 @@ class Run:
     """Gets every action that ran, at its end, before anybody else can run."""
     cut_by: Callable[[], ErrorCode] = lambda: "cancelled"
     """Why it is being cancelled; asked when that happens."""
+    ask: Ask | None = None
+    """Asks somebody and gives the answer, where one can be heard."""
+    worded: Callable[[str], str] = lambda text: text
+    """Puts a sentence of ours into the language of the request."""
     ran: list[Ran] = field(default_factory=list)
     started: set[int] = field(default_factory=set)
     running: set[str] = field(default_factory=set)  # keys of the actions that have started and not ended
@@ -147,6 +152,7 @@ class Dispatcher:
         eyes: Eyes,
         onlooker: Onlooker | None = None,
         dock: str | None = None,
+        people: People | None = None,
     ) -> None:
         """``dock`` is the name of the place where the robot is charged, where there is one."""
         self._registry = registry
@@ -158,6 +164,7 @@ class Dispatcher:
         self._eyes = eyes
         self._onlooker = onlooker
         self._dock = dock
+        self._people = people or People()
         self._last_time = 0.0
 
     def is_endless(self, plan: Plan) -> bool:
@@ -210,6 +217,9 @@ class Dispatcher:
             see=self._seeing(run, key),
             world=self._eyes.world,
             ask_about=self._asking(run),
+            people=self._people,
+            ask=run.ask,
+            worded=run.worded,
         )
         if (refused := self._refused(self._registry[action.name], action)) is not None:
             self._write(run, action, key, refused, began)

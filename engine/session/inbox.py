@@ -57,7 +57,8 @@ class Inbox(Generic[T]):
     """Requests from any thread, and news of type ``T`` from the loop itself, in one order. Made in the loop.
 
     ``busy`` is what a new command does while one runs; ``state`` tells where the session is; ``mark_wake`` is told of a
-    wake at once, so that nothing said after it is lost; ``press`` presses the emergency stop, or releases it.
+    wake at once, so that nothing said after it is lost; ``press`` presses the emergency stop, or releases it;
+    ``is_asked`` tells whether the robot waits for an answer, which interrupts nothing.
     """
 
     def __init__(
@@ -67,12 +68,14 @@ class Inbox(Generic[T]):
         state: Callable[[], State],
         mark_wake: Callable[[Wake], None],
         press: Callable[[bool], None],
+        is_asked: Callable[[], bool] = lambda: False,
     ) -> None:
         self._epoch = epoch
         self._busy = busy
         self._state = state
         self._mark_wake = mark_wake
         self._press = press
+        self._is_asked = is_asked
         self._hand = 0  # the epoch in which somebody drives by hand
         self._loop = asyncio.get_running_loop()
         self._queue: asyncio.Queue[Request | T] = asyncio.Queue()
@@ -121,6 +124,8 @@ class Inbox(Generic[T]):
                 return None if adds or epoch < self._newest else "replaced"
             case Heard(text):
                 return _scope_of_words(text) if self._state() in EXPRESSING and is_stop(text) else None
+            case Say(text) if self._is_asked() and _scope_of_words(text) is None:
+                return None  # it is the answer
             case Say(text, wait=wait):
                 return _scope_of_words(text) or ("replaced" if self._busy == "interrupt" and not wait else None)
         return None

@@ -7,8 +7,10 @@ from collections.abc import Callable
 
 from engine.errors import CameraError, PlanError, RobotError
 from engine.perception.asking import as_png
+from engine.perception.describe import in_words
 from engine.perception.memory import WorldMemory
 from engine.perception.naming import wanted
+from engine.perception.people import PersonSeen
 from engine.robot.floor_map import FloorMap
 from engine.robot.robot import Robot
 from engine.skills.find import whereabouts
@@ -32,8 +34,10 @@ class Recall:
     def seen(self) -> tuple[str, ...]:
         """What was seen and where, a sentence each, the newest last."""
         floor_map: FloorMap = self._robot.floor_map
-        things = self._memory.things[:MOST_TOLD]
-        return tuple(f"The {thing.name} is {whereabouts(thing, floor_map)}." for thing in reversed(things))
+        world = self._memory.snapshot()
+        told = [(p.seen_at, f"{in_words(p)} {_room(p, floor_map)}.") for p in world.people if not p.gone]
+        told += [(t.seen_at, f"The {t.name} is {whereabouts(t, floor_map)}.") for t in world.things]
+        return tuple(words for _, words in sorted(told, key=lambda one: one[0])[-MOST_TOLD:])
 
     def since(self, t: float) -> Callable[[str], bool]:
         """Whether a thing of a description has been seen after ``t`` (robot time, s), or is held."""
@@ -60,3 +64,8 @@ class Recall:
     def now(self) -> float:
         """Robot time, s."""
         return self._robot.state().t
+
+
+def _room(person: PersonSeen, floor: FloorMap) -> str:
+    room = next((room.name for room in floor.rooms if room.holds(*person.position[:2])), None)
+    return f"in the {room}" if room else "here"

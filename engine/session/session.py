@@ -92,7 +92,9 @@ class Session:
         self._hear_audio = hear_audio
         self._loop = asyncio.get_running_loop()
         self._by_hand = ByHand(needs.robot)
-        self._inbox: Inbox[TurnOver] = Inbox(epoch, settings.busy, lambda: self._state, mark_wake, needs.press)
+        self._inbox: Inbox[TurnOver] = Inbox(
+            epoch, settings.busy, lambda: self._state, mark_wake, needs.press, self._asks
+        )
         self._state: State = "IDLE"
         self._asked_at = self._loop.time()
         self._cycle = TaskCycle(1)
@@ -115,6 +117,11 @@ class Session:
         """Whether nothing runs or waits, and nobody has asked for anything for ``FREE_S``, not even by hand."""
         asked = self._loop.time() - self._asked_at
         return self._turn is None and not self._waiting and self._state in REST and asked > FREE_S
+
+    def _asks(self) -> bool:
+        """Whether the running turn waits for an answer."""
+        turn = self._turn
+        return turn is not None and turn.asks
 
     def request(self, command: Command) -> None:
         """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot."""
@@ -178,6 +185,10 @@ class Session:
             await self._halt(request, command)
         elif scope is not None:
             await self._interrupt(scope, request)
+        elif self._turn is not None and isinstance(command, Say) and self._turn.asks and not command.wait:
+            self._turn.answer(command.text)
+            self._ack(request)
+            return False
         elif self._turn is not None and isinstance(command, Say) and self._rejects(command):
             self._ack(request, "Busy: the command was not taken (session.busy is reject).", ok=False)
             return False

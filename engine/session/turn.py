@@ -34,6 +34,7 @@ from engine.planner.phrases.stopping import is_emergency
 from engine.planner.request import Happened, Language, NoPlan, PlanRequest, Plans
 from engine.planner.text.language import language_of
 from engine.robot.robot import Robot
+from engine.session.around import Around
 from engine.session.dispatch import Dispatcher, Ran, Report, Run
 from engine.session.history import Acted, Answered, NeverStarted, Planned, Said, TaskCycle
 from engine.session.recall import Recall
@@ -45,6 +46,9 @@ TurnOutcome = Literal["done", "failed", "clarify", "refused", "interrupted", "ti
 
 MOST_FAILURES: Final = 2
 """As often as this an action may fail in one request: once, and once more when it is tried again."""
+
+ANSWER_S: Final = 10.0
+"""Robot time in which somebody who was asked has to answer, s."""
 
 STAND_DOWN_S: Final = 1.0
 """How long a turn waits for the interruption that has overtaken it; it only has to cross a queue."""
@@ -88,6 +92,8 @@ class Needs:
     """Plans that one request may lead to."""
     steps: int = 60
     """Actions that one request may lead to."""
+    around: Callable[[], Around | None] = lambda: None
+    """Those around the robot, who hear it and may answer."""
 
 
 PRESSED: Final = "The emergency stop is pressed: nothing moves until it is released."
@@ -142,8 +148,19 @@ class Turn:
         self._so_far: tuple[Happened, ...] = ()  # what had happened in the cycle when it was asked
         self._asked_at = 0.0  # robot time, s
         self._failures: Counter[str] = Counter()
+        self._waits: asyncio.Future[str] | None = None  # for an answer
 
     # Requests
+
+    @property
+    def asks(self) -> bool:
+        """Whether it waits for an answer: what is typed now is that."""
+        return self._waits is not None and not self._waits.done()
+
+    def answer(self, text: str) -> None:
+        """What it has asked for was typed."""
+        if self._waits is not None and not self._waits.done():
+            self._waits.set_result(text)
 
     async def listen(self, *, restarted: bool) -> TurnResult:
         """Hear a request and act on it."""
@@ -355,7 +372,7 @@ class Turn:
 
     async def _run(self, dispatcher: Dispatcher, plan: Plan) -> Report:
         """Act and speak the response at the same time; what never started is on record however it ends."""
-        run = Run(plan, self.epoch, self.emit, self._speak, self._record, cut_by=lambda: self.cut_by)
+        run = Run(plan, self.epoch, self.emit, self._speak, self._record, lambda: self.cut_by, self._ask, self.worded)
         try:
             async with asyncio.TaskGroup() as scope:
                 if plan.response:
@@ -378,6 +395,30 @@ class Turn:
         await self._speak(text)
         return TurnResult(exit_code, outcome, text)
 
+    async def _ask(self, question: str, limit_s: float = ANSWER_S) -> str | None:
+        """Say a question and wait for its answer, which is typed, or said by somebody of a simulation."""
+        robot, around = await self._needs.robot.get(), self._needs.around()
+        self._waits = asyncio.get_running_loop().create_future()
+        answer, source = "", "nobody"
+        try:
+            if around is not None:
+                around.forget()
+            await self._speak(question)
+            self.emit(events.PersonAsked(question))
+            state = robot.state()
+            end = state.work_t + limit_s
+            while not answer and state.work_t < end:
+                if self._waits.done():
+                    answer, source = self._waits.result(), "typed"
+                elif around is not None and (said := around.answered()):
+                    answer, source = said, "company"
+                else:
+                    state = await robot.tick()
+        finally:
+            self._waits = None
+        self.emit(events.PersonAnswered(question, answer, source))  # type: ignore[arg-type]
+        return answer or None
+
     async def _speak(self, text: str) -> None:
         """Say one sentence at a time; what was heard of it is on record however it ends. A voice that fails is
         reported and ends nothing: the words are on the screen."""
@@ -394,6 +435,8 @@ class Turn:
                 saying.close()
                 return  # the work of a discarded generation has nothing to say
             self.emit(events.SpeechStarted(text, self._voice.audible))
+            if (around := self._needs.around()) is not None:
+                around.tell(text)
             try:
                 await bounded(saying)
                 outcome = "ok"

@@ -4,7 +4,7 @@ places, a voice, and a way to say how far it is. A skill reaches nothing else.""
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from engine.perception.memory import WorldMemory
@@ -12,6 +12,7 @@ from engine.perception.sighting import EVERYTHING, Part, Sight
 from engine.robot.camera import Picture
 from engine.robot.geometry import Pose, Twist
 from engine.robot.robot import Robot, RobotState
+from engine.skills.people import People
 from engine.skills.places import Places
 
 
@@ -43,6 +44,13 @@ class AskAbout(Protocol):
     async def __call__(self, picture: Picture, question: str) -> str: ...
 
 
+class Ask(Protocol):
+    """Say a question, and give what is answered: what is heard or typed next, or what somebody of a simulation says.
+    None where nobody has answered within ``limit_s`` of robot time."""
+
+    async def __call__(self, question: str, limit_s: float = 10.0) -> str | None: ...
+
+
 @dataclass(frozen=True, slots=True)
 class SkillContext:
     """One invocation's view of the world."""
@@ -56,6 +64,9 @@ class SkillContext:
     see: See
     world: WorldMemory
     ask_about: AskAbout | None = None  # where a model that sees is configured
+    worded: Callable[[str], str] = lambda text: text  # a sentence of ours, in the language of the request
+    people: People = field(default_factory=People)
+    ask: Ask | None = None  # where answers can be heard
 
     def drive(self, twist: Twist) -> None:
         """Command a velocity in this invocation's epoch; it dies within the command lifetime unless repeated."""

@@ -86,6 +86,8 @@ class Finder:
 
     def _might_be(self, thing: Thing) -> bool:
         what = self._what
+        if what.kind == "person":
+            return False
         if what.tag is not None:
             return thing.tag is None and thing.kind in ("block", "box", "thing") and thing.colour in _LIKE_PAPER
         return thing.named_from > CLOSE and what.colour in (None, thing.colour) and thing.tag is None
@@ -171,13 +173,9 @@ def nearest_bin(context: SkillContext, room: Room) -> Furniture | None:
 
 
 def things_in(context: SkillContext, room: Room) -> tuple[Thing, ...]:
-    """What is remembered to be in a room, the nearest to the robot first; people and what is in a bin left out."""
+    """What is remembered to be in a room, the nearest to the robot first; what is in a bin is left out."""
     floor, pose = context.robot.floor_map, context.pose
-    found = [
-        thing
-        for thing in context.world.things
-        if thing.kind != "person" and room.holds(*thing.position[:2]) and not in_a_bin(thing, floor)
-    ]
+    found = [thing for thing in context.world.things if room.holds(*thing.position[:2]) and not in_a_bin(thing, floor)]
     return tuple(sorted(found, key=lambda thing: thing.distance_to(pose.x, pose.y)))
 
 
@@ -191,6 +189,8 @@ def whereabouts(thing: Thing, floor: FloorMap) -> str:
     under = (piece.name for piece in floor.furniture if thing.surface > 0.03 and piece.holds(x, y, margin=-0.05))
     on = next(under, None)
     room = next((room.name for room in floor.rooms if room.holds(x, y)), None)
+    if thing.kind == "person":
+        return f"in the {room}" if room else "here"
     return f"{f'on the {on}' if on else 'on the floor'}{f' in the {room}' if room else ''}"
 
 

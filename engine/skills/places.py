@@ -110,6 +110,11 @@ class Places:
         place = self._places[symbol]
         return Pose(place.position.x, place.position.y, place.orientation.yaw)
 
+    def pose_of(self, name: str) -> Pose | None:
+        """Where to stand for the place of this name; None where there is none."""
+        symbol = self._words.get(self._key(name))
+        return self.pose(symbol) if symbol is not None else None
+
     def name(self, symbol: str) -> str:
         """What people call it."""
         return "the remembered place" if symbol == ZERO_SYMBOL else f"the {self._places[symbol].name}"

@@ -41,9 +41,10 @@ class Word(NamedTuple):
     place: a symbol of the map, or zero. colour: of the light. thing_colour: of things that can be seen. object: a loose
     thing, as ``str`` of :class:`~engine.perception.naming.Wanted` (``red box``, ``block 3``). surface: the name of a
     piece of furniture, ``bin``, ``floor``, or where that makes sense a room or another place by name. room: its name.
+    person: somebody, as ``str`` of :class:`~engine.perception.someone.Someone` (``William``, ``person waving``).
     """
 
-    kind: Literal["place", "colour", "thing_colour", "object", "surface", "room", "sentence"]
+    kind: Literal["place", "colour", "thing_colour", "object", "surface", "room", "person", "sentence"]
 
 
 Distance = Annotated[float, Measure("m", -50, 50)]

@@ -79,7 +79,7 @@ class Survey:
         self._reach = _reach(self._patches[:, 2])
         self._open = np.ones(len(self._patches), dtype=np.bool_)  # not seen yet and not given up
         self._missed = np.zeros(len(self._patches), dtype=np.int64)
-        self._stands = _stands(room, floor, hull, now)
+        self._stands = places_in(room, floor, hull, now)
         self._seen = 0
         self._taken: set[tuple[float, float, float]] = set()  # views; none is asked for twice
 
@@ -232,7 +232,7 @@ def _patches(room: Room, floor: FloorMap) -> NDArray[np.float64]:
     return np.array(found, dtype=np.float64).reshape(-1, 3)
 
 
-def _stands(room: Room, floor: FloorMap, hull: Footprint, now: Pose) -> NDArray[np.float64]:
+def places_in(room: Room, floor: FloorMap, hull: Footprint, now: Pose) -> NDArray[np.float64]:
     """Where in the room the robot can get to, stand and turn, shape (n, 2)."""
     import cv2  # slow to import, and not every program that knows the skills searches
 

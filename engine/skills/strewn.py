@@ -36,7 +36,7 @@ _CORNERS: Final = 12  # points that stand for a thing's outline
 
 def strewn(context: SkillContext) -> list[Thing]:
     """Small things that are remembered to lie on the floor."""
-    return [thing for thing in context.world.things if thing.surface < LOW and thing.kind != "person"]
+    return [thing for thing in context.world.things if thing.surface < LOW]
 
 
 def outline(things: Iterable[Thing]) -> NDArray[np.float64]:

@@ -45,16 +45,20 @@ NOTHING_SEEN: Final[NDArray[np.float64]] = np.empty((0, 2))
 Ending = Literal["arrived", "held", "astray", "strewn", "hemmed"]
 
 
-async def go_to(context: SkillContext, goal: Pose, name: str) -> Result:
-    """Drive to ``goal`` and face its direction; ``name`` is what people call it. Fails with how far away it stopped
-    and why. A robot that finds its way itself is sent there."""
+SPEED: Final = 0.5
+"""m/s, where nobody says otherwise."""
+
+
+async def go_to(context: SkillContext, goal: Pose, name: str, *, speed: float = SPEED) -> Result:
+    """Drive to ``goal`` and face its direction, no faster than ``speed`` m/s; ``name`` is what people call it. Fails
+    with how far away it stopped and why. A robot that finds its way itself is sent there, at its own speed."""
     if context.robot.navigates and (result := await send_to(context, goal, name)) is not None:
         return result
     async with lookout(context) as watch:
-        return await _go_to(context, goal, name, watch)
+        return await _go_to(context, goal, name, watch, speed)
 
 
-async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout) -> Result:
+async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout, speed: float) -> Result:
     seen = NOTHING_SEEN
     shut: Doorway | None = None
     detours = corrections = hemmed = 0
@@ -66,7 +70,7 @@ async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout) -
             if detours:
                 return fail("path_blocked", f"The way to {name} is blocked, and there is no other. {way.message}")
             return fail("unreachable", f"I cannot get to {name}. {way.message}")
-        follower = Follower(way.points, goal.yaw)
+        follower = Follower(way.points, goal.yaw, speed=speed)
         ending, state = await _follow(context, follower, name, watch)
         if ending == "arrived":
             return ok(f"I am at {name}.", x=state.pose.x, y=state.pose.y, yaw=state.pose.yaw)

@@ -17,6 +17,7 @@ from engine.han import SIMPLER
 from engine.perception.naming import CHINESE, UnknownObject, wanted
 from engine.perception.sighting import Colour
 from engine.robot.floor_map import Furniture, Room
+from engine.skills.people import People
 from engine.skills.places import ZERO_SYMBOL, Places, UnknownPlace
 from engine.skills.synonyms import synonyms
 
@@ -70,8 +71,9 @@ class House:
 class Vocabulary:
     """Resolves the words of one house."""
 
-    def __init__(self, places: Places, house: House | None = None) -> None:
+    def __init__(self, places: Places, house: House | None = None, people: People | None = None) -> None:
         house = house or House()
+        self.people = people or People()
         self._places = places
         self._things = {_plain(name): looks for name, looks in house.things.items()}
         self._rooms = {_plain(room.name): room for room in house.rooms}
@@ -90,6 +92,7 @@ class Vocabulary:
             "surface": self.surface,
             "room": self.room,
             "thing_colour": self.colour,
+            "person": lambda words: str(self.people.who(words)),
         }
 
     def object(self, words: str) -> str:
@@ -171,6 +174,10 @@ class Vocabulary:
     def places(self) -> tuple[str, ...]:
         """Every word for a place of the map."""
         return tuple(dict.fromkeys(self._place_words()))
+
+    def place_name(self, symbol: str) -> str:
+        """What people call a place of the map."""
+        return self._places.words(symbol)[0] if symbol and symbol != ZERO_SYMBOL else ""
 
     def all_rooms(self) -> tuple[str, ...]:
         """The name of each room, in the order of the map."""

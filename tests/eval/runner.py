@@ -62,7 +62,9 @@ Through = Literal["host", "board", "ros", "nav2", "rclpy"]
 velocities (ros), or where it finds its way itself (nav2), the same with a node of rclpy behind a published rosbridge
 (rclpy; SAYSO_ROSBRIDGE names its folder)."""
 ROS_MODEL = Path(__file__).with_name("ros_robot.yaml")
-"""The simulated robot as one of ROS 2."""
+"""The simulated robot as one of ROS 2, without its arm."""
+ROS_ARM_MODEL = Path(__file__).with_name("ros_robot_arm.yaml")
+"""The same with arm, gripper and camera."""
 
 
 def run(trial: Trial, *, speed: str = "max", through: Through = "host") -> Verdict:
@@ -76,7 +78,8 @@ def run(trial: Trial, *, speed: str = "max", through: Through = "host") -> Verdi
             more.callback(os.close, witnessed.fd)
             is_node, navigates = through == "rclpy", through == "nav2"
             behind = _node(file, witnessed) if is_node else _peer(file, witnessed, navigates=navigates)
-            options = ["robot.kind=ros2", f"robot.model={ROS_MODEL}", f"robot.door={more.enter_context(behind)}"]
+            model = ROS_ARM_MODEL if is_node else ROS_MODEL
+            options = ["robot.kind=ros2", f"robot.model={model}", f"robot.door={more.enter_context(behind)}"]
         evidence = _perform(trial, _settings(trial, file, speed, options), witnessed)
     found = faults(trial.success, evidence)
     robot_s = evidence.end.t - evidence.start.t

@@ -54,7 +54,7 @@ class Program:
         """Tell it something; nothing happens where it has ended."""
         assert self.process.stdin is not None
         text = json.dumps(line, default=_plain)
-        with self._writing, contextlib.suppress(BrokenPipeError):
+        with self._writing, contextlib.suppress(BrokenPipeError, ValueError):  # it is gone, or being closed
             self.process.stdin.write(text + "\n")
             self.process.stdin.flush()
 

@@ -5,10 +5,13 @@ follows. It carries the simulated robot behind the topics that robots of ROS hav
 |---|---|
 | /cmd_vel (Twist) | taken; holds for half a second |
 | /odom, /joint_states, /scan, /battery_state | published, best effort as drivers do |
+| /camera: color/image_raw, its twin compressed, color/camera_info, aligned_depth_to_color/image_raw | published |
 | /tf (map → odom → base_footprint), /tf_static (laser) | published; odometry begins where it starts |
 | /navigate_to_pose (NavigateToPose) | served; a new goal ends the one before, as in Nav2 |
+| /arm_controller/follow_joint_trajectory (FollowJointTrajectory) | served, see :mod:`tests.ros.robot_arm` |
+| /gripper_controller/gripper_cmd (GripperCommand) | the same |
 
-In lines of JSON it tells where it truly is, for tests only.
+In lines of JSON it tells where it and its joints truly are and what it touches, for tests only.
 """
 
 from __future__ import annotations
@@ -32,10 +35,12 @@ from sensor_msgs.msg import BatteryState, JointState, LaserScan  # type: ignore[
 from tf2_msgs.msg import TFMessage  # type: ignore[import-not-found]
 
 from tests.ros.lines import Line, Program, write
+from tests.ros.robot_arm import Arm
+from tests.ros.robot_camera import Camera
 
 FEEDBACK_S = 0.1
-TELLS = 5
-"""Of what the simulation tells, every how many lines come a scan, frames and a line for tests."""
+PICTURE_TELLS = 2
+"""Of the scans, after every how many comes a picture."""
 
 
 class Robot:
@@ -47,7 +52,6 @@ class Robot:
         group = ReentrantCallbackGroup()
         self._ready = threading.Event()
         self._start = [0.0, 0.0, 0.0]
-        self._names: list[str] = []
         self._count = 0
         self._left = math.nan
         self._ended: Any = None  # how the pilot has ended, by a number of Nav2
@@ -63,6 +67,8 @@ class Robot:
         self._tf_static = node.create_publisher(TFMessage, "/tf_static", latched)
         self._tf_static.publish(TFMessage(transforms=[self._frame("base_footprint", "laser", [0.0, 0.0, 0.0])]))
         node.create_subscription(Twist, "/cmd_vel", self._drive, 10)
+        self.camera = Camera(node, python, _own_surroundings(), *more)
+        self._arm = Arm(node, group, lambda order: self.simulation.tell(order))
         self.simulation = Program([python, "-m", "tests.ros.simulation", *more], _own_surroundings(), self._hear)
         self._ready.wait()
         self._server = ActionServer(
@@ -110,7 +116,7 @@ class Robot:
 
     def _hear(self, line: Line) -> None:
         if "ready" in line:
-            self._start, self._names = line["start"], line["joint_names"]
+            self._start = line["start"]
             self._ready.set()
             return
         with self._news:
@@ -130,6 +136,10 @@ class Robot:
         odom.pose.pose.orientation = frame.transform.rotation
         moves.linear.x, moves.linear.y, moves.angular.z = line["twist"]
         self._odom.publish(odom)
+        names, positions = self._arm.hear(line)
+        joints = JointState(name=names, position=positions)
+        joints.header.stamp = stamp
+        self._joints.publish(joints)
         if "scan" in line:
             self._publish_slowly(line, stamp, frame)
 
@@ -138,14 +148,13 @@ class Robot:
         scan = LaserScan(angle_increment=2 * math.pi / len(ranges), range_min=0.05, range_max=12.0, ranges=ranges)
         scan.header.stamp, scan.header.frame_id = stamp, "laser"
         self._scan.publish(scan)
-        joints = JointState(name=self._names, position=line["joints"])
-        joints.header.stamp = stamp
-        self._joints.publish(joints)
         self._tf.publish(TFMessage(transforms=[self._frame("map", "odom", self._start), frame]))
         self._count += 1
+        if self._count % PICTURE_TELLS == 0:
+            self.camera.show(line["qpos"], stamp)
         if self._count % 10 == 0:
             self._battery.publish(BatteryState(voltage=14.2, percentage=0.8))
-        write({"pose": line["pose"], "twist": line["twist"]})
+        write({name: line[name] for name in ("pose", "twist", "joints", "finger", "touching")})
 
     def _frame(self, parent: str, child: str, pose: list[float]) -> Any:
         frame = TransformStamped(child_frame_id=child)
@@ -164,12 +173,13 @@ def _own_surroundings() -> dict[str, str]:
 
 def main(python: Path, *more: str) -> None:
     robot = Robot(python, *more)
-    executor = MultiThreadedExecutor(4)
+    executor = MultiThreadedExecutor(12)  # a journey, a trajectory and a grip each wait in a thread of their own
     executor.add_node(robot.node)
     threading.Thread(target=executor.spin, daemon=True).start()
     write({"ready": True})
     sys.stdin.read()
     robot.simulation.close()
+    robot.camera.close()
     os._exit(0)  # a journey has no end that waits for us
 
 

@@ -2,8 +2,12 @@
 tests.ros.simulation [SCENE [WITNESS]]``, in JSON lines.
 
 It is told ``{"do": "drive", "twist": [vx, vy, wz]}``, ``{"do": "go", "goal": [x, y, yaw]}`` (map frame) or ``{"do":
-"stop"}``. A velocity holds for LIFETIME_S. Fifty times a second it tells where odometry has it and how it moves, ten
-times a second its scan, and on a journey what is left of the way, and how that has ended.
+"stop"}``; its arm ``{"do": "follow", "number": n, "points": [[seconds, joints], …]}`` or ``{"do": "hold"}``, its
+gripper ``{"do": "grip", "number": n, "finger": m}`` or ``{"do": "hold fingers"}``. A velocity holds for LIFETIME_S.
+
+Fifty times a second it tells where odometry has it, how it moves and where its joints are; ten times a second its scan,
+what it touches, and the whole state of its world, by which pictures are made (:mod:`tests.ros.photographer`); on a
+journey what is left of the way; and how a journey, a trajectory or a grip has ended.
 """
 
 from __future__ import annotations
@@ -16,7 +20,6 @@ import threading
 import time
 from typing import Any
 
-from engine.robot.arm import ARM_JOINTS
 from engine.robot.geometry import ZERO, Pose, Twist, compose, inverse
 from engine.robot.host.body import STEP_S
 from engine.robot.host.memory import Memory
@@ -28,6 +31,7 @@ from engine.robot.sim.scene import Scene
 from engine.robot.sim.scene_file import load_scene, scene_path
 from engine.robot.sim.simulated import SimulatedBody
 from tests.pilot import Pilot
+from tests.ros.controllers import Controllers
 from tests.ros.lines import Line, read, write
 from tests.sim.rig import settings
 
@@ -41,6 +45,7 @@ class Simulation:
 
     def __init__(self, scene: Scene, witness: Memory | None) -> None:
         self.body = SimulatedBody(scene, settings(), pictures=False)
+        self._controllers = Controllers(self.body)
         self._floor = floor_map(scene)
         self._witness = witness
         self._start = self.body.true_pose  # where odometry begins
@@ -49,7 +54,7 @@ class Simulation:
 
     def live(self, orders: queue.SimpleQueue[Line]) -> None:
         """Let time pass as fast as it does."""
-        write({"ready": True, "start": _numbers(self._start), "joint_names": list(ARM_JOINTS)})
+        write({"ready": True, "start": _numbers(self._start)})
         began, steps = time.monotonic(), 0
         while True:
             while steps * STEP_S < time.monotonic() - began:
@@ -57,6 +62,7 @@ class Simulation:
                     self._do(orders.get())
                 if not self._told.is_zero and self.body.t - self._told_at > LIFETIME_S:
                     self._drive(ZERO)
+                self._controllers.step()
                 self.body.step()
                 steps += 1
                 if steps % TELL_STEPS == 0:
@@ -72,6 +78,14 @@ class Simulation:
             case {"do": "stop"}:
                 self._pilot = None
                 self._drive(ZERO)
+            case {"do": "follow", "number": number, "points": points}:
+                self._controllers.follow(number, points)
+            case {"do": "hold"}:
+                self._controllers.hold()
+            case {"do": "grip", "number": number, "finger": finger}:
+                self._controllers.grip(number, finger)
+            case {"do": "hold fingers"}:
+                self._controllers.hold_fingers()
 
     def _drive(self, twist: Twist) -> None:
         self._told, self._told_at = twist, self.body.t
@@ -84,8 +98,12 @@ class Simulation:
             "pose": _numbers(self.body.true_pose),
             "twist": [self.body.twist.vx, self.body.twist.vy, self.body.twist.wz],
             "joints": list(self.body.joints),
+            "finger": self._controllers.finger,
+            **self._controllers.news(),
         }
         if with_scan and scan is not None:
+            told["qpos"] = self.body.data.qpos
+            told["touching"] = self.body.touching()
             told["scan"] = [value if math.isfinite(value) else None for value in scan.tolist()]
         if self._pilot is not None and scan is not None:
             wanted = self._pilot.guide(self.body.true_pose, Scan(self.body.t, LIDAR_ANGLES, scan))

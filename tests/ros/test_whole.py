@@ -13,11 +13,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
+import yaml
 
 from tests.e2e.engine import Engine, engine
 from tests.e2e.test_board import ended
-from tests.eval.runner import ROS_MODEL
+from tests.eval.runner import ROS_ARM_MODEL, ROS_MODEL
+from tests.eval.tasks import tasks, trial
 from tests.ros import environment
 from tests.ros.conftest import LIMIT_S, needs_ros, until_heard
 from tests.ros.peers import RosPeer
@@ -66,6 +69,73 @@ def drives(running: Engine, robot: TrueRobot) -> None:
     running.send(do="interrupt")
     running.until("state.changed", ended)
     robot.until(lambda robot: robot.speed < 0.01)
+
+
+@pytest.fixture
+def before_the_table(tmp_path: Path) -> Path:
+    """The flat, with the robot before a table on which things stand."""
+    kind = "look and describe"
+    scene = trial(kind, tasks()[kind], seed=0).scene
+    file = tmp_path / "flat.yaml"
+    file.write_text(yaml.safe_dump(msgspec.to_builtins(scene.model_dump(mode="json"))), "utf-8")
+    return file
+
+
+def looks(running: Engine) -> None:
+    """It tells what the robot's camera shows."""
+    running.until("log", lambda body: body["source"] == "camera" and "/camera/color/image_raw" in body["message"])
+    result = says(running, "what do you see")
+    assert result["outcome"] == "done", result
+    assert "white cup" in result["message"]
+    assert "green bottle" in result["message"]
+
+
+def says(running: Engine, sentence: str) -> dict[str, Any]:
+    running.send(do="say", text=sentence)
+    result: dict[str, Any] = running.until("state.changed", ended)["result"]
+    return result
+
+
+def test_it_sees_and_moves_its_arm_by_rclpy(
+    tmp_path: Path, before_the_table: Path, surroundings: Mapping[str, str], request: pytest.FixtureRequest
+) -> None:
+    robot = TrueRobot(surroundings, str(before_the_table))
+    request.addfinalizer(robot.program.close)
+    options = ("robot.kind=ros2", "robot.door=rclpy", f"robot.model={ROS_ARM_MODEL}", f"robot.scene={before_the_table}")
+    with in_ros(tmp_path, surroundings, *options) as running:
+        looks(running)
+        assert says(running, "raise your arm")["outcome"] == "done"
+        robot.until(lambda robot: robot.joints == pytest.approx([0.0] * 5, abs=0.03))
+        running.send(do="say", text="lower your arm")
+        robot.until(lambda robot: robot.joints[2] > 0.4)
+        running.send(do="interrupt")
+        assert running.until("state.changed", ended)["result"]["outcome"] == "interrupted"
+        held: list[float] = []
+
+        def stays(robot: TrueRobot) -> bool:
+            held.append(robot.joints[2])
+            return len(held) > 5 and max(held[-5:]) - min(held[-5:]) < 0.002
+
+        robot.until(stays)
+        assert held[-1] < 1.6, "short of where it is folded"
+
+
+def test_it_picks_something_up_by_a_bridge(
+    tmp_path: Path, before_the_table: Path, request: pytest.FixtureRequest
+) -> None:
+    needs_ros()
+    if environment.bridge() is None:
+        pytest.skip(f"The published rosbridge is no wheel: {environment.BRIDGE} says in which folder it is.")
+    way = ByRosbridge()
+    robot = TrueRobot(way.surroundings, str(before_the_table))
+    request.addfinalizer(way.close)
+    request.addfinalizer(robot.program.close)
+    options = ("robot.kind=ros2", f"robot.door={way.address}", f"robot.model={ROS_ARM_MODEL}")
+    with engine(tmp_path, "", *told(*options, f"robot.scene={before_the_table}")) as running:
+        looks(running)
+        result = says(running, "pick up the white cup")
+        assert result["outcome"] == "done", result
+        robot.until(lambda robot: robot.touching == ["white cup"] and 0.02 < robot.finger < 0.032)
 
 
 def test_it_drives_a_robot_of_ros_by_rclpy(

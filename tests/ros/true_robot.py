@@ -23,7 +23,12 @@ class TrueRobot:
         """``more`` goes to :mod:`tests.ros.simulation`."""
         self._ready = threading.Event()
         self._changed = threading.Condition()
+        self._told: Line = {}
         self.pose, self.twist = [math.nan] * 3, [0.0] * 3
+        self.joints, self.finger = [math.nan] * 5, math.nan
+        """rad and m, as the simulation counts them."""
+        self.touching: list[str] = []
+        """Names of things."""
         command: list[str | Path] = [environment.PYTHON, "-m", "tests.ros.robot", sys.executable, *more]
         self.program = Program(command, surroundings, self._hear)
         assert self._ready.wait(LIMIT_S)
@@ -33,13 +38,16 @@ class TrueRobot:
         return math.hypot(*self.twist)
 
     def until(self, holds: Any) -> None:
+        """Wait until this holds of it; it is asked whenever the robot has told something."""
         with self._changed:
-            assert self._changed.wait_for(lambda: holds(self), LIMIT_S), (self.pose, self.twist)
+            assert self._changed.wait_for(lambda: holds(self), LIMIT_S), self._told
 
     def _hear(self, line: Line) -> None:
         if "ready" in line:
             self._ready.set()
             return
         with self._changed:
-            self.pose, self.twist = line["pose"], line["twist"]
+            self._told = line
+            self.pose, self.twist, self.joints = line["pose"], line["twist"], line["joints"]
+            self.finger, self.touching = line["finger"], line["touching"]
             self._changed.notify_all()

@@ -37,7 +37,7 @@ from tui.words import strings, strings_zh
 from tui.words.language import Language, Telling, chosen, of_environment, speak, told
 from tui.words.widths import centred, left, right
 
-SAME = frozenset({"NAME", "GO_TO", "GO_TO_HAN", "RULE_SPEECH", "RULE_QUIET", "FORM_BECOMES"})
+SAME = frozenset({"NAME", "GO_TO", "GO_TO_NAMED", "GO_TO_HAN", "RULE_SPEECH", "RULE_QUIET", "FORM_BECOMES"})
 """What is the same in both languages: names, requests, and signs."""
 SIZES = [(120, 40), (60, 24)]
 

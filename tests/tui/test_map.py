@@ -12,6 +12,7 @@ from textual.events import Key, MouseScrollUp
 from engine import events as ev
 from engine.commands import Here, Interrupt, Say
 from engine.perception.memory import Thing, World
+from engine.perception.people import PersonSeen
 from engine.robot.arm import ARM_DOWN, ARM_UP
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
@@ -24,6 +25,7 @@ from tui.widgets.floor_view import TURN, FloorView
 
 FLAT = flat()
 RED = Thing(1, "box", "red", None, (2.9, -1.5, 0.02), 0.01, (0.04, 0.04), 0.0, None, seen_at=60.0)
+ANNA = PersonSeen(1, "Anna", "green", None, "standing", None, (-2.0, 0.5, 0.7), 0.08, 1.5, seen_at=199.0)
 HERE = robot_at(-0.7, 0.2, 0.0, t=200.0)
 
 
@@ -336,12 +338,22 @@ def test_the_map_cannot_be_lost_by_shifting() -> None:
     assert not math.isnan(viewport.centre[1])
 
 
+def test_people_are_on_the_map_in_the_colour_of_their_shirt() -> None:
+    frame = fit(FLAT, 55, 22)
+    cells = overlay(Moving(people=(ANNA,), now=200.0), frame, draw(FLAT, {}, frame))
+    assert [(cell.char, cell.colour) for cell in cells.values()] == [("●", "green")]
+    later = overlay(Moving(people=(replace(ANNA, gone=True),), now=200.0), frame, draw(FLAT, {}, frame))
+    assert [cell.char for cell in later.values()] == ["○"]
+
+
 # What one points at
 
 
 def test_the_nearest_target_is_meant_else_the_room() -> None:
-    known = targets(PLACES, (RED,), 200.0)
+    known = targets(PLACES, (RED,), (ANNA, replace(ANNA, name=None, position=(-2.0, -0.5, 0.7))), 200.0)
     assert pointed_at(2.95, -1.5, 0.3, known, FLAT, PLACES).name == "red box"
+    assert pointed_at(-2.1, 0.5, 0.3, known, FLAT, PLACES).request == "go to Anna"
+    assert pointed_at(-2.0, -0.4, 0.3, known, FLAT, PLACES).about == "person, seen just now"
     assert pointed_at(0.2, 2.1, 0.3, known, FLAT, PLACES).name == "kitchen"
     assert pointed_at(4.0, 1.5, 0.3, known, FLAT, PLACES).name == "study", "a room that is a place"
     on_the_bed = pointed_at(3.5, -3.0, 0.3, known, FLAT, PLACES)

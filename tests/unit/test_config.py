@@ -658,7 +658,7 @@ def test_check_prints_one_problem_a_line_and_path_works_nevertheless(
 @pytest.mark.parametrize(
     ("key", "value", "told"),
     [
-        ("robot.scene", "nothere", "There is no scene called 'nothere'. There are: flat"),
+        ("robot.scene", "nothere", "There is no scene called 'nothere'. There are: family"),
         ("robot.scene", "/nowhere/a.yaml", "There is no scene file /nowhere/a.yaml."),
         ("asr.model", "whisper-bose", "There is no model 'whisper-bose'. Did you mean whisper-base?"),
         ("asr.model", "/nowhere", "There is no folder /nowhere."),

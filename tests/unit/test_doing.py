@@ -173,11 +173,10 @@ def test_what_was_not_said_is_asked_for(flat: Entities, line: str, question: str
 
 @pytest.mark.parametrize(
     ("line", "what"),
-    [("open | open {thing: the door}", "act"), ("bring | take {thing: the ball} to {person: Anna}", "person"),
+    [("open | open {thing: the door}", "act"),
      ("forward until seen end | on until you see {2.thing: the ball}", "until"),
      ("pick_up | take {thing: everything} but {except: the ball}", "role"),
      ("follow until is end | follow {1.person: me} until {2.thing: the lamp} is {2.state: on}", "until"),
-     ("follow | follow {person: me} to {place: the bed}", "role"),
      ("repeat beep end | {0.times: many times} beep", "times")],
 )  # fmt: skip
 def test_what_no_skill_does_is_told_and_nothing_of_it_is_left_out(flat: Entities, line: str, what: str) -> None:

@@ -467,6 +467,21 @@ def test_a_hand_that_is_led_along_a_line_is_told_the_newest_now_and_then() -> No
     assert [goal.goal["trajectory"]["points"][0]["positions"][0] for goal in table.goals] == pytest.approx([0.1, 0.19])
 
 
+def test_a_motion_that_was_replaced_may_tell_its_end_after_the_one_that_replaced_it() -> None:
+    table = Table()
+    body = table.body(WITH_ARM)
+    body.send_arm((0.1, 0.0, 0.0, 0.0, 0.0), 1.0)
+    table.t += SEND_S
+    body.send_arm((0.2, 0.0, 0.0, 0.0, 0.0), 1.0)
+    first, second = table.goals
+    second.then(Outcome("succeeded"))
+    assert body.trouble == ""
+    first.then(Outcome("aborted"))
+    table.t += STUBBORN_S
+    table.takes["/odom"](odometry(5.0, 5.0, math.pi / 2))
+    assert body.trouble == ""
+
+
 def test_a_motion_of_the_arm_that_was_lost_is_called_back() -> None:
     table = Table()
     body = table.body(WITH_ARM)

@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Final
 
 from msgspec import Struct
 
-from tui.plan.floor import Cell, Frame, ahead, arrow, thing_sign, way
+from tui.plan.floor import Cell, Frame, ahead, arrow, person_sign, thing_sign, way
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from engine.perception.memory import Thing
+    from engine.perception.people import PersonSeen
     from engine.robot.floor_map import FloorMap
     from engine.robot.robot import RobotState, Scan
 
@@ -53,6 +54,7 @@ class Moving(Struct, frozen=True):
     seen: Sequence[Spot] = ()  # walls and furniture that the lidar sees, in the order of its rays
     loose: Sequence[Spot] = ()  # what it sees where the map has nothing
     things: Sequence[Thing] = ()
+    people: Sequence[PersonSeen] = ()
     held: Thing | None = None
     now: float = 0.0  # robot time, s
     cursor: Spot | None = None
@@ -74,6 +76,10 @@ def overlay(moving: Moving, frame: Frame, plan: Sequence[Sequence[Cell]]) -> Ove
         if (at := frame.cell(*thing.position[:2])) is not None:
             sign, fade = thing_sign(thing, moving.now), faded(moving.now - thing.seen_at)
             cells[at] = Cell(sign, "thing", plan[at[0]][at[1]].ground, thing.colour, fade)
+    for person in reversed(moving.people):
+        if (at := frame.cell(*person.position[:2])) is not None:
+            sign, fade = person_sign(person, moving.now), faded(moving.now - person.seen_at)
+            cells[at] = Cell(sign, "thing", plan[at[0]][at[1]].ground, person.shirt or "grey", fade)
     if moving.robot is not None:
         _put_robot(cells, moving.robot, moving.held, frame, plan)
     if moving.cursor is not None and (at := frame.cell(*moving.cursor)) is not None:

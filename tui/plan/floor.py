@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from config.schema import Place
     from engine.perception.memory import Thing
+    from engine.perception.people import PersonSeen
     from engine.robot.floor_map import FloorMap, Furniture, Room
 
 Ground = Literal["outside", "floor", "furniture", "wall", "seen", "robot"]
@@ -153,7 +154,12 @@ def arrow(yaw: float) -> str:
 def thing_sign(thing: Thing, now: float) -> str:
     """A filled sign for a thing that was seen lately, an empty one for one that may have been moved since."""
     round_, square = ("○", "□") if thing.is_stale(now) else ("●", "■")
-    return round_ if thing.kind in ("ball", "cup", "bottle", "person") else square
+    return round_ if thing.kind in ("ball", "cup", "bottle") else square
+
+
+def person_sign(person: PersonSeen, now: float) -> str:
+    """The same for somebody."""
+    return "○" if person.is_stale(now) else "●"
 
 
 def _quarters(floor: FloorMap, frame: Frame) -> NDArray[np.int8]:

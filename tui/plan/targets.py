@@ -19,6 +19,7 @@ from tui.words.language import told
 if TYPE_CHECKING:
     from config.schema import Place
     from engine.perception.memory import Thing
+    from engine.perception.people import PersonSeen
     from engine.robot.floor_map import FloorMap, Furniture, Room
 
 
@@ -31,17 +32,23 @@ class Target(Struct, frozen=True):
     """What it is, for people."""
     name: str = ""
     """Where one goes; empty: nobody can be sent there."""
+    named: bool = False
+    """It is somebody's name."""
 
     @property
     def request(self) -> str:
         """What is said to go there."""
         name = told(self.name)
-        return (strings.GO_TO if name.isascii() else strings.GO_TO_HAN).format(name)
+        if not name.isascii():
+            return strings.GO_TO_HAN.format(name)
+        return (strings.GO_TO_NAMED if self.named else strings.GO_TO).format(name)
 
 
-def targets(places: Mapping[str, Place], things: Sequence[Thing], now: float) -> tuple[Target, ...]:
-    """All that has a place of its own: the places of the map, then the things, the newest first; ``now`` is robot
-    time, s."""
+def targets(
+    places: Mapping[str, Place], things: Sequence[Thing], people: Sequence[PersonSeen], now: float
+) -> tuple[Target, ...]:
+    """All that has a place of its own: the places of the map, then the things and the people, the newest first;
+    ``now`` is robot time, s."""
     return (
         *(
             Target(place.position.x, place.position.y, printable(f"{symbol} {told(place.name)}"), place.name)
@@ -50,10 +57,19 @@ def targets(places: Mapping[str, Place], things: Sequence[Thing], now: float) ->
         *(
             Target(
                 *thing.position[:2],
-                f"{told(_named(thing))}, {strings.SEEN_AGO.format(ago(now - thing.seen_at))}",
-                _named(thing),
+                f"{told(thing.name)}, {strings.SEEN_AGO.format(ago(now - thing.seen_at))}",
+                thing.name,
             )
             for thing in things
+        ),
+        *(
+            Target(
+                *person.position[:2],
+                f"{printable(told(_named(person)))}, {strings.SEEN_AGO.format(ago(now - person.seen_at))}",
+                _named(person),
+                person.name is not None,
+            )
+            for person in people
         ),
     )
 
@@ -86,5 +102,5 @@ def ago(seconds: float) -> str:
     return strings.HOURS_AGO.format(int(seconds / 3600))
 
 
-def _named(thing: Thing) -> str:
-    return "person" if thing.kind == "person" else thing.name
+def _named(person: PersonSeen) -> str:
+    return person.name or "person"

@@ -145,10 +145,11 @@ class ConsoleScreen(Screen[None]):
         self._mic.update_from(model.trace, notice=notice, trouble=trouble)
         if view.floor_map is not None:
             self._floor.show_map(view.floor_map, view.places)
-        things, held = (view.world.things, view.world.held) if view.world is not None else ((), None)
+        world = view.world
+        things, people, held = (world.things, world.people, world.held) if world is not None else ((), (), None)
         now = view.robot.t if view.robot is not None else 0.0
         trail = () if view.bare else model.trail
-        moving = Moving(view.robot, model.path, trail, things=things, held=held, now=now)
+        moving = Moving(view.robot, model.path, trail, things=things, people=people, held=held, now=now)
         self._floor.show_moving(moving, view.scan)
 
     def show_log(self, model: ConsoleModel) -> None:

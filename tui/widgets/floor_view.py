@@ -254,7 +254,7 @@ class FloorView(Widget, can_focus=True):
 
     @property
     def _known(self) -> tuple[Target, ...]:
-        return targets(self._places, self._moving.things, self._moving.now)
+        return targets(self._places, self._moving.things, self._moving.people, self._moving.now)
 
     def _point(self, spot: Spot | None, *, asked: Target | None = None) -> None:
         self._cursor, self._asked = spot, asked

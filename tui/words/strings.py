@@ -156,6 +156,7 @@ NO_PICTURE: Final = "waiting for a picture…"
 # Map
 MAP_KEYS: Final = "{map} points · {camera} camera"
 GO_TO: Final = "go to the {}"
+GO_TO_NAMED: Final = "go to {}"  # somebody
 GO_TO_HAN: Final = "去{}"  # of a name that is written in Chinese
 GO_THERE: Final = "Go to {}? enter goes, any other key does not"
 ENTER_GOES: Final = "· enter goes there"

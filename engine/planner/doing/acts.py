@@ -35,6 +35,7 @@ from engine.planner.doing.moving import (
     unspecified,
     wait,
 )
+from engine.planner.doing.people import answer, ask, introduce
 from engine.planner.doing.several import one_by_one, spread
 from engine.planner.doing.signals import arm_turn, beep, greet, just, light, often, remember, say, switch, tell
 from engine.planner.phrases.said import Calls, call
@@ -141,6 +142,9 @@ _ACTS: Final[Mapping[str, Callable[[Doing, Roles], Calls]]] = {
     "say": say,
     "tell": tell,
     "greet": greet,
+    "ask": ask,
+    "introduce": introduce,
+    "answer": answer,
     "report": report,
     "skills": just("list_skills"),
     "remember": remember,

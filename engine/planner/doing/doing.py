@@ -74,6 +74,10 @@ class Doing:
     """The thing that was named last, as skills know it."""
     place: str = ""
     """The symbol of the place that was named last."""
+    said: str = ""
+    """The request, for what no role has."""
+    who: str = ""
+    """The person who was named last, as skills know them."""
     greeting: str = "Hello."
     """In the speaker's language."""
     calls: list[ActionCall] = field(default_factory=list)

@@ -8,6 +8,7 @@ from typing import Final
 from engine.han import is_chinese
 from engine.plan import Quantity
 from engine.planner import amounts
+from engine.planner.doing import people
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable, is_this_room
 from engine.planner.doing.moving import colour_of, is_everywhere
 from engine.planner.phrases.said import Calls, call
@@ -40,7 +41,10 @@ def pick_up(doing: Doing, roles: Roles) -> Calls:
     things = roles.all("thing") or _it(doing)
     if len(things) > 1:
         raise Unable("full", things[0])
-    return fetched(doing, things[0], source_of(doing, roles, things[0]))
+    source = source_of(doing, roles, things[0])
+    if source and doing.entities.is_known(source):
+        return people.take(doing, doing.thing(things[0]), source)
+    return fetched(doing, things[0], source)
 
 
 def _it(doing: Doing) -> tuple[str, ...]:
@@ -129,7 +133,7 @@ def bring(doing: Doing, roles: Roles) -> Calls:
     if person:
         who = doing.entity(person)
         if not who.me and who.place is None:
-            raise Unable("person", person)
+            return _brought(doing, things, source, person, place)
         goal = who.place or ZERO_SYMBOL
     elif place:
         where = doing.entity(place)
@@ -142,6 +146,14 @@ def bring(doing: Doing, roles: Roles) -> Calls:
             doing.named = doing.in_hand
         made += carried(doing, words, goal, source)
     return made
+
+
+def _brought(doing: Doing, things: tuple[str, ...], source: str, person: str, place: str) -> Calls:
+    """One thing, into somebody's hand."""
+    if len(things) > 1:
+        raise Unable("full", things[0])
+    made = fetched(doing, things[0], source or source_of(doing, Roles(Do("bring")), things[0]))
+    return (*made, *people.hand(doing, person, place))
 
 
 def drop(doing: Doing, roles: Roles) -> Calls:

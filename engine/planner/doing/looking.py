@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from engine.planner.doing import people
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable
 from engine.planner.doing.handling import source_of
 from engine.planner.doing.moving import anybody, turned
@@ -47,8 +48,8 @@ def find(doing: Doing, roles: Roles) -> Calls:
         found = doing.entity(person)
         if found.place is not None and not found.me:
             return call("navigation", doing.spot(person))
-        if not found.me and not anybody(person.casefold()):
-            raise Unable("person", person)
+        if not found.me:
+            return people.find(doing, roles)
         sought = found.thing or "person"
     elif not thing:
         raise Open("which_thing")
@@ -68,6 +69,8 @@ _ANYTHING: Final = re.compile(r"(?:any|some|every)thing|what|什么|啥|东西|�
 
 
 def count(doing: Doing, roles: Roles) -> Calls:
+    if roles.words("person") and not roles.words("thing"):
+        return people.count(doing, roles)
     roles.all("thing"), roles.all("person")
     return looked(doing, roles.words("place")) if roles.words("place") else call("seewhat")
 
@@ -84,10 +87,10 @@ def check(doing: Doing, roles: Roles) -> Calls:
 
 
 def describe(doing: Doing, roles: Roles) -> Calls:
+    if roles.words("person"):
+        return people.describe(doing, roles)
     roles.words("topic")
     words = roles.words("place") or roles.words("thing")
-    if roles.words("person"):
-        raise Unable("act")
     return looked(doing, words, is_thing=words == roles.words("thing")) if words else call("seewhat")
 
 

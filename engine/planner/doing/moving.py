@@ -9,6 +9,7 @@ from typing import Final
 from engine.plan import Quantity
 from engine.planner import amounts
 from engine.planner.conventions import DRIVE_SPEED, FULL, HALF, QUARTER, TURN_SPEED
+from engine.planner.doing import people
 from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Roles, Unable
 from engine.planner.phrases.said import Calls, call
 from engine.skills.places import ZERO_SYMBOL
@@ -106,7 +107,7 @@ def go(doing: Doing, roles: Roles) -> Calls:
 def _to(doing: Doing, words: str, person: str = "") -> Calls:
     found = doing.entity(words)
     if person and found.place is None and found.thing is None and not found.refers:
-        raise Unable("person", words)
+        return people.found(doing, words)
     if found.side and not found.place:
         raise Open("how_far")
     if found.place is None and found.thing is not None:
@@ -119,13 +120,14 @@ def _to(doing: Doing, words: str, person: str = "") -> Calls:
 def come(doing: Doing, roles: Roles) -> Calls:
     for words in roles.all("person"):
         if not doing.entity(words).me:
-            raise Unable("person", words)
+            return people.found(doing, words)
     return call("navigation", ZERO_SYMBOL)
 
 
 def meet(doing: Doing, roles: Roles) -> Calls:
-    """To where the speaker wants to be met."""
-    come(doing, roles)
+    """Somebody, or the speaker, who is met where they say."""
+    if any(not doing.entity(words).me for words in roles.all("person")):
+        return people.meet(doing, roles)
     place = roles.words("place")
     return call("navigation", doing.spot(place) if place else ZERO_SYMBOL)
 
@@ -200,13 +202,9 @@ def follow(doing: Doing, roles: Roles) -> Calls:
         if colour:
             return call("color_follow", colour)
         raise Open("which_colour")
-    if found is not None and found.person and not found.me and not anybody(plain):
-        raise Unable("person", words)
-    if found is not None and not found.known and colour_of(doing, plain):
+    if found is not None and not found.known and not roles.words("person") and colour_of(doing, plain):
         return call("color_follow", colour_of(doing, plain))
-    if found is not None and not found.known:
-        raise Unable("person", words)
-    return call("person_follow")
+    return people.follow(doing, words or people.ME, roles.words("place"), roles.words("source"))
 
 
 _LINE: Final = re.compile(r"line|tape|stripe|线")
@@ -243,12 +241,8 @@ def colour_of(doing: Doing, plain: str) -> str:
 
 
 def guide(doing: Doing, roles: Roles) -> Calls:
-    for words in roles.all("person"):
-        if not doing.entity(words).me:
-            raise Unable("person", words)
-    if not roles.words("place"):
-        raise Open("where")
-    return call("navigation", doing.spot(roles.words("place")))
+    words, place, source = roles.words("person"), roles.words("place"), roles.words("source")
+    return people.guide(doing, words or people.ME, place, source)
 
 
 def patrol(doing: Doing, roles: Roles) -> Calls:

@@ -8,6 +8,7 @@ from typing import Final
 
 from engine.plan import ActionCall, Quantity
 from engine.planner import amounts
+from engine.planner.doing import people
 from engine.planner.doing.doing import MOST, Doing, Open, Roles, Unable
 from engine.planner.phrases.said import Calls, call
 
@@ -118,20 +119,26 @@ def say(doing: Doing, roles: Roles) -> Calls:
 def tell(doing: Doing, roles: Roles) -> Calls:
     """Said aloud where the robot is; where this house knows the way to the person, it goes there and says it."""
     person, place, text = roles.words("person"), roles.words("place"), roles.words("text")
+    who = doing.entity(person) if person else None
+    is_me = who is not None and who.me
+    if not text and is_me and any(made.name == "ask_person" for made in doing.calls):
+        return call("report_answer")
     if not text:
         raise Unable("act")
+    if who is not None and who.place is None and not who.me:
+        return people.tell(doing, person, place, text)
     going: Calls = call("navigation", doing.spot(place)) if place else ()
-    who = doing.entity(person) if person else None
     if who is not None and who.place is not None and not who.me:
         going += call("navigation", doing.spot(person))
     return (*going, *call("say", text))
 
 
 def greet(doing: Doing, roles: Roles) -> Calls:
-    """Said before whoever is there: it knows nobody by sight."""
-    place = roles.words("place")
+    """Somebody who is meant is met; else it is said before whoever is there."""
+    place, words = roles.words("place"), roles.all("person")
+    if len(words) == 1 and doing.entities.is_known(words[0]):
+        return people.meet(doing, roles)
     going: Calls = call("navigation", doing.spot(place)) if place else ()
-    roles.all("person")
     return (*going, *call("say", doing.greeting))
 
 

@@ -19,6 +19,8 @@ Question = Literal[
     "which_tag",
     "what_do",
     "where_put",
+    "who",
+    "where_person",
     "how_high",
 ]
 

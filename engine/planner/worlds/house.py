@@ -8,13 +8,14 @@ from config.schema import Robot as RobotSettings
 from config.schema import Settings
 from engine.perception.naming import UnknownObject, wanted
 from engine.robot.home import home
+from engine.skills.people import People
 from engine.skills.places import Places
 from engine.skills.vocabulary import House, Vocabulary
 
 
-def build_vocabulary(settings: Settings, places: Places | None = None) -> Vocabulary:
+def build_vocabulary(settings: Settings, places: Places | None = None, people: People | None = None) -> Vocabulary:
     """The words of the configured house. Raises ``SceneError``."""
-    return Vocabulary(places or Places(settings.places), _house(settings.robot))
+    return Vocabulary(places or Places(settings.places), _house(settings.robot), people or People(settings.people))
 
 
 @lru_cache(maxsize=8)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -19,14 +20,32 @@ from engine.robot.camera_news import Lost, Opened, Opening, TellOfCamera
 from engine.robot.description import Description
 from engine.robot.host.memory import Memory, believed
 from engine.robot.ros2 import pictures
+from engine.robot.ros2.messages import stamp
 from engine.ros.door import Door, Message
 
 EVERY_S: Final = 0.1
 """More pictures than that nobody looks at."""
 LATE_S: Final = 3.0
 """In which a picture must come."""
-TOGETHER_S: Final = 0.2
-"""By so much the depth of a picture may be older or newer than its colours."""
+TOGETHER_S: Final = 0.07
+"""By so much the depth of a picture may be older or newer than its colours, by their stamps."""
+CAME_TOGETHER_S: Final = 0.2
+"""The same by when they came, where they have no stamps."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Image:
+    """What came on one of the topics."""
+
+    came: float  # loop time, s
+    stamp: float | None  # by the clock of the robot, s
+    pixels: NDArray[Any]
+
+    def goes_with(self, other: _Image) -> bool:
+        """Whether both are of one picture."""
+        if self.stamp is None or other.stamp is None:
+            return abs(self.came - other.came) <= CAME_TOGETHER_S
+        return abs(self.stamp - other.stamp) <= TOGETHER_S
 
 
 class RosCamera:
@@ -49,8 +68,8 @@ class RosCamera:
         self._memory = memory
         self._tell = tell
         self._loop = asyncio.get_running_loop()
-        self._colours: tuple[float, NDArray[np.uint8]] | None = None  # when they came, loop time
-        self._depths: tuple[float, NDArray[np.float32]] | None = None
+        self._colours: _Image | None = None
+        self._depths: _Image | None = None
         self._lens: Lens | None = None
         self._came = asyncio.Event()
         self._is_there = False
@@ -73,7 +92,7 @@ class RosCamera:
                     await self._came.wait()
                 return found
         why = self._door.trouble or f"nothing comes on {self._topics.image}"
-        if self._colours is not None and self._colours[0] >= asked:
+        if self._colours is not None and self._colours.came >= asked:
             why = f"no depth comes on {self._topics.depth}"
         error = CameraError(f"The camera has delivered no picture for {LATE_S:g} s: {why}.")
         if self._is_there:
@@ -88,20 +107,21 @@ class RosCamera:
     def _picture(self, asked: float) -> Picture | None:
         import cv2
 
-        if self._colours is None or self._colours[0] < asked:
+        if self._colours is None or self._colours.came < asked:
             return None
-        came, rgb = self._colours
         width, height = self._size
         lens = self._lens or Lens.of_view(width, height, self._view)
         record = self._memory.state.get()
         mount = self._description.eye(record["joints"].tolist())
         pose = believed(record, self._memory.correction.scratch)
-        small: NDArray[np.uint8] = np.asarray(cv2.resize(rgb, self._size, interpolation=cv2.INTER_AREA), np.uint8)
+        small: NDArray[np.uint8] = np.asarray(
+            cv2.resize(self._colours.pixels, self._size, interpolation=cv2.INTER_AREA), np.uint8
+        )
         if self._topics.depth is None:
             return Picture(float(record["t"]), small, floor_depth(lens, mount), lens, mount, pose, guessed=True)
-        if self._depths is None or abs(self._depths[0] - came) > TOGETHER_S:
+        if self._depths is None or not self._depths.goes_with(self._colours):
             return None
-        depth = cv2.resize(self._depths[1], self._size, interpolation=cv2.INTER_NEAREST).astype(np.float32)
+        depth = cv2.resize(self._depths.pixels, self._size, interpolation=cv2.INTER_NEAREST).astype(np.float32)
         return Picture(float(record["t"]), small, depth, lens, mount, pose)
 
     # In the door's thread
@@ -109,12 +129,12 @@ class RosCamera:
     def _take_colours(self, message: Message) -> None:
         found = pictures.unpacked(message) if self._topics.compressed else pictures.colours(message)
         if found is not None:
-            self._soon(lambda: self._has_colours(found))
+            self._soon(lambda: self._has_colours(_Image(self._loop.time(), stamp(message), found)))
 
     def _take_depths(self, message: Message) -> None:
         found = pictures.depths(message)
         if found is not None:
-            self._soon(lambda: self._has_depths(found))
+            self._soon(lambda: self._has_depths(_Image(self._loop.time(), stamp(message), found)))
 
     def _take_lens(self, message: Message) -> None:
         self._lens = pictures.lens(message, *self._size) or self._lens
@@ -125,15 +145,15 @@ class RosCamera:
 
     # In the loop
 
-    def _has_colours(self, found: NDArray[np.uint8]) -> None:
-        self._colours = self._loop.time(), found
+    def _has_colours(self, found: _Image) -> None:
+        self._colours = found
         if not self._is_there:
             self._is_there = True
-            height, width = found.shape[:2]
+            height, width = found.pixels.shape[:2]
             depth = "with depth" if self._topics.depth is not None else "no depth"
             self._tell(Opened(f"{self._topics.image} {width}×{height}, {depth}"))
         self._came.set()
 
-    def _has_depths(self, found: NDArray[np.float32]) -> None:
-        self._depths = self._loop.time(), found
+    def _has_depths(self, found: _Image) -> None:
+        self._depths = found
         self._came.set()

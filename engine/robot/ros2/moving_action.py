@@ -160,4 +160,6 @@ class MovingAction:
             self._astray = True
         if number == self._sent and self._wanted:
             self._wanted = False
+            if self._open:  # of those before it; their ends come in any order, so they get their time from now
+                self._given_up_at = self._clock()
             then(outcome)

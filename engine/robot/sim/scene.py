@@ -13,11 +13,11 @@ from __future__ import annotations
 import difflib
 import math
 import string
-from typing import Any, Self
+from typing import Any, Self, get_args
 
 from pydantic import Field, model_validator
 
-from config.schema import Place, Position, Quaternion
+from config.schema import KnownPerson, PersonColour, Place, Position, Quaternion
 from engine.robot.sim.scene_parts import (
     Area,
     Door,
@@ -75,6 +75,21 @@ class Scene(Part):
                 orientation=Quaternion(z=math.sin(half), w=math.cos(half)),
             )
         return found
+
+    def known_people(self) -> dict[str, KnownPerson]:
+        """Those whom the robot knows, by name, as the configuration has them; what they wear has the colours' names
+        that perception has."""
+        told = get_args(PersonColour)
+        return {
+            person.called or name: KnownPerson(
+                shirt=person.shirt if person.shirt in told else None,  # type: ignore[arg-type]
+                trousers=person.trousers if person.trousers in told else None,  # type: ignore[arg-type]
+                gender=person.gender,
+                aliases=person.aliases,
+            )
+            for name, person in self.people.items()
+            if person.known
+        }
 
     def edges(self) -> list[tuple[float, float, float, float]]:
         """Rectangles whose outlines the robot must not cross, x and y of two corners, m: bounds and keep-out zones."""

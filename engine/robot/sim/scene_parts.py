@@ -196,6 +196,7 @@ class Person(Part):
     gesture: Gesture | None = None
     called: str | None = Field(default=None, description="The name that they answer with; their key without.")
     gender: Literal["female", "male"] | None = None
+    aliases: tuple[str, ...] = ()  # other names
     known: bool = Field(default=False, description="The robot knows them: their name, and what they wear.")
     replies: dict[str, str] = Field(
         default_factory=dict, description="What they answer to a question that has this word in it."

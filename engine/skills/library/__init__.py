@@ -7,7 +7,6 @@ from engine.skills.library.following import (
     follow_line,
     follow_line_clear,
     get_dist,
-    person_follow,
     qr_follow,
     track,
 )
@@ -25,6 +24,21 @@ from engine.skills.library.manipulation import (
 )
 from engine.skills.library.motion import move_forward, move_left, move_right, move_sideways, set_cmdvel, stop, wait
 from engine.skills.library.navigation import get_current_pose, navigation, remember_place, report_pose
+from engine.skills.library.people import (
+    answer_question,
+    ask_person,
+    count_people,
+    describe_person,
+    find_person,
+    guide,
+    hand_over,
+    learn_name,
+    meet,
+    person_follow,
+    report_answer,
+    take_from,
+    tell,
+)
 from engine.skills.library.searching import locate, navigate_to_object, scan_room, seewhat
 from engine.skills.library.signals import beep, light
 from engine.skills.library.sorting import apriltag_remove_higher, apriltag_sort, color_remove_higher
@@ -77,6 +91,18 @@ LIBRARY: tuple[Skill, ...] = (
     beep,
     light,
     say,
+    find_person,
+    meet,
+    guide,
+    tell,
+    ask_person,
+    report_answer,
+    answer_question,
+    hand_over,
+    take_from,
+    count_people,
+    describe_person,
+    learn_name,
     ask_user,
     list_skills,
     finishtask,

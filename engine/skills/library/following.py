@@ -35,8 +35,6 @@ ThingColour = Annotated[str, Word("thing_colour")]
 
 KEEP_THING = 0.6
 """m from the robot's middle to a small thing that is followed."""
-KEEP_PERSON = 1.2
-"""People like it so."""
 KEEP_CODE = 1.0
 _THINGS: Final[frozenset[Part]] = frozenset({"things", "people"})
 """Shoes and hands are no things, so that people have to be seen as well."""
@@ -49,12 +47,6 @@ async def color_follow(context: SkillContext, color: ThingColour) -> Result:
     """Follow the nearest thing of a colour at a distance of 0.6 m, until told otherwise."""
     wanted = Wanted(colour=cast(Colour, color))
     return await follow(context, Target(f"the {color} thing", _things(wanted), _THINGS), keep=KEEP_THING)
-
-
-@skill(occupies=["base", "arm", "camera"], endless=True)
-async def person_follow(context: SkillContext) -> Result:
-    """Follow a person at a distance of 1.2 m, until told otherwise."""
-    return await follow(context, Target("the person", _things(Wanted("person")), {"people"}), keep=KEEP_PERSON)
 
 
 @skill(occupies=["base", "arm", "camera"], endless=True)

@@ -81,9 +81,7 @@ async def color_remove_higher(context: SkillContext, color: ThingColour, height:
 
     The height is measured from the floor or the table; a thing on another one is as high as both.
     """
-    return await _remove(
-        context, lambda thing: thing.colour == color and thing.kind != "person", height, f"{color} thing"
-    )
+    return await _remove(context, lambda thing: thing.colour == color, height, f"{color} thing")
 
 
 def tray_of(furniture: tuple[Furniture, ...], number: int) -> Furniture | None:

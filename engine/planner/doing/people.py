@@ -1,0 +1,235 @@
+"""Acts on people: finding, meeting, following, guiding them, and talking with them.
+
+Who is meant is said by a name, a description or a pronoun; where they are, beside it ("the person at the sink").
+Whoever is only named, and neither known here nor said to be anywhere, is asked about.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from engine.errors import PlanError
+from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable
+from engine.planner.phrases.said import Calls, call
+
+ME: Final = "me"
+"""Whoever gave the order."""
+
+
+def somebody(doing: Doing, words: str, where: str = "", *, stranger: bool = False) -> tuple[str, str]:
+    """Who these words mean, as skills know them, and the room or the piece of furniture where they are said to be, else
+    nothing. Raises Open for a pronoun that nobody was named for, and for a stranger of whom nobody said where they are,
+    unless that does no harm (``stranger``)."""
+    plain = " ".join(words.casefold().split()).strip(" ,.!?")
+    if _PRONOUN.fullmatch(plain):
+        if not doing.who:
+            raise Open("who")
+        return doing.who, spot(doing, where)
+    if doing.entities.of(words).me:
+        return ME, spot(doing, where)
+    try:
+        who, at = doing.entities.somebody(words)
+    except PlanError:
+        raise Unable("person", words) from None
+    there = spot(doing, where or at)
+    if doing.entities.is_stranger(who) and not there and not stranger:
+        raise Open("where_person")
+    doing.who = str(who)
+    return doing.who, there
+
+
+_PRONOUN: Final = re.compile(r"(?:to |for |with |from )?(?:him|her|them|he|she|they)(?:self|selves)?|[他她]们?")
+
+
+def spot(doing: Doing, words: str) -> str:
+    """Where somebody is: a room or a piece of furniture by its name. Raises NowhereKnown."""
+    if not words:
+        return ""
+    found = doing.where(words)
+    if found.me or (found.refers and not found.place):
+        return ""
+    if found.room is None and found.surface is None and found.place is None:
+        raise NowhereKnown(doing.entities.near(words))
+    if found.place is not None:
+        doing.place = found.place
+    return found.room or found.surface or doing.entities.place_name(found.place or "")
+
+
+def named(doing: Doing, roles: Roles) -> tuple[str, str]:
+    """The person of an act, and where; anybody where none is said."""
+    words, where = roles.words("person"), roles.words("place") or roles.words("source")
+    if not words:
+        return "person", spot(doing, where)
+    return somebody(doing, words, where)
+
+
+def find_person(doing: Doing, who: str, where: str) -> Calls:
+    """Go where they are said to be; nothing where nobody has to be looked for."""
+    if not where or who == ME:
+        return ()
+    return call("find_person", who, where)
+
+
+def find(doing: Doing, roles: Roles) -> Calls:
+    who, where = named(doing, roles)
+    return call("find_person", who, *((where,) if where else ()))
+
+
+def found(doing: Doing, words: str) -> Calls:
+    """To somebody, wherever they are."""
+    who, where = somebody(doing, words)
+    return call("find_person", who, *((where,) if where else ()))
+
+
+def meet(doing: Doing, roles: Roles) -> Calls:
+    who, where = named(doing, roles)
+    return call("meet", who, *((where,) if where else ()))
+
+
+def follow(doing: Doing, words: str, place: str, source: str) -> Calls:
+    """Behind one person among several, to a place where one is said."""
+    who, at = somebody(doing, words, source)
+    first = call("meet", who, at) if at else ()
+    to = (doing.spot(place),) if place and not _OUT.search(place.casefold()) else ()
+    if who == ME and not to:
+        return call("person_follow")
+    return (*first, *call("person_follow", "person" if who == ME else who, *to))
+
+
+_OUT: Final = re.compile(r"\bwherever|\boutside\b|\baround\b|到处|外面")
+
+
+def guide(doing: Doing, words: str, place: str, source: str) -> Calls:
+    """Ahead of somebody, who is met first where they are said to be."""
+    who, at = somebody(doing, words, source) if words else (ME, "")
+    if not place:
+        raise Open("where")
+    first = call("meet", who, at) if at else ()
+    return (*first, *call("guide", who, doing.spot(place)))
+
+
+def tell(doing: Doing, words: str, where: str, text: str) -> Calls:
+    who, there = somebody(doing, words, where, stranger=True)
+    if not there and who not in (ME, "person") and doing.entities.is_stranger_called(who) and doing.calls == []:
+        return call("say", text)  # aloud: nobody knows where they are
+    return (*find_person(doing, who, there), *call("tell", who, text))
+
+
+def ask(doing: Doing, roles: Roles) -> Calls:
+    text = roles.words("text") or roles.words("topic")
+    words, where = roles.words("person"), roles.words("place")
+    if not text:
+        raise Open("what")
+    who, there = somebody(doing, words, where) if words else ("person", spot(doing, where))
+    if who == ME:
+        return call("say", question(text))
+    found = find_person(doing, who, there)
+    if _LEAVES.search(text.casefold()):
+        return (*found, *call("tell", who, "Please leave." if text.isascii() else "请您离开。"))
+    return (*found, *call("ask_person", who, question(text)))
+
+
+_LEAVES: Final = re.compile(r"^(?:to )?(?:please )?(?:leave|go(?: away)?|get out)\b|^(?:请)?(?:离开|出去)")
+
+
+def question(text: str) -> str:
+    """What is asked, as it is said to somebody: "what she would like to drink" → "What would you like to drink?"."""
+    plain = text.strip(" .?!。？")
+    if not plain.isascii():
+        return f"请问，{re.sub('[他她]们?', '您', plain)}？"
+    plain = re.sub(r"^(?:about|for|to tell (?:me|you|us)|to say)\s+", "", plain, flags=re.I)
+    plain = re.sub(r"^(?:if|whether)\s+(?:he|she|they)\s+", "do you ", plain, flags=re.I)
+    plain = re.sub(r"^do you (is|are|has|have|would|will|can|wants?|likes?|needs?)\b", _first, plain, flags=re.I)
+    turned = re.sub(
+        r"^(what|where|when|why|how(?: \w+)?|which \w+|who)\s+(?:he|she|they|he's|she's)\s*"
+        r"(would|will|can|could|should|is|are|was|has|have)?\s*",
+        _inverted,
+        plain,
+        flags=re.I,
+    )
+    turned = re.sub(r"\b(?:his|her|their)\b", "your", re.sub(r"\b(?:him|them)\b", "you", turned))
+    if not re.match(r"(?:what|where|when|why|how|which|who|do|does|is|are|would|will|can|could|have)\b", turned, re.I):
+        turned = f"what about {turned}"
+    return f"{turned[:1].upper()}{turned[1:].rstrip()}?"
+
+
+def _first(found: re.Match[str]) -> str:
+    verb = {"is": "are", "has": "have"}.get(found[1].casefold(), found[1].casefold())
+    if verb.rstrip("s") in ("want", "like", "need"):
+        return f"do you {verb.rstrip('s')}"
+    return f"{verb} you"
+
+
+def _inverted(found: re.Match[str]) -> str:
+    verb = {"is": "are", "was": "were", "has": "have", None: "do"}.get(found[2], found[2])
+    return f"{found[1]} {verb} you "
+
+
+def introduce(doing: Doing, roles: Roles) -> Calls:
+    people, where = roles.all("person"), roles.all("place")
+    if len(people) < 2:
+        raise Open("who")
+    one, at = somebody(doing, people[0], where[0] if len(where) > 1 else "")
+    first = call("meet", one, at) if at else ()
+    other, there = somebody(doing, people[1], where[-1] if where else "", stranger=True)
+    return (*first, *find_person(doing, other, there), *call("tell", other, f"This is {one}."))
+
+
+def hand(doing: Doing, words: str, where: str = "") -> Calls:
+    """What is held, into somebody's hand."""
+    who, there = somebody(doing, words, where)
+    return (*find_person(doing, who, there), *call("hand_over", who))
+
+
+def take(doing: Doing, thing: str, words: str, where: str = "") -> Calls:
+    who, there = somebody(doing, words, where)
+    return (*find_person(doing, who, there), *call("take_from", who, *((thing,) if thing else ())))
+
+
+def count(doing: Doing, roles: Roles) -> Calls:
+    words, place = roles.words("person"), roles.words("place")
+    state = _ARE.search(doing.said)
+    try:
+        who, at = doing.entities.somebody(f"{words} {state[1]}" if state is not None else words)
+    except PlanError:
+        raise Unable("person", words) from None
+    room = spot(doing, place or at)
+    return call("count_people", str(who), *((room,) if room else ()))
+
+
+_ARE: Final = re.compile(
+    r"\bare (?:they )?((?:sitting|standing|lying|waving|pointing|raising|wearing|dressed|men|women|male|female|"
+    r"boys|girls)[^,.?!]*)[.?!]?$",
+    re.I,
+)
+"""What is asked of them behind the place: "how many people in the kitchen are sitting"."""
+
+
+def describe(doing: Doing, roles: Roles) -> Calls:
+    who, where = named(doing, roles)
+    topic = next((name for name, pattern in _TOPICS if pattern.search(roles.words("topic").casefold())), "")
+    return (*find_person(doing, who, where), *call("describe_person", who, *((topic,) if topic else ())))
+
+
+_TOPICS: Final = (
+    ("name", re.compile(r"\bname|called|who\b|名字|叫什么|是谁")),
+    ("gender", re.compile(r"gender|\bsex\b|\bman or|male|性别|男|女")),
+    ("pose", re.compile(r"\bpose|posture|sitting|standing|lying|姿势|坐|站|躺")),
+    ("gesture", re.compile(r"gesture|waving|pointing|rais|手势|挥手")),
+    ("clothes", re.compile(r"wear|cloth|dress|shirt|colou?r|穿|衣服")),
+)
+"""What of somebody is asked about, in the order in which it is tried."""
+
+
+def answer(doing: Doing, roles: Roles) -> Calls:
+    """A fact said to somebody, or the question that they have answered."""
+    topic, words, where = roles.words("topic"), roles.words("person"), roles.words("place")
+    who, there = somebody(doing, words, where) if words else (doing.who or "person", spot(doing, where))
+    found = find_person(doing, who, there)
+    if _QUESTION.search(topic.casefold()):
+        return (*found, *call("answer_question", who))
+    return (*found, *call("tell", who, topic))
+
+
+_QUESTION: Final = re.compile(r"\bquestions?\b|问题|提问")

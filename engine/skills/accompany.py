@@ -1,0 +1,318 @@
+"""Going with somebody: behind one person among several, or ahead of one who follows.
+
+Whoever is followed is known by what they wear and by where they went, from the camera; the lidar keeps hold of their
+legs between the pictures. Where a wall or furniture is between, the robot takes the way round. Who is guided walks
+behind: there the lidar alone sees them, and the robot stops and looks back when it does not.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import math
+from collections.abc import Callable
+from typing import Final, Literal
+
+import numpy as np
+
+from engine.han import is_chinese
+from engine.perception.people import PersonSeen
+from engine.perception.sighting import Colour, Part, Sight, Sighting
+from engine.robot.geometry import Pose, Twist
+from engine.robot.occupancy import Unreachable, distances
+from engine.robot.robot import RobotState
+from engine.skills.context import SkillContext
+from engine.skills.drive import settle, why_held
+from engine.skills.legs import Legs
+from engine.skills.meeting import face_point, look_around
+from engine.skills.outcome import Result, fail, ok
+from engine.skills.servo import PICTURE_S, Wheels, chase, look_towards, place_of
+from engine.skills.travel import go_to, way_to
+
+KEEP: Final = 1.2
+"""m from somebody who is followed: people like it so."""
+GUIDE_SPEED: Final = 0.4
+"""m/s ahead of somebody."""
+BEHIND: Final = 2.4
+"""m that somebody who is guided may fall behind."""
+AGAIN: Final = 1.7
+"""m within which the robot goes on."""
+WAIT_S: Final = 15.0
+"""s that it waits for somebody who has stayed behind, before it goes to fetch them."""
+LOST_S: Final = 3.0
+"""s without a sight of somebody who is followed, after which the robot goes where they went out of sight."""
+STOOD_S: Final = 3.0
+"""s that somebody stands where they wanted to be followed to, until that counts as being there."""
+_PEOPLE: Final[frozenset[Part]] = frozenset({"people"})
+_SAME: Final = 1.0  # m from where somebody is expected; who is seen farther off is somebody else
+_AIM: Final = 0.7  # m ahead on the way round
+_ROUTE_S: Final = 0.5  # s between two looks for a way round
+_STILL: Final = 0.15  # m/s
+_SEARCHES: Final = 3  # times that somebody who is lost is looked for
+_NARROW: Final = 0.05  # m that the robot keeps from things on its straight way
+_FETCHES: Final = 2  # times that somebody who stays behind is fetched
+_LATE_S: Final = 1.0  # s for which they are too far behind until the robot stops
+
+
+class Pursuit:
+    """Behind one person, until they have arrived where they wanted to be followed to."""
+
+    def __init__(self, context: SkillContext, person: PersonSeen, name: str) -> None:
+        self._context = context
+        self._name = name
+        self._shirt: Colour | None = person.shirt
+        self._trousers: Colour | None = person.trousers
+        self._legs = Legs(context.robot, person.position[:2])
+        self._height = max(0.8, person.position[2])
+        self._picture: asyncio.Task[Sight] | None = None
+        self._picture_at = -math.inf
+        self._wheels = Wheels(context)
+        self._aim: tuple[float, float] | None = None  # on the way round
+        self._routed_at = -math.inf
+        self._seen_t = context.robot.state().t  # by the camera
+        robot = context.robot
+        self._free = distances(robot.floor_map.occupied, robot.floor_map.resolution, 1.0)
+
+    async def run(self, there: Callable[[tuple[float, float]], bool]) -> Result:
+        """``there``: whether a point is where they wanted to be followed to; None of them ever is for who follows
+        wherever somebody goes."""
+        context, stood_since = self._context, math.inf
+        searches = 0
+        try:
+            while True:
+                state = context.robot.state()
+                self._legs.update()
+                await self._look(state)
+                unseen = state.t - max(self._legs.seen_t, self._seen_t)
+                if unseen > LOST_S:
+                    searches += 1
+                    if searches > _SEARCHES or not await self._search():
+                        return self._lost()
+                    continue
+                if state.t - self._seen_t < 0.3:
+                    searches = 0
+                here = self._legs.at
+                stands = self._legs.speed < _STILL and there(here) and self._legs.away < KEEP + 0.6
+                stood_since = min(stood_since, state.t) if stands else math.inf
+                if state.t - stood_since > STOOD_S:
+                    await self._wheels.stand()
+                    return ok(f"I followed {self._name}{_where(context, here)}.", x=here[0], y=here[1])
+                context.progress(None, f"{self._name}, {self._legs.away:.1f} m away")
+                state = await self._wheels.go(self._twist(state))
+                if state.halted:
+                    code, reason = why_held(state)
+                    return fail(code, f"I stopped following {self._name}: {reason}.")
+        finally:
+            if self._picture is not None:
+                self._picture.cancel()
+                with contextlib.suppress(asyncio.CancelledError, Exception):
+                    await self._picture
+
+    async def _look(self, state: RobotState) -> None:
+        """Have a picture understood beside the driving, and take it in when it is."""
+        if self._picture is None and state.t >= self._picture_at + PICTURE_S:
+            look_towards(self._context, (*self._legs.at, self._height))
+            self._picture_at = state.t
+            self._picture = asyncio.create_task(self._context.see(_PEOPLE))
+        if self._picture is None:
+            return
+        if not self._picture.done():  # at full speed time stands still until somebody ticks
+            await asyncio.wait([self._picture], timeout=0.02)
+        if self._picture.done():
+            sight, self._picture = self._picture.result(), None
+            self._take_in(sight)
+
+    def _take_in(self, sight: Sight) -> None:
+        """The one who is followed among all who are seen, or nobody."""
+        near = [p for p in sight.objects if p.kind == "person" and self._is_same(p)]
+        at = self._legs.at
+        best = min(near, key=lambda p: math.dist(p.position[:2], at), default=None)
+        gate = _SAME + min(2.0, 1.2 * max(0.0, sight.t - self._legs.seen_t))
+        if best is None or math.dist(best.position[:2], at) > gate:
+            return
+        figure = best.figure
+        if figure is not None and figure.trousers is not None and self._trousers is None:
+            self._trousers = figure.trousers
+        self._seen_t = sight.t
+        if math.dist(best.position[:2], at) > 0.35 or sight.t > self._legs.seen_t + 0.3:
+            self._legs.moved_to((best.position[0], best.position[1]))
+
+    def _is_same(self, person: Sighting) -> bool:
+        if self._shirt is not None and person.colour != self._shirt:
+            return False
+        trousers = person.figure.trousers if person.figure is not None else None
+        return None in (trousers, self._trousers) or trousers == self._trousers
+
+    def _twist(self, state: RobotState) -> Twist:
+        spot = self._legs.at
+        velocity = (0.0, 0.0) if self._legs.speed < _STILL else self._legs.velocity
+        if self._is_clear(state.pose, spot):
+            self._aim = None
+            return chase(state.pose, spot, velocity, KEEP)
+        if self._aim is None or state.t > self._routed_at + _ROUTE_S:
+            self._aim, self._routed_at = self._way_round(state.pose, spot), state.t
+        if self._aim is None or self._legs.away < KEEP:
+            return chase(state.pose, spot, velocity, KEEP)
+        return chase(state.pose, self._aim, (0.0, 0.0), 0.0)
+
+    def _is_clear(self, pose: Pose, spot: tuple[float, float]) -> bool:
+        """Whether the hull can go straight on until it is near enough."""
+        floor, away = self._context.robot.floor_map, math.dist((pose.x, pose.y), spot)
+        way = max(0.0, away - KEEP)
+        steps = max(2, math.ceil(way / floor.resolution))
+        part = np.linspace(0.0, way / away if away else 0.0, steps)
+        xs, ys = pose.x + part * (spot[0] - pose.x), pose.y + part * (spot[1] - pose.y)
+        rows, columns = self._free.shape
+        row = np.clip(((ys - floor.origin[1]) / floor.resolution).astype(int), 0, rows - 1)
+        column = np.clip(((xs - floor.origin[0]) / floor.resolution).astype(int), 0, columns - 1)
+        clearance = self._context.robot.footprint.width / 2 + _NARROW
+        return bool((self._free[row[1:], column[1:]] > clearance).all())
+
+    def _way_round(self, pose: Pose, spot: tuple[float, float]) -> tuple[float, float] | None:
+        way = way_to(self._context, Pose(*spot, math.atan2(spot[1] - pose.y, spot[0] - pose.x)))
+        if isinstance(way, Unreachable):
+            return None
+        left = _AIM
+        for (ax, ay), (bx, by) in zip(way.points, way.points[1:], strict=False):
+            length = math.dist((ax, ay), (bx, by))
+            if length >= left and length > 0:
+                return ax + (bx - ax) * left / length, ay + (by - ay) * left / length
+            left -= length
+        return way.points[-1]
+
+    async def _search(self) -> bool:
+        """Go where they went out of sight, and look around; whether they are seen again."""
+        await self._wheels.stand()
+        context, (x, y) = self._context, self._legs.at
+        context.progress(None, f"looking for {self._name}")
+        began, pose = context.robot.state().t, context.pose
+        if math.dist((x, y), (pose.x, pose.y)) > 0.8:
+            direction = math.atan2(y - pose.y, x - pose.x)
+            await go_to(context, Pose(x - 0.3 * math.cos(direction), y - 0.3 * math.sin(direction), direction), "there")
+        found: list[PersonSeen] = []
+
+        def seen() -> bool:
+            found[:] = [
+                p
+                for p in context.world.people.everybody
+                if p.seen_at > began
+                and self._shirt in (None, p.shirt)
+                and (None in (p.trousers, self._trousers) or p.trousers == self._trousers)
+            ]
+            return bool(found)
+
+        await look_around(context, seen)
+        if not found:
+            return False
+        person = min(found, key=lambda p: math.dist(p.position[:2], (x, y)))
+        self._legs = Legs(context.robot, person.position[:2])
+        self._seen_t = context.robot.state().t
+        self._wheels = Wheels(context)
+        return True
+
+    def _lost(self) -> Result:
+        x, y = self._legs.at
+        ago = self._context.robot.state().t - max(self._legs.seen_t, self._seen_t)
+        where = place_of(self._context.robot.floor_map, x, y)
+        message = f"I lost {self._name}: I last saw them {ago:.0f} s ago {where}."
+        return fail("target_lost", message, x=round(x, 3), y=round(y, 3))
+
+
+def _where(context: SkillContext, at: tuple[float, float]) -> str:
+    room = next((room.name for room in context.robot.floor_map.rooms if room.holds(*at)), "")
+    return f" to the {room}" if room else ""
+
+
+Lead = Literal["there", "behind"]
+
+
+async def lead(context: SkillContext, person: PersonSeen, name: str, goal: Pose, place: str) -> Result:
+    """Ahead of somebody to ``goal``: stops when they fall behind, calls them, fetches them, and goes on."""
+    legs = Legs(context.robot, person.position[:2])
+    fetched = 0
+    while True:
+        result, ending = await _drive_ahead(context, legs, goal, place)
+        if ending == "there":
+            if not result.ok:
+                return result
+            if legs.unseen_s < 1.0 and legs.away < BEHIND + 0.4:
+                await face_point(context, (*legs.at, 1.0))
+                return ok(f"I guided {name} to {place}.", x=context.pose.x, y=context.pose.y)
+        await face_point(context, (*legs.at, 1.0))
+        await context.say(calls(name, context.worded("Please come along.")))
+        if await _wait(context, legs):
+            continue
+        fetched += 1
+        if fetched > _FETCHES or not await _fetch(context, legs, person):
+            x, y = legs.at
+            where = place_of(context.robot.floor_map, x, y)
+            return fail("target_lost", f"I lost {name} on the way to {place}: I last saw them {where}.")
+        await context.say(calls(name, context.worded(f"Please follow me to {place}.")))
+
+
+def calls(name: str, words: str) -> str:
+    """A sentence to somebody, with their name before it where they have one."""
+    if not name or name.startswith("the "):
+        return words
+    return f"{name}，{words}" if is_chinese(words) else f"{name}, {words[:1].lower()}{words[1:]}"
+
+
+async def _drive_ahead(context: SkillContext, legs: Legs, goal: Pose, place: str) -> tuple[Result, Lead]:
+    """Drive until it is there, or they are too far behind."""
+    drive = asyncio.create_task(go_to(context, goal, place, speed=GUIDE_SPEED))
+    late_since = math.inf
+    try:
+        while not drive.done():
+            tick = asyncio.create_task(context.robot.tick())
+            await asyncio.wait([drive, tick], return_when=asyncio.FIRST_COMPLETED)
+            if not tick.done():
+                tick.cancel()
+                with contextlib.suppress(asyncio.CancelledError):
+                    await tick
+            if drive.done():
+                break
+            legs.update()
+            now = context.robot.state().t
+            late = legs.unseen_s > 1.5 or legs.away > BEHIND
+            late_since = min(late_since, now) if late else math.inf
+            if now - late_since > _LATE_S:
+                return fail("target_lost", ""), "behind"
+        return drive.result(), "there"
+    finally:
+        if not drive.done():
+            drive.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await drive
+            await settle(context)
+
+
+async def _wait(context: SkillContext, legs: Legs) -> bool:
+    """Until they are near again."""
+    state = context.robot.state()
+    end = state.work_t + WAIT_S
+    while state.work_t < end:
+        legs.update()
+        if legs.unseen_s < 0.5 and legs.away < AGAIN:
+            return True
+        state = await context.robot.tick()
+    return False
+
+
+async def _fetch(context: SkillContext, legs: Legs, person: PersonSeen) -> bool:
+    """Go back to where they are."""
+    x, y = legs.at
+    pose = context.pose
+    direction = math.atan2(y - pose.y, x - pose.x)
+    goal = Pose(x - 1.0 * math.cos(direction), y - 1.0 * math.sin(direction), direction)
+    await go_to(context, goal, "where they stayed")
+
+    def same(other: PersonSeen) -> bool:
+        return other.number == person.number or (other.shirt == person.shirt and other.trousers == person.trousers)
+
+    began = context.robot.state().t
+    await look_around(context, lambda: any(same(p) and p.seen_at > began for p in context.world.people.everybody))
+    found = next((p for p in context.world.people.everybody if same(p) and p.seen_at > began), None)
+    if found is None:
+        return False
+    legs.moved_to((found.position[0], found.position[1]))
+    return True

@@ -1,0 +1,110 @@
+"""Acts on people, as actions: who is meant, where they are, and what is asked about."""
+
+from __future__ import annotations
+
+import pytest
+
+from config import load
+from config.schema import KnownPerson
+from engine.parts.loading import at_home
+from engine.plan import Quantity
+from engine.planner.doing.acts import calls_of
+from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable
+from engine.planner.doing.people import question
+from engine.planner.entities import Entities
+from engine.planner.worlds.house import build_vocabulary
+from engine.skills.people import People
+from engine.understanding.meaning import meaning_of
+from engine.understanding.notation import read
+
+PEOPLE = People({"William": KnownPerson(aliases=("Bill", "威廉")), "Anna": KnownPerson(gender="female")})
+
+
+@pytest.fixture(scope="module")
+def family() -> Entities:
+    return Entities(build_vocabulary(at_home(load(environ={})), people=PEOPLE))
+
+
+def done(entities: Entities, line: str, holding: str = "") -> str:
+    example = read(line)
+    calls = calls_of(meaning_of(example.text, example.steps).wanted(), Doing(entities, holding, said=example.text))
+    return "; ".join(f"{call.name}({', '.join(map(told, call.positional))})" for call in calls)
+
+
+def told(argument: Quantity | str) -> str:
+    return f"{argument.value:g} {argument.unit}".strip() if isinstance(argument, Quantity) else argument
+
+
+@pytest.mark.parametrize(
+    ("line", "calls"),
+    [
+        ("find | find {person: Bill} in {place: the kitchen}", "find_person(William, kitchen)"),
+        ("find | look for {person: a person waving}", "find_person(person waving)"),
+        ("go | go to {person: Anna}", "find_person(Anna)"),
+        ("go | go to {person: the woman in the red shirt in the kitchen}", "find_person(woman in red, kitchen)"),
+        ("meet | meet {person: Robin} at {place: the desk}", "meet(Robin, desk)"),
+        ("follow | follow {person: me}", "person_follow()"),
+        ("follow | follow {person: me} to {place: the kitchen}", "person_follow(person, A)"),
+        ("follow | follow {person: Anna} from {source: the desk} to {place: the kitchen}",
+         "meet(Anna, desk); person_follow(Anna, A)"),
+        ("meet follow | meet {1.person: Robin} at {1.place: the desk} and follow {2.person: him}",
+         "meet(Robin, desk); person_follow(Robin)"),
+        ("guide | guide {person: Anna} to {place: the study}", "guide(Anna, D)"),
+        ("guide | take {person: me} to {place: the study}", "guide(me, D)"),
+        ("tell | tell {person: Anna} that {text: dinner is ready}", "tell(Anna, dinner is ready)"),
+        ("find tell | find {1.person: William} in {1.place: the kitchen} and tell {2.person: him} {2.text: to come}",
+         "find_person(William, kitchen); tell(William, to come)"),
+        ("tell | let {person: Marta} know {text: the bus is here}", "say(the bus is here)"),
+        ("ask come tell | ask {1.person: Anna} {1.text: what she would like to drink}, come and tell {3.person: me}",
+         "ask_person(Anna, What would you like to drink?); navigation(zero); report_answer()"),
+        ("ask | ask {person: William} {text: to leave}", "tell(William, Please leave.)"),
+        ("bring | bring {thing: the blue cup} to {person: William}", "pick_object(blue cup); hand_over(William)"),
+        ("bring | bring {thing: the cup} to {person: Robin} at {place: the desk}",
+         "pick_object(cup); find_person(Robin, desk); hand_over(Robin)"),
+        ("pick_up | take {thing: the cup} from {source: Anna}", "take_from(Anna, cup)"),
+        ("count | how many {person: people} are in {place: the kitchen}", "count_people(person, kitchen)"),
+        ("count | how many {person: people} in {place: the kitchen} are sitting",
+         "count_people(person sitting, kitchen)"),
+        ("describe | tell me {topic: the name} of {person: the person} at {place: the desk}",
+         "find_person(person, desk); describe_person(person, name)"),
+        ("introduce | introduce {person: William} to {person: Anna}", "tell(Anna, This is William.)"),
+        ("answer | answer {topic: a question} to {person: the person waving in the kitchen}",
+         "find_person(person waving, kitchen); answer_question(person waving)"),
+        ("find answer | find {1.person: a woman} in {1.place: the kitchen} and tell {2.topic: the time}",
+         "find_person(woman, kitchen); tell(woman, the time)"),
+        ("tell | 告诉{person: 威廉}{text: 饭好了}", "tell(William, 饭好了)"),
+        ("find | 找{person: 厨房里穿红衣服的人}", "find_person(person in red, kitchen)"),
+    ],
+)  # fmt: skip
+def test_acts_on_people_become_calls_of_skills(family: Entities, line: str, calls: str) -> None:
+    assert done(family, line) == calls
+
+
+@pytest.mark.parametrize(
+    ("line", "gap"),
+    [("follow | follow {person: him}", "who"), ("meet | meet {person: Robin}", "where_person"),
+     ("follow | follow {person: Robin}", "where_person"), ("guide | guide {person: Anna}", "where"),
+     ("bring | bring {thing: the cup} to {person: Robin}", "where_person"), ("ask | ask {person: Anna}", "what")],
+)  # fmt: skip
+def test_what_was_not_said_is_asked_for(family: Entities, line: str, gap: str) -> None:
+    with pytest.raises(Open) as asked:
+        done(family, line)
+    assert asked.value.question == gap
+
+
+def test_nobody_is_looked_for_where_this_house_has_no_such_place(family: Entities) -> None:
+    with pytest.raises(NowhereKnown):
+        done(family, "meet | meet {person: Anna} at {place: the swimming pool}")
+    with pytest.raises(Unable):
+        done(family, "find | find {person: the person with the gr33n t4ttoo}")
+
+
+@pytest.mark.parametrize(
+    ("told_of", "asked"),
+    [("what she would like to drink", "What would you like to drink?"), ("where he lives", "Where do you lives?"),
+     ("if she wants tea", "Do you want tea?"), ("whether he is hungry", "Are you hungry?"),
+     ("how old they are", "How old are you?"), ("what is the time", "What is the time?"),
+     ("her favourite colour", "What about your favourite colour?"), ("他想喝什么", "请问，您想喝什么？")],
+)  # fmt: skip
+def test_a_question_is_put_to_whom_it_is_about(told_of: str, asked: str) -> None:
+    assert question(told_of) == asked
