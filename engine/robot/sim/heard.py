@@ -17,15 +17,18 @@ Wish = Literal["name", "follow", "come along", "arrived", "lead", "take", "give"
 """What the robot wants of somebody: that they say who they are, follow it, do so again, stand, walk ahead, take what it
 holds, give it what they hold, let it pass, answer a question; or nothing."""
 
+_ORDER = r"(?:^|[,.!?:] ?|\bplease )"
+"""Before what somebody is asked to do: "I asked William to follow me" asks nobody."""
+_ORDER_ZH = r"(?:^|[,，.。!！?？:：]\s*|请)"
 _PHRASES: Final[dict[Wish, re.Pattern[str]]] = {
     "name": re.compile(r"\byour name\b|\bwho are you\b|你叫什么|你的名字|你是谁|怎么称呼"),
-    "come along": re.compile(r"\bcome along\b|跟上"),
-    "follow": re.compile(r"\bfollow me\b|跟我来|跟我走|跟着我|跟随我"),
-    "lead": re.compile(r"\bi(?:'ll| will| shall|'m| am)? follow(?:ing)? you\b|我(?:会)?跟(?:着|随)?你|我(?:会)?跟在你"),
-    "arrived": re.compile(r"\bhere we are\b|到了"),
-    "take": re.compile(r"\bplease take\b|\btake (?:this|the)\b|请拿着|请拿好|请接着|请收下"),
-    "give": re.compile(r"\bgive me\b|\bhand me\b|把.*(?:给|递)我|给我|递给我"),
-    "pass": re.compile(r"\blet me pass\b|\bmay i pass\b|\bstep aside\b|让一下|让一让|让我过|借过"),
+    "come along": re.compile(rf"{_ORDER}come along\b|{_ORDER_ZH}跟上"),
+    "follow": re.compile(rf"{_ORDER}follow me\b|{_ORDER_ZH}(?:跟我来|跟我走|跟着我|跟随我)"),
+    "lead": re.compile(r"\bi(?:'ll| will| shall|'m| am)? follow(?:ing)? you\b|我会?跟(?:着|随|在)?你"),
+    "arrived": re.compile(r"\bhere we are\b|(?:^|[,，.。!！]\s*)到了|我们到了"),
+    "take": re.compile(rf"\bplease take\b|{_ORDER}take (?:this|the)\b|请(?:拿着|拿好|接着|收下)"),
+    "give": re.compile(rf"(?:{_ORDER}|\byou )(?:give|hand) me\b|{_ORDER_ZH}把.*[给递]我|{_ORDER_ZH}[给递](?:给)?我"),
+    "pass": re.compile(rf"{_ORDER}(?:let me pass|step aside)\b|\bmay i pass\b|{_ORDER_ZH}(?:让一[下让]|让我过|借过)"),
 }
 _ARE_YOU = re.compile(r"\bare you (?:called |named )?([^?.!,]+)\?|你(?:是|叫)([^？?，。]+?)吗?\s*[？?]")
 _QUESTION = re.compile(r"[?？]\s*$|[吗呢]\s*[。]?\s*$")
