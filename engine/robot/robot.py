@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from engine.robot.arm import ArmModel, Joints
 from engine.robot.camera import Picture
+from engine.robot.company import Company
 from engine.robot.floor_map import FloorMap
 from engine.robot.geometry import Pose, Twist
 
@@ -152,6 +153,11 @@ class Robot(Protocol):
     @property
     def navigates(self) -> bool:
         """Whether it may find its way itself (``go``)."""
+        ...
+
+    @property
+    def company(self) -> Company | None:
+        """The people around it where a simulation plays them; real ones hear the loudspeaker."""
         ...
 
     async def start(self) -> None:

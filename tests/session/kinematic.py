@@ -29,6 +29,7 @@ class KinematicRobot:
 
     name = "kinematic robot"
     navigates = False
+    company = None
     capabilities: frozenset[Capability] = frozenset({"base", "arm", "camera", "voice"})
     footprint = Footprint(0.3, 0.24)
     arm: ArmModel = ARM

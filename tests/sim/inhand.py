@@ -19,6 +19,7 @@ from engine.perception.eyes import Eyes
 from engine.perception.memory import WorldMemory
 from engine.robot.arm import ARM_INITIAL, ArmModel
 from engine.robot.camera import Lens, Picture
+from engine.robot.company import Company
 from engine.robot.floor_map import FloorMap
 from engine.robot.geometry import UNMOVED, Pose, Twist, compose, inverse
 from engine.robot.host.memory import STATE
@@ -69,6 +70,10 @@ class HandRobot:
     @property
     def navigates(self) -> bool:
         return False
+
+    @property
+    def company(self) -> Company | None:
+        return self.world.company
 
     def go(self, goal: Pose, epoch: int) -> int:
         raise AssertionError("it does not navigate")

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from config.schema import Limits
 from engine.robot.clearance import Points
+from engine.robot.company import Company
 from engine.robot.geometry import UNMOVED, ZERO, Pose, Twist, compose, inverse, wrap
 from engine.robot.host.arm_motion import ArmMotion, Ranges
 from engine.robot.host.body import STEP_S, ArmMover, Body, Navigator
@@ -54,12 +55,13 @@ class Controller:
         blind: bool = False,
         navigator: Navigator | None = None,
         arm_mover: ArmMover | None = None,
+        company: Company | None = None,
     ) -> None:
         """``start`` is where the body's odometry begins; ``ranges`` are those of the arm's joints, ``edges`` points on
         the map that the hull may not cross. ``last`` is the state that the body goes on from, standing still. A body
         that is ``blind`` has no lidar: it stops short of the edges alone, and drives no faster than ``BLIND``.
         ``navigator`` is the body where it finds its way itself: what is in its way is its own business then.
-        ``arm_mover`` is the body where its arm does."""
+        ``arm_mover`` is the body where its arm does. ``company`` are the people around it where the body plays them."""
         if blind:
             limits = limits.model_copy(
                 update={
@@ -68,6 +70,7 @@ class Controller:
                 }
             )
         self.body = body
+        self.company = company
         self.arm = ArmMotion(body, ranges) if arm_mover is None else SentArm(body, arm_mover, ranges)
         self._navigator = navigator
         self._goal: tuple[Pose, int] | None = None  # it goes there by itself: where on the map, and the ticket

@@ -25,6 +25,7 @@ from config.schema import Robot as RobotSettings
 from engine.robot.geometry import Pose, Twist
 from engine.robot.host import memory as m
 from engine.robot.host.body import STEP_S
+from engine.robot.host.company import Relay
 from engine.robot.host.controller import Controller
 from engine.robot.host.memory import Mailbox, Memory
 from engine.robot.robot import EMERGENCY_STOP, PAUSE_LIMIT_S, UNDECIDED
@@ -63,6 +64,8 @@ class Host:
         self._seen = {box: box.count for box in (*self._motions, memory.light, memory.buzzer)}
         self._seen[memory.correction] = 0  # what came while there was no robot process holds all the same
         self._scanned = -1.0
+        company = controller.company
+        self._company = Relay(company, memory.speech, memory.news) if company is not None else None
 
     def step(self, now: float) -> None:
         """One step of the body; ``now`` is ``time.monotonic()``."""
@@ -82,6 +85,8 @@ class Host:
             self._take_motions()
         self._take_signals()
         self._take_correction()
+        if self._company is not None:
+            self._company.take()
         self._advance()
 
     def settle(self, why: str, pace: Callable[[], object] = lambda: None) -> None:
@@ -114,6 +119,8 @@ class Host:
             scan = self._memory.scan
             scan.scratch["t"], scan.scratch["ranges"] = controller.scan_time, controller.ranges
             scan.put()
+        if self._company is not None:
+            self._company.show()
 
     def _watch(self, now: float, heartbeat: float) -> None:
         """Stand while the engine is silent; after long, halt until it beats again *and* a new epoch has begun."""

@@ -27,10 +27,12 @@ from engine.errors import CameraError, RobotError
 from engine.robot.arm import ArmModel
 from engine.robot.camera import Picture
 from engine.robot.camera_news import CameraNews, TellOfCamera
+from engine.robot.company import Company
 from engine.robot.description import Battery
 from engine.robot.floor_map import FloorMap
 from engine.robot.geometry import Pose, Twist, compose, inverse
 from engine.robot.host import memory as m
+from engine.robot.host.company import SharedCompany
 from engine.robot.host.guard import end_guard
 from engine.robot.host.memory import Memory, Record, believed
 from engine.robot.host.process import HostProcess
@@ -75,6 +77,8 @@ class Build:
     """Where one is measured."""
     navigates: bool = False
     """Whether it finds its way itself."""
+    company: bool = False
+    """Whether its body plays people around it."""
     environment: Mapping[str, str] = field(default_factory=dict)
     """Of the host's process."""
 
@@ -105,6 +109,7 @@ class HostedRobot:
         self._pauses = itertools.count(1)
         self._pressed = False  # the emergency stop
         self._alive = self._alive_since = self._beaten = 0.0
+        self._company = SharedCompany(lambda: self._memory) if build.company else None
         self._read: tuple[tuple[int, int, int], RobotState] | None = None  # the newest state that was asked for
 
     @property
@@ -130,6 +135,10 @@ class HostedRobot:
     @property
     def navigates(self) -> bool:
         return self._build.navigates
+
+    @property
+    def company(self) -> Company | None:
+        return self._company
 
     @property
     def memory(self) -> Memory:

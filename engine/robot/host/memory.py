@@ -3,7 +3,8 @@
 *Words* are naturally aligned 8-byte values, each with one writer, read and written whole: the stop stamp, the
 heartbeat, the tick counter. A stop is one such word, so giving it never waits for anything. *Mailboxes* hold the
 newest of a record (a state, a command) in a ring of slots: the writer never waits either, a reader never sees half
-a record, and a process killed in the middle of writing leaves the last whole record behind.
+a record, and a process killed in the middle of writing leaves the last whole record behind. *Queues* are mailboxes in
+which the last records stay until they are read: what the robot says, and what the people around it do.
 
 The file behind it has no name from the moment it exists, so nothing is left over however the processes end. It
 outlives the robot process: the next one finds in it where the robot was, and the epoch that is in force.
@@ -14,7 +15,7 @@ from __future__ import annotations
 import mmap
 import os
 import threading
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +68,8 @@ ARM = np.dtype([("epoch", "i8"), ("joints", "f8", 5), ("speed", "f8")])
 GRIPPER = np.dtype([("epoch", "i8"), ("opening", "f8")])
 LIGHT = np.dtype([("epoch", "i8"), ("light", "i8", 3)])
 BUZZER = np.dtype([("epoch", "i8"), ("seconds", "f8")])
+SPEECH = np.dtype([("text", "S512")])  # what the robot says aloud, UTF-8
+NEWS = np.dtype([("t", "f8"), ("who", "S64"), ("does", "S16"), ("text", "S512")])  # engine.robot.company.News
 CORRECTION = np.dtype([("pose", "f8", 3)])  # of the frame in which odometry adds up, on the map
 LOOP = np.dtype([("late", "f4"), ("busy", "f4")])
 
@@ -79,6 +82,8 @@ READY, STOPPED_EPOCH, ZERO_TIME, REST_TIME, TICKS, ALIVE, OVERRUNS, STEPS, SCHED
 _WORDS = 32
 
 _SLOTS: Final = 4
+_QUEUED: Final = 64
+"""How many records a queue keeps for a reader who is busy."""
 Record = Any
 """A record of one of the dtypes above; numpy has no static type for it."""
 
@@ -107,17 +112,19 @@ class Mailbox:
     only if the writer has not come round to that slot meanwhile, which at 50 records a second takes 60 ms.
     """
 
+    slots: ClassVar[int] = _SLOTS
+
     def __init__(self, buffer: mmap.mmap, offset: int, dtype: np.dtype[Any]) -> None:
         self._count = memoryview(buffer)[offset : offset + 8].cast("q")
-        self._slots: NDArray[Any] = np.ndarray((_SLOTS,), dtype, buffer, offset + 8)
+        self._slots: NDArray[Any] = np.ndarray((self.slots,), dtype, buffer, offset + 8)
         self._fence = threading.Lock()
         self.scratch: Record = np.zeros((), dtype)
         """What :meth:`put` writes next; belongs to the writer."""
 
-    @staticmethod
-    def size(dtype: np.dtype[Any]) -> int:
+    @classmethod
+    def size(cls, dtype: np.dtype[Any]) -> int:
         """Bytes in shared memory."""
-        return 8 + _SLOTS * dtype.itemsize
+        return 8 + cls.slots * dtype.itemsize
 
     @property
     def count(self) -> int:
@@ -127,7 +134,7 @@ class Mailbox:
     def put(self) -> None:
         """Publish ``scratch``."""
         count = self._count[0] + 1
-        self._slots[count % _SLOTS] = self.scratch
+        self._slots[count % self.slots] = self.scratch
         self._order_writes()
         self._count[0] = count
 
@@ -135,8 +142,8 @@ class Mailbox:
         """A copy of the newest record; all zero before the first."""
         while True:
             count = self._count[0]
-            record = self._slots[count % _SLOTS].copy()
-            if self._count[0] - count < _SLOTS - 1:
+            record = self._slots[count % self.slots].copy()
+            if self._count[0] - count < self.slots - 1:
                 return record
 
     def _order_writes(self) -> None:
@@ -145,6 +152,28 @@ class Mailbox:
         for _ in range(2):
             with self._fence:
                 pass
+
+
+class Queue(Mailbox):
+    """The last 64 records of one kind, for a reader who wants them all: one writer, who never waits, and a reader who
+    keeps count of what they have read. One who falls further behind misses the oldest."""
+
+    slots = _QUEUED
+
+    def since(self, seen: int) -> tuple[list[Record], int]:
+        """Copies of what was put after the first ``seen`` records, the oldest first, and how many there are by now."""
+        newest = self.count
+        found = []
+        for number in range(max(seen, newest - self.slots + 1) + 1, newest + 1):
+            record = self._slots[number % self.slots].copy()
+            if self._count[0] - number < self.slots - 1:  # else the writer has come round to it
+                found.append(record)
+        return found, newest
+
+
+def clipped(text: str, dtype: np.dtype[Any], field: str) -> bytes:
+    """As much of a text as this field of a record holds, UTF-8."""
+    return text.encode()[: dtype[field].itemsize].decode(errors="ignore").encode()
 
 
 class Memory:
@@ -162,6 +191,11 @@ class Memory:
         for dtype in _MAILBOXES:
             boxes.append(Mailbox(self._map, offset, dtype))
             offset += _aligned(Mailbox.size(dtype))
+        queues = []
+        for dtype in _QUEUES:
+            queues.append(Queue(self._map, offset, dtype))
+            offset += _aligned(Queue.size(dtype))
+        self.speech, self.news = queues
         self.state, self.scan, self.drive, self.goal, self.arm, self.gripper, self.light, *rest = boxes
         self.buzzer, self.correction = rest
         self.loop: NDArray[Any] = np.ndarray((LOOP_SAMPLES,), LOOP, self._map, offset)
@@ -191,6 +225,7 @@ class Memory:
 
 
 _MAILBOXES = (STATE, SCAN, DRIVE, GOAL, ARM, GRIPPER, LIGHT, BUZZER, CORRECTION)
+_QUEUES = (SPEECH, NEWS)
 
 
 def _aligned(size: int) -> int:
@@ -198,4 +233,6 @@ def _aligned(size: int) -> int:
 
 
 def _layout_size() -> int:
-    return 8 * _WORDS + sum(_aligned(Mailbox.size(dtype)) for dtype in _MAILBOXES) + LOOP_SAMPLES * LOOP.itemsize
+    boxes = sum(_aligned(Mailbox.size(dtype)) for dtype in _MAILBOXES)
+    queues = sum(_aligned(Queue.size(dtype)) for dtype in _QUEUES)
+    return 8 * _WORDS + boxes + queues + LOOP_SAMPLES * LOOP.itemsize

@@ -21,7 +21,7 @@ from engine.robot.sim.colours import rgba
 from engine.robot.sim.dimensions import LIDAR_HEIGHT
 from engine.robot.sim.floor import door_leaf, wall_pieces
 from engine.robot.sim.furniture import FLAT, Solid, solids
-from engine.robot.sim.person import add_person, in_hand
+from engine.robot.sim.person import add_person, first_pose, in_hand
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.scene_parts import FloorLine, FurniturePiece, LooseObject, RoomArea, Sign
 from engine.robot.sim.textures import TAG_CELLS, cube, planks, qr_cells, tag_cells, tiles
@@ -66,7 +66,11 @@ def specify(scene: Scene, *, pictures: bool = True) -> Node:
         _furniture(spec, name, piece)
     for name, line in scene.lines.items():
         _line(spec, name, line)
-    held = {person.holds: in_hand(person) for person in scene.people.values() if person.holds is not None}
+    held = {
+        person.holds: in_hand(person, first_pose(person))
+        for person in scene.people.values()
+        if person.holds is not None
+    }
     for name, loose in scene.objects.items():
         above = 0.002 if loose.stands_on is not None else 0.001
         x, y, z = held.get(name, (*loose.at, scene.standing_height(loose) + above + loose.tall / 2))

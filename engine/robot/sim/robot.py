@@ -26,6 +26,7 @@ class SimRobot(HostedRobot):
             floor_map=floor_map(self.scene),
             arm=ARM,
             eye=lambda memory, tell: SimCamera(path, settings.camera, memory, tell),
+            company=bool(self.scene.people),
             environment={"MUJOCO_GL": "disable"},  # the host shows nothing
         )
         super().__init__(settings, build, on_camera)

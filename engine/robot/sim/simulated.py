@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from config.schema import Robot as RobotSettings
 from engine.errors import SceneError
 from engine.robot.arm import ARM_JOINTS
+from engine.robot.company import Company
 from engine.robot.geometry import ZERO, Pose, Twist, wrap
 from engine.robot.host.body import STEP_S
 from engine.robot.host.controller import added_up
@@ -26,7 +27,7 @@ from engine.robot.sim.build import build
 from engine.robot.sim.dimensions import FINGER_TRAVEL
 from engine.robot.sim.lidar import Lidar
 from engine.robot.sim.odometry import Odometry
-from engine.robot.sim.person import Walkers
+from engine.robot.sim.people import People
 from engine.robot.sim.scene import Scene
 
 
@@ -54,7 +55,7 @@ class SimulatedBody:
         if last is not None:
             self.data.time = last["t"]
             self.data.qpos[:] = last["qpos"][: self.model.nq]
-        self._walkers = Walkers(self.model, self.data, scene.people, again=last is not None)
+        self._people = People(self.model, self.data, scene, again=last is not None) if scene.people else None
         mujoco.mj_forward(self.model, self.data)
         # Views of the simulation's own numbers: they are read and written in every step.
         self._base = _consecutive(self.data.qpos, [self.model.joint(name).qposadr[0] for name in BASE_JOINTS])
@@ -96,10 +97,15 @@ class SimulatedBody:
     def opening(self) -> float:
         return max(0.0, min(1.0, float(self.data.qpos[self._fingers].mean()) / FINGER_TRAVEL))
 
+    @property
+    def company(self) -> Company | None:
+        """The people around it, where there are any."""
+        return self._people
+
     def step(self) -> None:
         self._push()
-        if self._walkers:
-            self._walkers.step(STEP_S, self.true_pose)
+        if self._people is not None:
+            self._people.step(STEP_S, self.true_pose)
         mujoco.mj_step(self.model, self.data)
 
     def drive(self, twist: Twist) -> None:

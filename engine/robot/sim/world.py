@@ -23,7 +23,8 @@ class World(Controller):
         """See :class:`engine.robot.sim.simulated.SimulatedBody`."""
         self.simulated = SimulatedBody(scene, settings, last, pictures=pictures)
         start, edges = scene.start.pose, fence(scene.edges())
-        super().__init__(self.simulated, start, settings.limits, FOOTPRINT, JOINT_RANGES, edges, last)
+        company = self.simulated.company
+        super().__init__(self.simulated, start, settings.limits, FOOTPRINT, JOINT_RANGES, edges, last, company=company)
 
     @property
     def model(self) -> Any:

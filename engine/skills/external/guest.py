@@ -26,6 +26,7 @@ from engine.perception.memory import WorldMemory
 from engine.perception.sighting import EVERYTHING, Part, Sight
 from engine.robot.arm import ArmModel
 from engine.robot.camera import Picture
+from engine.robot.company import Company
 from engine.robot.floor_map import FloorMap
 from engine.robot.geometry import ZERO, Pose, Twist
 from engine.robot.robot import Capability, Footprint, RobotState, Scan
@@ -154,6 +155,11 @@ class GuestRobot:
     def navigates(self) -> bool:
         """A program drives by itself."""
         return False
+
+    @property
+    def company(self) -> Company | None:
+        """Who is around hears what the engine says."""
+        return None
 
     async def start(self) -> None:
         """The engine has done that."""
