@@ -73,7 +73,18 @@ class Want:
 
 
 Truth = Literal[
-    "on", "given", "binned", "put away", "arrived", "robot in", "found", "accompanied", "heard", "found person"
+    "on",
+    "given",
+    "binned",
+    "put away",
+    "arrived",
+    "robot in",
+    "found",
+    "accompanied",
+    "heard",
+    "found person",
+    "kept",
+    "kept",
 ]
 
 

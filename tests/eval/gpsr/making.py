@@ -137,7 +137,7 @@ class Making:
 
     def guest(self, at: str, called: str | None = None, gender: Gender | None = None, **more: Unpack[Traits]) -> str:
         """Put somebody into the house; their key."""
-        chosen: Gender = gender or self.chance.choice(_GENDERS)
+        chosen = gender if gender is not None else self.chance.choice(_GENDERS)
         if called is None:
             taken = self._names | {filled.value for filled in self.drawn.tree.fills() if filled.slot.kind == "name"}
             called = self.chance.choice([n for n, g in self.lexicon.names if g == chosen and n not in taken])
