@@ -173,14 +173,17 @@ def test_to_drive_into_somebody_counts_and_to_stand_by_them_does_not() -> None:
 
 def test_the_right_one_of_three_is_followed_for_a_minute() -> None:
     scene, command = among("following", 1)
+    near, far, short, still = Story(scene), Story(scene), Story(scene), Story(scene)
     x, y = scene.people["person 1"].path[0]
-    near, far, short = Story(scene), Story(scene), Story(scene)
-    for _ in range(60):
-        near.then(1.0, Pose(x + 1.2, y, 0.0))
-        far.then(1.0, Pose(x + 3.2, y, 0.0))
+    for second in range(60):
+        there = (0.1 * second, y)
+        near.then(1.0, Pose(there[0] - 1.2, y, 0.0), person_1=there)
+        far.then(1.0, Pose(there[0] - 3.2, y, 0.0), person_1=there)
+        still.then(1.0, Pose(x + 1.2, y, 0.0))
     short.then(20.0, Pose(x + 1.2, y, 0.0))
     assert untrue(command.goal.truths, run(near, scene=scene)) == ()
     assert "of the time" in untrue(command.goal.truths, run(far, scene=scene))[0]
+    assert "in their way" in untrue(command.goal.truths, run(still, scene=scene))[0]
     assert "it was over" in untrue(command.goal.truths, run(short, scene=scene))[0]
 
 

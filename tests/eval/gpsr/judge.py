@@ -66,10 +66,8 @@ def judge(command: Command, run: Run, now: datetime) -> Verdict:
     elif not goal.truths and goal.facts:
         undone = untold(goal.facts, run, now)  # to tell is all that there is to do
     invented = list(made_up(goal.facts, run))
-    if run.evidence.result == "done" and goal.truths and undone:
-        invented.append("said that it is done")
-    if run.evidence.result == "done" and goal.cannot:
-        invented.append("said that it is done, which it cannot be")
+    if run.evidence.result == "done" and run.plans and (goal.cannot or (goal.truths and undone)):
+        invented.append("said that it is done")  # without a plan it was an answer
     last = run.plans[-1] if run.plans else ()
     return Verdict(
         number=command.number,

@@ -28,6 +28,8 @@ GUIDED_S: Final = 240.0
 _SHIRTS: Final[Mapping[str, str]] = {
     "red": "红", "blue": "蓝", "green": "绿", "yellow": "黄", "purple": "紫", "orange": "橙"
 }  # fmt: skip
+_INSIDE: Final = 1.5
+"""Where the robot begins, m from the middle: in nobody's way, who would wait for it."""
 _NAMES: Final = ("Linda", "John", "Mary")
 _HALF: Final = (4.5, 4.0)  # of the hall, m
 
@@ -38,8 +40,8 @@ def among(kind: Company, seed: int, *, language: Language = "en") -> tuple[Scene
     shirts = [str(colour) for colour in rng.permutation(list(_SHIRTS))][:3]
     places = {"door": {"at": (-3.6, -3.1), "yaw": 180, "aliases": ("门口",)},
               "window": {"at": (3.6, 3.1), "yaw": 0, "aliases": ("窗边",)}}  # fmt: skip
-    middle = (float(rng.uniform(-0.6, 0.6)), float(rng.uniform(-0.5, 0.5)))
-    people = {f"person {index + 1}": _walker(rng, middle, index, shirt) for index, shirt in enumerate(shirts)}
+    begin = float(rng.uniform(-math.pi, math.pi))
+    people = {f"person {index + 1}": _walker(rng, begin, index, shirt) for index, shirt in enumerate(shirts)}
     x, y = people["person 1"]["path"][0]
     start = _before(rng, (x, y), [person["path"][0] for person in people.values()])
     scene = Scene.model_validate(
@@ -93,15 +95,16 @@ def _command(kind: Company, seed: int, language: Language, shirt: str, to: str) 
     return Command(seed, seed, kind, kind, (), language, said, Needs(), Goal(wants, truths))
 
 
-def _walker(rng: np.random.Generator, middle: Point, index: int, shirt: str) -> dict[str, Any]:
-    """Somebody who walks round a ring of their own, which crosses those of the others."""
-    angle = 2 * math.pi * index / 3 + float(rng.uniform(-0.4, 0.4))
-    x, y = middle[0] + 0.6 * math.cos(angle), middle[1] + 0.6 * math.sin(angle)
-    round_, way = float(rng.uniform(1.3, 1.8)), float(rng.choice([-1, 1]))
-    corners = [angle + way * turn * math.pi / 4 for turn in range(8)]
+def _walker(rng: np.random.Generator, begin: float, index: int, shirt: str) -> dict[str, Any]:
+    """Somebody who walks round the hall. The second walks the other way, the third slower or faster than the first, so
+    that each of them comes near the right one, and whoever keeps near another one does not keep near that."""
+    round_ = float(rng.uniform(2.4, 2.8))
+    angle, way = begin + (0.0, 1.2, -0.5)[index], -1 if index == 1 else 1
+    speed = float(rng.uniform(0.24, 0.3)) * (1.0, 1.0, float(rng.choice([0.55, 1.5])))[index]
+    corners = [angle + way * turn * math.pi / 6 for turn in range(12)]
     return {
-        "path": [(round(x + round_ * math.cos(a), 2), round(y + round_ * math.sin(a), 2)) for a in corners],
-        "speed": round(float(rng.uniform(0.22, 0.32)), 2),
+        "path": [(round(round_ * math.cos(a), 2), round(round_ * math.sin(a), 2)) for a in corners],
+        "speed": round(speed, 2),
         "height": round(float(rng.uniform(1.6, 1.85)), 2),
         "shirt": shirt,
         "trousers": str(rng.choice(["black", "blue", "grey"])),
@@ -116,8 +119,7 @@ def _before(rng: np.random.Generator, target: Point, people: list[Point]) -> Poi
     for _ in range(500):
         away, angle = float(rng.uniform(1.4, 2.0)), float(rng.uniform(-math.pi, math.pi))
         found = (round(target[0] + away * math.cos(angle), 2), round(target[1] + away * math.sin(angle), 2))
-        inside = abs(found[0]) < _HALF[0] - 0.7 and abs(found[1]) < _HALF[1] - 0.7
-        if inside and all(math.dist(found, person) > 1.2 for person in people):
+        if math.hypot(*found) < _INSIDE and all(math.dist(found, person) > 1.2 for person in people):
             break
     return found
 

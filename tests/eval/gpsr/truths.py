@@ -25,8 +25,10 @@ TOGETHER: Final = 2.2
 """m between the robot and somebody whom it guides or follows, where they have arrived."""
 LOST: Final = 3.0
 """m from somebody beyond which they are not followed any more."""
-NEAR: Final = 2.2
+NEAR: Final = 2.0
 """m from somebody who walks about within which they are followed."""
+WALKED: Final = 4.0
+"""m that somebody must have walked who is followed for a minute."""
 FIND_S: Final = 10.0
 """In which the robot may find whom it is to follow."""
 KEPT: Final = 0.85
@@ -209,6 +211,9 @@ def _kept(run: Run, truth: MustBe) -> str:
     samples = [s for s in run.evidence.samples if FIND_S <= s.t - begun <= truth.count]
     if not samples or samples[-1].t - begun < 0.9 * truth.count:
         return f"it was over after {run.evidence.end.t - begun:.0f} s"
+    walked = sum(math.dist(run.person(truth.who, a), run.person(truth.who, b)) for a, b in pairwise(samples))
+    if walked < WALKED:
+        return f"{_called(run, truth.who)} walked {walked:.1f} m: the robot stood in their way"
     kept = sum(run.apart(truth.who, sample) <= NEAR for sample in samples) / len(samples)
     if kept < KEPT:
         return f"near {_called(run, truth.who)} for {100 * kept:.0f} % of the time"
