@@ -41,6 +41,11 @@ def topic_of(words: str) -> str:
     return next((name for name, pattern in _TOPICS if pattern.fullmatch(plain)), "")
 
 
+def is_of_the_clock(words: str) -> bool:
+    """Whether the time or the day is asked for."""
+    return topic_of(words) in ("time", "month", "day")
+
+
 def fact(words: str, now: datetime.datetime | None = None) -> str:
     """The sentence that answers these words, in English or Chinese as they are; empty where none does."""
     topic, chinese = topic_of(words), is_chinese(words)

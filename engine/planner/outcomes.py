@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import Final
 
 from engine.errors import ExitCode
-from engine.facts import fact
+from engine.facts import fact, is_of_the_clock
 from engine.plan import Action, ActionCall, Plan
 from engine.planner import about_itself, amounts
 from engine.planner.doing.acts import calls_of
@@ -144,8 +144,8 @@ class Outcomes:
             case "report":
                 return self._reported(act, heard)
             case "answer":
-                told = fact(heard.text) or fact(act.words("topic"))
-                return _answer(heard, told or phrases.talk(heard.text, asks=True))
+                asked = next((words for words in (heard.text, act.words("topic")) if is_of_the_clock(words)), "")
+                return _answer(heard, fact(asked) if asked else phrases.talk(heard.text, asks=True))
             case "yes" | "no" if last_question(happened) is None:
                 return _answer(heard, SAID[heard.language]["all_right"])
             case "fragment" if not happened and (talk := phrases.only_talk(heard.text)):

@@ -51,6 +51,8 @@ BLOCKED: Final = 4
 """Places in a row that it cannot get to before it gives up."""
 WORTHWHILE: Final = 6
 """Unseen patches that a view must promise: a corner that needs a view of its own hides nothing larger than a cup."""
+_ELSEWHERE: Final = frozenset({"path_blocked", "unreachable", "door_closed", "no_progress"})
+"""Why one place to look from may be left out."""
 _STUCK: Final = fail("no_progress", "The arm stopped on the way to its looking pose.")
 _EYE, _SKYLINE = 0.41, 3.3  # m: how high the camera is then, and where the picture's upper edge meets the floor
 _TURN_SPEED = 1.5  # rad/s
@@ -156,7 +158,7 @@ async def search(
         trouble = await _stand(on_the_way, pose, room.name)
         if trouble is not None:
             blocked += 1
-            if trouble.error_code not in ("path_blocked", "unreachable", "door_closed") or blocked > BLOCKED:
+            if trouble.error_code not in _ELSEWHERE or blocked > BLOCKED:
                 return Searched(False, survey.seen, pictures, trouble)
             survey.bar(robot.scan().on_map(context.pose, SEEN_RANGE), robot.footprint.radius + _MARGIN)
             continue

@@ -6,7 +6,7 @@ import base64
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import pytest
@@ -36,6 +36,10 @@ def odometry(x: float, y: float, yaw: float, vx: float = 0.0) -> dict[str, Any]:
     header = {"frame_id": "odom"}
     at = {"position": {"x": x, "y": y, "z": 0.0}, "orientation": turn}
     return {"header": header, "pose": {"pose": at}, "twist": {"twist": moves}}
+
+
+EMPTY: Final[Message] = {"angle_min": 0.0, "angle_increment": 0.1, "range_max": 12.0, "ranges": [9.0] * 63}
+"""A turn of a lidar near which nothing stands."""
 
 
 def joint_states(angle: float, gripper: float) -> dict[str, Any]:
@@ -91,6 +95,8 @@ class Table:
             self.takes["/odom"](odometry(5.0, 5.0, math.pi / 2))
             if "/joint_states" in self.takes:
                 self.takes["/joint_states"](joint_states(0.0, 1.0))
+            if "/scan" in self.takes:
+                self.takes["/scan"](EMPTY)
         return self.t
 
     def mismatches(self) -> Mapping[str, str]:
@@ -560,13 +566,14 @@ def test_what_it_rolls_while_a_host_is_replaced_is_not_lost() -> None:
     for north, expected in ((5.3, 1.3), (0.0, 1.0)):  # the latter has begun anew
         table = Table()
         table.opens, table.answer = False, Outcome("no_server")
-        table.trouble = ""
         took = table.subscribe
 
         def subscribe(topic: str, type: str, take: Take, north: float = north, took: Any = took, **more: Any) -> None:
             took(topic, type, take, **more)
             if topic == "/odom":
                 take(odometry(5.0 if north else 0.0, north, math.pi / 2))
+            if topic == "/scan":
+                take(EMPTY)
 
         table.subscribe = subscribe  # type: ignore[method-assign]
         about = ROBOT.model_copy(update={"ros": ROBOT.ros.model_copy(update={"navigation": None})})  # type: ignore[union-attr]

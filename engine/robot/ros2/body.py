@@ -49,6 +49,8 @@ GUARD_S: Final = 20.0
 """In which a guard gives its first sign of life: it has a door to load."""
 OPEN_LIMIT_S: Final = 20.0
 """In which a robot must have said where it is."""
+SCAN_LIMIT_S: Final = 2.0
+"""In which the first turn of its lidar has come; without one it is there all the same, and does not drive."""
 _NAVIGATION_GOES_ON: Final = (
     "its navigation goes on although it was told to stop",
     "nobody knows whether its navigation has stopped",
@@ -125,6 +127,10 @@ class Ros2Body:
                 raise DeviceError(f"The robot cannot be driven: {why}.", hint="Are the robot and its bridge running?")
             for action, _ in self._moving:
                 action.look_after()
+            self._look_after_guard(clock())
+            time.sleep(0.01)
+        limit = min(limit, clock() + SCAN_LIMIT_S)
+        while self._about.scan is not None and self._around is not None and not self._turns and clock() < limit:
             self._look_after_guard(clock())
             time.sleep(0.01)
 
