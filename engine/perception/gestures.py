@@ -12,7 +12,7 @@ from engine.robot.company import Gesture
 
 LASTS_S: Final = 1.5
 """s that looks at one gesture may lie apart."""
-MOVES: Final = 0.07
+MOVES: Final = 0.08
 """m by which a hand that waves has moved, from one look to another."""
 _RAISED: Final[frozenset[Gesture | None]] = frozenset({"raising the left arm", "raising the right arm", "waving"})
 

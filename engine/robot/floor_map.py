@@ -24,6 +24,9 @@ class FloorMap:
     doors: tuple[Doorway, ...] = ()
     tags: tuple[Landmark, ...] = ()
     walls: tuple[Wall, ...] = ()
+    tops: NDArray[np.float32] | None = None
+    """How high what stands in each cell is, m: 0 on free floor, inf where nobody knows and for walls. Shape as
+    ``occupied``. None: the map tells no heights, as one that was drawn with a lidar."""
 
     def holds(self, x: float, y: float) -> bool:
         """Whether the point lies on the map, border included."""

@@ -55,7 +55,7 @@ _FOLD = (-1.1, 1.85)
 """rad, shoulder and elbow of the folded arm: the camera stays above the hull wherever it looks."""
 _LEAP = 0.8  # m from where a target is expected; what is seen farther off is something else
 _GAZE_YAW = 1.2  # rad; the base turns towards what is further aside
-_GAZE_PITCHES = (1.3, 2.5)  # rad: a little above the horizon … steeply down
+_GAZE_PITCHES = (1.0, 2.5)  # rad: as far up as faces of people near by … steeply down
 _GAZE_SPEED = 2.0  # rad/s
 _SWEEP = 1.9  # rad to each side when looking around
 _TRACK_YAW = 0.6  # rad that the arm alone follows a target which the base need not approach

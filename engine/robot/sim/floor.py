@@ -1,8 +1,9 @@
 """Walls and the floor map, worked out from a scene without starting the simulation.
 
 A wall stands on every edge of a room, once where two rooms share it, and is cut where a door is. The floor map marks
-what stands on the floor, as a robot that had mapped the flat would know it: legs of a table count as the whole
-table, furniture is where it was then, loose objects and people are not in it, and all doors are open.
+what stands on the floor and how high it is, as a robot that had mapped the flat with a depth camera would know it: legs
+of a table count as the whole table, furniture is where it was then, loose objects and people are not in it, and all
+doors are open.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 from engine.errors import SceneError
 from engine.robot.floor_map import Doorway, FloorMap, Furniture, Landmark, Room, Wall
 from engine.robot.geometry import wrap
-from engine.robot.sim.furniture import FLAT
+from engine.robot.sim.furniture import FLAT, parts_of
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.scene_parts import Door, Span
 
@@ -58,12 +59,13 @@ def floor_map(scene: Scene) -> FloorMap:
     columns = math.ceil((scene.bounds.x[1] + half - origin[0]) / RESOLUTION - 1e-6)
     rows = math.ceil((scene.bounds.y[1] + half - origin[1]) / RESOLUTION - 1e-6)
     occupied = np.zeros((rows, columns), dtype=np.bool_)
+    tops = np.zeros((rows, columns), dtype=np.float32)
 
-    def mark(x_min: float, y_min: float, x_max: float, y_max: float) -> None:
-        """Mark every cell that the rectangle overlaps by more than a rounding error."""
+    def cells(x_min: float, y_min: float, x_max: float, y_max: float) -> tuple[slice, slice]:
+        """Every cell that the rectangle overlaps by more than a rounding error."""
         c0, r0 = (math.floor((v - o) / RESOLUTION + 1e-6) for v, o in zip((x_min, y_min), origin, strict=True))
         c1, r1 = (math.ceil((v - o) / RESOLUTION - 1e-6) for v, o in zip((x_max, y_max), origin, strict=True))
-        occupied[max(0, r0) : max(0, r1), max(0, c0) : max(0, c1)] = True
+        return slice(max(0, r0), max(0, r1)), slice(max(0, c0), max(0, c1))
 
     furniture = tuple(
         Furniture(name, *piece.mapped_area, height=piece.size[2], kind=piece.kind)
@@ -72,14 +74,19 @@ def floor_map(scene: Scene) -> FloorMap:
     )
     walls = wall_pieces(scene)
     for wall in walls:
-        mark(wall.x_min, wall.y_min, wall.x_max, wall.y_max)
+        here = cells(wall.x_min, wall.y_min, wall.x_max, wall.y_max)
+        occupied[here], tops[here] = True, np.inf
     for thing in furniture:
-        mark(thing.x_min, thing.y_min, thing.x_max, thing.y_max)
+        occupied[cells(thing.x_min, thing.y_min, thing.x_max, thing.y_max)] = True
+        for *area, top in parts_of(scene.furniture[thing.name]):
+            here = cells(*area)
+            tops[here] = np.maximum(tops[here], top)
     occupied.setflags(write=False)
+    tops.setflags(write=False)
     rooms = tuple(Room(name, r.x[0], r.y[0], r.x[1], r.y[1]) for name, r in scene.rooms.items())
     doors = tuple(_doorway(scene, door) for door in scene.doors)
     tags = tuple(Landmark(mark.id, *mark.at, mark.z, wrap(mark.yaw), mark.size) for mark in scene.landmarks)
-    return FloorMap(RESOLUTION, origin, occupied, rooms, furniture, doors, tags, walls)
+    return FloorMap(RESOLUTION, origin, occupied, rooms, furniture, doors, tags, walls, tops)
 
 
 def door_leaf(scene: Scene, door: Door) -> Wall:

@@ -6,7 +6,8 @@ least 4 cm wide and closed fronts reach down to 5 cm. Overhanging tops are eithe
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -31,6 +32,17 @@ class Solid:
 def solids(piece: FurniturePiece) -> tuple[Solid, ...]:
     """The primitives of a piece before it is turned and placed."""
     return tuple(_BUILDERS[piece.kind](piece))
+
+
+def parts_of(piece: FurniturePiece) -> Iterator[tuple[float, float, float, float, float]]:
+    """What a piece covers where the map has it, part by part: x_min, y_min, x_max, y_max, map frame, and the top, m."""
+    turn = math.radians(piece.turn)
+    c, s = round(math.cos(turn)), round(math.sin(turn))
+    for solid in solids(piece):
+        (x, y, z), (half_x, half_y, half_z) = solid.centre, solid.half
+        at_x, at_y = piece.at[0] + c * x - s * y, piece.at[1] + s * x + c * y
+        out_x, out_y = abs(c) * half_x + abs(s) * half_y, abs(s) * half_x + abs(c) * half_y
+        yield at_x - out_x, at_y - out_y, at_x + out_x, at_y + out_y, z + half_z
 
 
 def _slab(
