@@ -40,8 +40,8 @@ AGAIN: Final = 1.7
 """m within which the robot goes on."""
 WAIT_S: Final = 15.0
 """s that it waits for somebody who has stayed behind, before it goes to fetch them."""
-LOST_S: Final = 3.0
-"""s without a sight of somebody who is followed, after which the robot goes where they went out of sight."""
+LOST_S: Final = 2.5
+"""s in which the camera has not seen somebody who is followed, after which the robot looks for them."""
 STOOD_S: Final = 3.0
 """s that somebody stands where they wanted to be followed to, until that counts as being there."""
 _PEOPLE: Final[frozenset[Part]] = frozenset({"people"})
@@ -54,6 +54,12 @@ _NARROW: Final = 0.05  # m that the robot keeps from things on its straight way
 _FETCHES: Final = 2  # times that somebody who stays behind is fetched
 _UNSEEN_S: Final = 1.5  # s without a sight of them until they count as behind
 _LATE_S: Final = 1.0  # s for which they are too far behind until the robot stops
+
+
+def _clothes(person: Sighting) -> tuple[Colour | None, Colour | None]:
+    """The colours of shirt and trousers, as far as they show."""
+    figure = person.figure
+    return (person.colour, None) if figure is None else (figure.shirt, figure.trousers)
 
 
 class Pursuit:
@@ -85,8 +91,7 @@ class Pursuit:
                 state = context.robot.state()
                 self._legs.update()
                 await self._look(state)
-                unseen = state.t - max(self._legs.seen_t, self._seen_t)
-                if unseen > LOST_S:
+                if state.t - self._seen_t > LOST_S:  # legs alone may be somebody else's by now
                     searches += 1
                     if searches > _SEARCHES or not await self._search():
                         return self._lost()
@@ -129,21 +134,20 @@ class Pursuit:
         near = [p for p in sight.objects if p.kind == "person" and self._is_same(p)]
         at = self._legs.at
         best = min(near, key=lambda p: math.dist(p.position[:2], at), default=None)
-        gate = _SAME + min(2.0, 1.2 * max(0.0, sight.t - self._legs.seen_t))
+        gate = _SAME + min(2.0, 1.2 * max(0.0, sight.t - self._seen_t))
         if best is None or math.dist(best.position[:2], at) > gate:
             return
-        figure = best.figure
-        if figure is not None and figure.trousers is not None and self._trousers is None:
-            self._trousers = figure.trousers
+        shirt, trousers = _clothes(best)
+        self._shirt, self._trousers = self._shirt or shirt, self._trousers or trousers
         self._seen_t = sight.t
         if math.dist(best.position[:2], at) > 0.35 or sight.t > self._legs.seen_t + 0.3:
             self._legs.moved_to((best.position[0], best.position[1]))
 
     def _is_same(self, person: Sighting) -> bool:
-        if self._shirt is not None and person.colour != self._shirt:
-            return False
-        trousers = person.figure.trousers if person.figure is not None else None
-        return None in (trousers, self._trousers) or trousers == self._trousers
+        """Whether they wear the same, as far as it shows; something of it has to."""
+        worn = tuple(zip(_clothes(person), (self._shirt, self._trousers), strict=True))
+        shown = [(seen, known) for seen, known in worn if seen is not None and known is not None]
+        return all(seen == known for seen, known in shown) and (bool(shown) or self._shirt is None)
 
     def _twist(self, state: RobotState) -> Twist:
         spot = self._legs.at
@@ -214,7 +218,7 @@ class Pursuit:
 
     def _lost(self) -> Result:
         x, y = self._legs.at
-        ago = self._context.robot.state().t - max(self._legs.seen_t, self._seen_t)
+        ago = self._context.robot.state().t - self._seen_t
         where = place_of(self._context.robot.floor_map, x, y)
         message = f"I lost {self._name}: I last saw them {ago:.0f} s ago {where}."
         return fail("target_lost", message, x=round(x, 3), y=round(y, 3))
