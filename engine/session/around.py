@@ -15,7 +15,7 @@ class Around:
     """Whoever is around one robot. In one thread."""
 
     def __init__(self, robot: Robot, emit: Emit) -> None:
-        self._company: Company | None = getattr(robot, "company", None)
+        self._company: Company | None = robot.company
         self._emit = emit
         self._said: list[str] = []
 

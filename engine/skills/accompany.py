@@ -11,7 +11,8 @@ import asyncio
 import contextlib
 import math
 from collections.abc import Callable
-from typing import Final, Literal
+from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
@@ -51,6 +52,7 @@ _STILL: Final = 0.15  # m/s
 _SEARCHES: Final = 3  # times that somebody who is lost is looked for
 _NARROW: Final = 0.05  # m that the robot keeps from things on its straight way
 _FETCHES: Final = 2  # times that somebody who stays behind is fetched
+_UNSEEN_S: Final = 1.5  # s without a sight of them until they count as behind
 _LATE_S: Final = 1.0  # s for which they are too far behind until the robot stops
 
 
@@ -223,7 +225,8 @@ def _where(context: SkillContext, at: tuple[float, float]) -> str:
     return f" to the {room}" if room else ""
 
 
-Lead = Literal["there", "behind"]
+class _LeftBehind(Exception):
+    """Whoever is guided is too far behind."""
 
 
 async def lead(context: SkillContext, person: PersonSeen, name: str, goal: Pose, place: str) -> Result:
@@ -231,21 +234,19 @@ async def lead(context: SkillContext, person: PersonSeen, name: str, goal: Pose,
     legs = Legs(context.robot, person.position[:2])
     fetched = 0
     while True:
-        result, ending = await _drive_ahead(context, legs, goal, place)
-        if ending == "there":
-            if not result.ok:
-                return result
-            if legs.unseen_s < 1.0 and legs.away < BEHIND + 0.4:
-                await face_point(context, (*legs.at, 1.0))
-                return ok(f"I guided {name} to {place}.", x=context.pose.x, y=context.pose.y)
+        result = await _drive_ahead(context, legs, goal, place)
+        if result is not None and not result.ok:
+            return result
+        if result is not None and legs.unseen_s < 1.0 and legs.away < BEHIND + 0.4:
+            await face_point(context, (*legs.at, 1.0))
+            return ok(f"I guided {name} to {place}.", x=context.pose.x, y=context.pose.y)
         await face_point(context, (*legs.at, 1.0))
         await context.say(calls(name, context.worded("Please come along.")))
         if await _wait(context, legs):
             continue
         fetched += 1
         if fetched > _FETCHES or not await _fetch(context, legs, person):
-            x, y = legs.at
-            where = place_of(context.robot.floor_map, x, y)
+            where = place_of(context.robot.floor_map, *legs.at)
             return fail("target_lost", f"I lost {name} on the way to {place}: I last saw them {where}.")
         await context.say(calls(name, context.worded(f"Please follow me to {place}.")))
 
@@ -257,33 +258,28 @@ def calls(name: str, words: str) -> str:
     return f"{name}，{words}" if is_chinese(words) else f"{name}, {words[:1].lower()}{words[1:]}"
 
 
-async def _drive_ahead(context: SkillContext, legs: Legs, goal: Pose, place: str) -> tuple[Result, Lead]:
-    """Drive until it is there, or they are too far behind."""
-    drive = asyncio.create_task(go_to(context, goal, place, speed=GUIDE_SPEED))
+async def _drive_ahead(context: SkillContext, legs: Legs, goal: Pose, place: str) -> Result | None:
+    """Drive until it is there; None where they are too far behind."""
     late_since = math.inf
+
+    def watch(
+        fraction: float | None, message: str = "", *, path: tuple[tuple[float, float], ...] | None = None
+    ) -> None:
+        """Called in every tick of the drive."""
+        nonlocal late_since
+        context.progress(fraction, message, path=path)
+        legs.update()
+        now = context.robot.state().t
+        late = legs.unseen_s > _UNSEEN_S or legs.away > BEHIND
+        late_since = min(late_since, now) if late else math.inf
+        if now - late_since > _LATE_S:
+            raise _LeftBehind
+
     try:
-        while not drive.done():
-            tick = asyncio.create_task(context.robot.tick())
-            await asyncio.wait([drive, tick], return_when=asyncio.FIRST_COMPLETED)
-            if not tick.done():
-                tick.cancel()
-                with contextlib.suppress(asyncio.CancelledError):
-                    await tick
-            if drive.done():
-                break
-            legs.update()
-            now = context.robot.state().t
-            late = legs.unseen_s > 1.5 or legs.away > BEHIND
-            late_since = min(late_since, now) if late else math.inf
-            if now - late_since > _LATE_S:
-                return fail("target_lost", ""), "behind"
-        return drive.result(), "there"
-    finally:
-        if not drive.done():
-            drive.cancel()
-            with contextlib.suppress(asyncio.CancelledError):
-                await drive
-            await settle(context)
+        return await go_to(replace(context, progress=watch), goal, place, speed=GUIDE_SPEED)
+    except _LeftBehind:
+        await settle(context)
+        return None
 
 
 async def _wait(context: SkillContext, legs: Legs) -> bool:

@@ -38,7 +38,9 @@ def odometry(x: float, y: float, yaw: float, vx: float = 0.0) -> dict[str, Any]:
     return {"header": header, "pose": {"pose": at}, "twist": {"twist": moves}}
 
 
-EMPTY: Final[Message] = {"angle_min": 0.0, "angle_increment": 0.1, "range_max": 12.0, "ranges": [9.0] * 63}
+EMPTY: Final[Message] = {
+    "angle_min": 0.0, "angle_increment": 0.1, "range_min": 0.1, "range_max": 12.0, "ranges": [None] * 63
+}  # fmt: skip
 """A turn of a lidar near which nothing stands."""
 
 

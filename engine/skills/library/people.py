@@ -396,7 +396,7 @@ async def take_from(
     if isinstance(person, Result):
         return person
     await move_to(context, OFFER, speed=0.8)
-    await open_fingers(context, 0.055)
+    await open_fingers(context, context.robot.arm.jaw)
     await context.say(_addressed(person, context.worded(f"Please give me the {thing}.")))
     state = context.robot.state()
     end = state.work_t + TAKE_S
@@ -408,7 +408,7 @@ async def take_from(
             held = context.world.receive(wanted(thing), context.robot.state().t)
             await fold(context)
             return ok(f"{_name(person)} gave me the {held.name}.", taken=held.name)
-        await open_fingers(context, 0.055)
+        await open_fingers(context, context.robot.arm.jaw)
     await fold(context)
     return fail("no_progress", f"{_name(person)} gave me nothing.")
 
