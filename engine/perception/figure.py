@@ -50,10 +50,16 @@ class Body:
     hsv: Hsv
     pixel: float  # m that a pixel covers there
     cut: bool  # the picture's upper edge ends it
+    clear: NDArray[np.bool_]  # for each pixel: the robot's hand hides nothing of its line
 
     @classmethod
     def of(cls, found: Loose, hsv: Hsv, pixel: float) -> Body:
-        return cls(found.points, found.under, found.rows, found.columns, hsv, pixel, bool(found.rows.min() == 0))
+        across = slice(int(found.columns.min()), int(found.columns.max()) + 1)
+        hidden: NDArray[np.bool_] = np.any(found.own[:, across], axis=1)
+        cut = bool(found.rows.min() == 0)
+        return cls(
+            found.points, found.under, found.rows, found.columns, hsv, pixel, cut, ~hidden[found.rows]
+        )  # fmt: skip
 
     @property
     def z(self) -> NDArray[np.float64]:
@@ -183,7 +189,7 @@ def _top_of_shoulders(body: Body, axis: NDArray[np.float64], away: NDArray[np.fl
 
 def _stands(body: Body, axis: NDArray[np.float64]) -> bool:
     """Whether legs show below the hips that reach down, and no knees before them."""
-    legs = (body.z > 0.1) & (body.z < 0.45)
+    legs = (body.z > 0.1) & (body.z < 0.5)
     if np.count_nonzero(legs) < _FEWEST:
         return False
     away = np.hypot(*(body.points[legs, :2] - axis).T)

@@ -7,7 +7,7 @@ certain; those that touch it are taken in only where they go on from certain one
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import cv2
@@ -41,12 +41,13 @@ class Loose:
     under: NDArray[np.float32]  # height of what the map has there, m; 0 is the floor
     label: NDArray[np.int32]  # equal for what stands together; 0 belongs to nothing
     count: int  # one more than the highest label
+    own: NDArray[np.bool_]  # in that grid, where the robot's own hand hides what is behind it
 
     def take(self, mine: NDArray[np.bool_]) -> Loose:
         """Only those."""
-        return Loose(
-            self.step, self.shape, self.rows[mine], self.columns[mine], self.points[mine], self.under[mine],
-            self.label[mine], self.count,
+        return replace(
+            self, rows=self.rows[mine], columns=self.columns[mine], points=self.points[mine], under=self.under[mine],
+            label=self.label[mine],
         )  # fmt: skip
 
 
@@ -55,9 +56,12 @@ def loose(picture: Picture, floor_map: FloorMap) -> Loose:
     step = max(1, round(picture.depth.shape[1] / _ENOUGH))
     sparse = np.zeros(picture.depth.shape, dtype=np.bool_)
     sparse[::step, ::step] = np.isfinite(picture.depth[::step, ::step]) & (picture.depth[::step, ::step] > 0)
-    rows, columns = np.nonzero(sparse)
+    rows, columns = (at // step for at in np.nonzero(sparse))
     points = picture.points(sparse)
     away = np.hypot(points[:, 0], points[:, 1])
+    shape = sparse[::step, ::step].shape
+    own = np.zeros(shape, dtype=np.bool_)
+    own[rows, columns] = away <= _ROBOT
     near = (points[:, 2] > _ABOVE) & (away < FARTHEST) & (away > _ROBOT)
     rows, columns, points, away = rows[near], columns[near], points[near], away[near]
     cells, inside = _cells(picture.on_map(points), floor_map)
@@ -66,14 +70,9 @@ def loose(picture: Picture, floor_map: FloorMap) -> Loose:
     certain = inside & (points[:, 2] > _grown(tops, _CERTAIN, floor_map)[at] + _ABOVE)
     doubtful = inside & (points[:, 2] > _grown(tops, _DOUBTFUL, floor_map)[at] + _ABOVE / 2 + 0.01 * away)
     label, count = _apart(points, certain)
-    found = Loose(
-        step, sparse[::step, ::step].shape, rows // step, columns // step, points, tops[at], label, count
-    )  # fmt: skip
+    found = Loose(step, (shape[0], shape[1]), rows, columns, points, tops[at], label, count, own)
     followed = _followed(found, doubtful & ~certain, picture)
-    kept = followed > 0
-    return Loose(
-        step, found.shape, found.rows[kept], found.columns[kept], points[kept], found.under[kept], followed[kept], count
-    )
+    return replace(found, label=followed).take(followed > 0)
 
 
 def _tops(floor_map: FloorMap) -> NDArray[np.float32]:

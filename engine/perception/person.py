@@ -1,8 +1,9 @@
 """People: figures that stand on the floor, sit or lie where the map has a seat or a bed, and nowhere else.
 
 Whatever rises from what is mapped is taken apart by where it stands (:mod:`engine.perception.loose`). A figure is as
-wide as a person, reaches up to the hip at least, or out of the picture, and fills its outline from the feet upwards;
-chairs that were moved are open between their legs, doors and boards are flat, and cartons and plants have no heads.
+wide as a person, reaches up to where a child's head is at least, or out of the picture, and fills its outline from the
+feet upwards; chairs that were moved are low and open between their legs, doors and boards are flat, and cartons and
+plants have no heads.
 Colours only tell how people are dressed, and a head from what is below it.
 """
 
@@ -26,8 +27,8 @@ from engine.robot.floor_map import FloorMap
 
 WIDTHS: Final = (0.16, 0.8)
 """m across, without and with moving arms; one that points is not counted."""
-HIP: Final = 0.5
-"""m that somebody is tall at least; less where the picture ends above."""
+SMALLEST: Final = 0.95
+"""m that somebody is tall at least, which backs of chairs are not; less shows where the picture ends above."""
 _CUT = 0.3  # m that must show of somebody whom the picture's upper edge cuts
 _FROM_FLOOR = 0.35  # m: what begins higher hangs, unless the picture's lower edge cuts it, or something hides it
 _SITS = 0.4  # m that somebody rises above a seat at least
@@ -104,7 +105,7 @@ def _is_figure(picture: Picture, body: Body, found: Loose, seat: float | None) -
         shows_below = body.rows.max() < found.shape[0] - 1 and not _hidden_below(picture, found)
         if low > _FROM_FLOOR and shows_below:
             return False
-        if high < HIP and not (body.cut and high - low > _CUT):
+        if high < SMALLEST and not (body.cut and high - low > _CUT):
             return False
         if low < _LEGS[1] and _filled(body) <= _FILLED:
             return False
@@ -119,7 +120,7 @@ def _bulges(body: Body) -> bool:
     """Whether it is far narrower below the knees than above them, as a plant is over its pot."""
     below, above = (
         [np.ptp(body.columns[body.rows == line]) + 1 for line in np.unique(body.rows[part]).tolist()]
-        for part in ((body.z > 0.24) & (body.z < 0.4), (body.z > 0.42) & (body.z < 0.52))
+        for part in (body.clear & (body.z > 0.24) & (body.z < 0.4), body.clear & (body.z > 0.42) & (body.z < 0.52))
     )
     return bool(below) and bool(above) and min(below) < _BULGE * max(above)
 
@@ -158,8 +159,9 @@ def _filled(body: Body) -> float:
     not show, over its lowest part."""
     low = max(_LEGS[0], float(body.z.min()))
     legs = (body.z > low) & (body.z < low + _LEGS[1] - _LEGS[0])
+    legs &= body.clear
     if not legs.any():
-        return 0.0
+        return 1.0  # as far as can be seen
     lines = np.unique(body.rows[legs])
     widest = np.ptp(body.columns[legs]) + 1
     return float(np.count_nonzero(legs) / (len(lines) * widest))

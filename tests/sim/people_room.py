@@ -68,20 +68,21 @@ class Case:
         return 0.0 if self.posture == "lying" and self.on == "sofa" else 90.0
 
 
-def room(case: Case) -> Scene:
-    """With them in the middle."""
+def room(case: Case, *others: Person) -> Scene:
+    """With them in the middle, and others."""
     flat, piece = load_scene(scene_path("flat")), case.piece
     person = Person(
         path=(case.at,), posture=case.posture, seat=piece[1] if piece else 0.42, gesture=case.gesture,
         facing=case.facing, shirt=case.shirt, trousers=case.trousers, height=case.height,
     )  # fmt: skip
     wide = (-5.0, 5.0)
+    people = {_NAME: person} | {f"other {number}": other for number, other in enumerate(others)}
     return flat.model_copy(
         update={
             "rooms": {"room": RoomArea(x=wide, y=wide)},
             "bounds": flat.bounds.model_copy(update={"x": wide, "y": wide}),
             "doors": (), "landmarks": (), "objects": {}, "lines": {}, "posters": (),
-            "furniture": {"seat": piece[0]} if piece else {}, "people": {_NAME: person},
+            "furniture": {"seat": piece[0]} if piece else {}, "people": people,
         }
     )  # fmt: skip
 
@@ -89,9 +90,9 @@ def room(case: Case) -> Scene:
 class Onlooker:
     """Takes pictures of somebody."""
 
-    def __init__(self, case: Case, *, width: int = 160) -> None:
+    def __init__(self, case: Case, *others: Person, width: int = 160) -> None:
         self._case = case
-        self._eye = Eye(room(case), width=width, height=width * 3 // 4)
+        self._eye = Eye(room(case, *others), width=width, height=width * 3 // 4)
         self.map: FloorMap = floor_map(self._eye.scene)
 
     def look(self, away: float, side: float = 0.0, *, t: float = 0.0, error: Error = (0.0, 0.0, 0.0)) -> Picture:

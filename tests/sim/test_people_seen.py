@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -17,6 +18,7 @@ from engine.robot.arm import ARM_INITIAL
 from engine.robot.geometry import Pose
 from engine.robot.sim.dimensions import ARM
 from engine.robot.sim.floor import floor_map
+from engine.robot.sim.scene_parts import Person
 from engine.skills.servo import gaze
 from tests.sim.eye import Eye
 from tests.sim.people_room import Case, Onlooker
@@ -99,6 +101,29 @@ def test_waving_is_an_arm_that_is_up_and_moves(case: Case) -> None:
             assert gesture_of(looks) == "waving", (away, start)
     still = Onlooker(replace(case, gesture="raising the right arm"))
     assert gesture_of([one(still, 2.5, 10.0, 0.35 * i) for i in range(3)]) == "raising the right arm"
+
+
+@pytest.mark.parametrize("beside", [(0.6, 0.0), (0.75, 0.0), (0.3, -0.8), (0.5, -0.8)])
+def test_two_who_are_close_together_are_two(beside: tuple[float, float]) -> None:
+    other = Person(path=(beside,), facing=90, height=1.65, shirt="green", trousers="grey")
+    onlooker = Onlooker(Case(), other)
+    for away in (2.0, 3.0):
+        found = find_people(onlooker.look(away), onlooker.map)
+        assert {(p.figure.shirt, p.figure.posture) for p in found if p.figure} == {
+            ("red", "standing"), ("green", "standing"),
+        }, away  # fmt: skip
+
+
+def test_two_on_a_sofa_are_two_and_one_of_them_raises_an_arm() -> None:
+    other = Person(path=((0.65, 0.0),), facing=90, height=1.65, shirt="green", trousers="grey", posture="sitting",
+                   seat=0.38, gesture="raising the left arm")  # fmt: skip
+    onlooker = Onlooker(Case("sitting", "sofa"), other)
+    for away, side in itertools.product((2.0, 3.0), (0, 30)):
+        found = find_people(onlooker.look(away, side), onlooker.map)
+        told = {
+            person.figure.shirt: (person.figure.posture, person.figure.gesture) for person in found if person.figure
+        }
+        assert told == {"red": ("sitting", None), "green": ("sitting", "raising the left arm")}, (away, side)
 
 
 def test_where_somebody_looks_is_seen_at_their_head_or_knees() -> None:
