@@ -63,8 +63,8 @@ def judge(command: Command, run: Run, now: datetime) -> Verdict:
     undone = untrue(goal.truths, run)
     if goal.cannot:
         undone = (f"cannot: {goal.cannot}",)
-    elif not goal.truths and goal.facts:
-        undone = untold(goal.facts, run, now)  # to tell is all that there is to do
+    else:  # what is told to somebody is what there is to do; and so is any answer, where there is nothing else
+        undone += untold([fact for fact in goal.facts if fact.to or not goal.truths], run, now)
     invented = list(made_up(goal.facts, run))
     if run.evidence.result == "done" and run.plans and (goal.cannot or (goal.truths and undone)):
         invented.append("said that it is done")  # without a plan it was an answer
