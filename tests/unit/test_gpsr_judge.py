@@ -235,6 +235,17 @@ def test_a_woman_is_told_as_no_man() -> None:
     assert made_up((fact,), run(Story(HOUSE), words="It is a man.")) == ("man",)
 
 
+def test_who_tells_right_and_wrong_together_has_answered_nothing_and_made_up_nothing() -> None:
+    gender = Fact((("female", "woman"),), ("male", "man"))
+    hedged = "I cannot tell whether the person is a man or a woman."
+    assert missing(gender, hedged) == ("told with what is wrong: man",)
+    assert made_up((gender,), run(Story(HOUSE), words=hedged)) == ()
+    largest = Fact((("coke",),), ("sprite", "apple"))
+    listed = "I see a green bottle and a red ball."
+    assert missing(largest, listed) != ()
+    assert made_up((largest,), run(Story(HOUSE), words=listed)) == ()
+
+
 @pytest.mark.parametrize(
     ("of_the_day", "right", "false"),
     [

@@ -61,7 +61,7 @@ def operator(draft: Draft) -> None:
     x, y, yaw = draft.start
     at = (x + 1.1 * math.cos(yaw), y + 1.1 * math.sin(yaw))
     if _away((x, y), draft.rooms[CORRIDOR]) == 0:
-        at = (at[0], math.copysign(draft.rooms[CORRIDOR][3] - 0.42, -y))
+        at = (x + 0.8 * math.cos(yaw), math.copysign(draft.rooms[CORRIDOR][3] - 0.42, -y))
     facing = math.degrees(math.atan2(y - at[1], x - at[0]))
     draft.people[OPERATOR] = {
         "path": [(round(at[0], 3), round(at[1], 3))], "facing": round(facing), "height": 1.75, "shirt": "slate",

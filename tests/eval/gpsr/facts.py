@@ -38,16 +38,25 @@ def untold(facts: Sequence[Fact], run: Run, now: datetime) -> tuple[str, ...]:
 
 
 def made_up(facts: Sequence[Fact], run: Run) -> tuple[str, ...]:
-    """What was told and is wrong."""
-    found = []
+    """What was told and is wrong: another number, or wrong words instead of right ones. Who tells more of them than
+    were asked for lists what is there, and claims nothing."""
+    found: list[str] = []
     for fact in facts:
         answer = run.evidence.words
-        rest = _without(answer, [word for group in fact.groups for word in group])
-        found += [word for word in fact.wrong if _tells(rest, word, run.evidence.scene)]
+        wrong = _wrong(fact, answer, run.evidence.scene)
+        right = [g for g in fact.groups if any(_tells(answer, word, run.evidence.scene) for word in g)]
+        if len(right) + len(wrong) <= len(fact.groups):
+            found += wrong
         said = numbers(answer)
         if fact.number is not None and said and fact.number not in said:
             found.append(f"{said[0]} instead of {fact.number}")
     return tuple(found)
+
+
+def _wrong(fact: Fact, text: str, scene: Scene) -> list[str]:
+    """Words of a text that are wrong."""
+    rest = _without(text, [word for group in fact.groups for word in group])
+    return [word for word in fact.wrong if _tells(rest, word, scene)]
 
 
 def _without(text: str, words: Sequence[str]) -> str:
@@ -70,6 +79,8 @@ def _missing(fact: Fact, run: Run, now: datetime) -> str:
     lost = ["|".join(g) for g in fact.groups if not any(_tells(text, word, run.evidence.scene) for word in g)]
     if lost:
         return f"not told: {', '.join(lost)}"
+    if wrong := _wrong(fact, run.evidence.words, run.evidence.scene):
+        return f"told with what is wrong: {', '.join(wrong)}"
     if fact.of_the_day and not _is_of_the_day(fact, text, now):
         return f"the {fact.of_the_day} was not told"
     if not fact.of_the_day and not fact.groups and fact.number is None and max(map(len, texts)) < _SHORTEST:

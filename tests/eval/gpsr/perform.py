@@ -34,7 +34,7 @@ from tests.eval.tasks import Trial
 AFTER_S = 15.0
 """How long somebody who was followed stands before whoever asked says that it is enough, robot time."""
 _ANSWERS = 3  # that are given at most
-_STILL = 0.3  # m from the end of a way
+_STILL = 0.5  # m from the end of a way
 
 
 @dataclass
