@@ -201,7 +201,7 @@ def _scene(draft: Draft, name: str) -> Scene:
             "objects": draft.objects,
             "landmarks": list(landmarks(draft)),
             "people": draft.people,
-            "places": {**with_aliases(spots, _ALIASES), **others},
+            "places": with_aliases({**spots, **others}, _ALIASES),
         }
     )
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime
 
 import pytest
 
+from engine.robot.company import News
 from engine.robot.geometry import Pose
 from engine.robot.sim.scene import Scene
 from tests.bench.gpsr import failure, summary
@@ -151,6 +153,13 @@ def test_who_is_near_hears() -> None:
     assert untrue(heard, run(story, spoken=[Spoken(3.0, "Linda, please leave.", ("person 1",))])) == ()
     assert untrue(heard, run(story, spoken=[Spoken(3.0, "Please leave.", ("person 2",))])) != ()
     assert untrue(heard, run(story, spoken=[Spoken(3.0, "Hello, Linda.", ("person 1",))])) != ()
+
+
+def test_what_somebody_says_that_they_heard_they_have_heard() -> None:
+    heard = (MustBe("heard", "person 1", words=("leave",)),)
+    told = replace(run(Story(HOUSE)), news=(News(2.0, "person 1", "hears", "Please leave."),))
+    assert untrue(heard, told) == ()
+    assert untrue(heard, replace(told, news=(News(2.0, "person 2", "hears", "Please leave."),))) != ()
 
 
 def test_a_thing_is_found_where_its_place_is_told_or_the_robot_is_near() -> None:

@@ -68,9 +68,8 @@ def _without(text: str, words: Sequence[str]) -> str:
 
 
 def _missing(fact: Fact, run: Run, now: datetime) -> str:
-    texts = [spoken.text for spoken in run.spoken if not fact.to or fact.to in spoken.near]
-    if not fact.to:
-        texts.append(run.evidence.words)
+    told = [*(spoken.text for spoken in run.spoken), run.evidence.words]
+    texts = run.heard_by(fact.to) if fact.to else told
     if not any(texts):
         return "nothing was told"
     text = " ".join(texts)

@@ -34,6 +34,7 @@ class Verdict:
     result: str
     words: str
     asked: tuple[str, ...] = ()
+    people: tuple[str, ...] = ()  # what they did
     robot_s: float = 0.0
     wall_s: float = 0.0
 
@@ -84,5 +85,6 @@ def judge(command: Command, run: Run, now: datetime) -> Verdict:
         result=run.evidence.result,
         words=run.evidence.words,
         asked=tuple(run.asked),
+        people=tuple(f"{news.who} {news.does} {news.text}".rstrip() for news in run.news),
         robot_s=run.evidence.end.t - run.evidence.start.t,
     )
