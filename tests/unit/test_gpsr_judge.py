@@ -106,6 +106,21 @@ def test_looking_through_the_room_is_looking_at_what_is_in_it() -> None:
     assert wrong(wants, ("scan_room", {"room": "kitchen"})) != ()
 
 
+def test_a_plan_that_only_looks_is_not_about_the_largest() -> None:
+    wants = (Want(("look", "find"), places=("desk",), about=("large", "big")),)
+    assert wrong(wants, ("navigation", {"place": symbol("desk")}), ("seewhat", {})) != ()
+    assert wrong(wants, ("describe_things", {"what": "largest thing", "surface": "desk"})) == ()
+
+
+def test_who_answers_rightly_has_understood() -> None:
+    goal = Goal((Want(("look",), places=("desk",), about=("large",)),), facts=(Fact((("coke",),), ("sprite",)),))
+    right, listed = (
+        verdict(goal, Story(HOUSE).then(1.0), words=words) for words in ("The coke.", "A coke and a sprite.")
+    )
+    assert (right.understood, right.done, right.told) == (True, True, True)
+    assert (listed.understood, listed.done, listed.told) == (False, False, False)
+
+
 # What came true
 
 

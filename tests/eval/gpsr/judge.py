@@ -61,6 +61,8 @@ def judge(command: Command, run: Run, now: datetime) -> Verdict:
     names = Names(run.evidence.scene, run.evidence.places)
     candidates = [*run.plans, run.started] if run.started else list(run.plans)
     wrong = min((unwanted(goal.wants, acts_of(calls), names) for calls in candidates), key=len, default=("no plan",))
+    if goal.facts and not untold(goal.facts, run, now) and not goal.truths:
+        wrong = ()  # who answers a question rightly has understood it
     undone = untrue(goal.truths, run)
     if goal.cannot:
         undone = (f"cannot: {goal.cannot}",)
