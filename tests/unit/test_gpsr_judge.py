@@ -231,6 +231,7 @@ def test_numbers_are_read_in_digits_and_words() -> None:
     assert numbers("I see 2 cups and 11 boxes.") == [2, 11]
     assert numbers("There are two.") == [2]
     assert numbers("I see a cup.") == [1]
+    assert numbers("I see a cup and a ball.") == []
     assert numbers("There are two on a table.") == [2]
     assert numbers("料理台上有三个杯子。") == [3]
     assert numbers("It is at 0.5 m.") == []

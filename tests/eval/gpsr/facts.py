@@ -21,7 +21,8 @@ _NUMBERS: Final = (
     ("three", "三"), ("four", "四"), ("five", "五"), ("six", "六"), ("seven", "七"), ("eight", "八"), ("nine", "九"),
 )  # fmt: skip
 _WEAK: Final = frozenset({"a", "an", "no", "一"})
-"""Words that are numbers only where no other one is."""
+"""Words that are numbers only where no other one is; more than one of them make a list."""
+_ARTICLE: Final = re.compile(r"(?<![a-z])(?:an?|no)(?![a-z])|一(?=个)")
 _DAYS: Final = (
     ("monday", "星期一", "周一"), ("tuesday", "星期二", "周二"), ("wednesday", "星期三", "周三"),
     ("thursday", "星期四", "周四"), ("friday", "星期五", "周五"), ("saturday", "星期六", "周六"),
@@ -92,7 +93,8 @@ def numbers(text: str) -> list[int]:
     plain = text.casefold()
     found = [int(digits) for digits in re.findall(r"(?<![\d.])\d+(?![\d.]*\d)", plain)]
     found += [n for n, words in enumerate(_NUMBERS) if any(has(plain, word) for word in words if word not in _WEAK)]
-    return found or [n for n, words in enumerate(_NUMBERS) if any(has(plain, word) for word in words)]
+    weak = _ARTICLE.findall(plain)
+    return found or [0 if word == "no" else 1 for word in weak if len(weak) == 1]
 
 
 def _tells(text: str, word: str, scene: Scene) -> bool:
