@@ -17,12 +17,11 @@ from tests.eval.gpsr.goal import Fact
 from tests.eval.gpsr.truths import Run
 
 _NUMBERS: Final = (
-    ("no", "none", "zero", "nobody", "nothing", "零", "没有"), ("one", "a", "an", "一"), ("two", "两", "二"),
-    ("three", "三"), ("four", "四"), ("five", "五"), ("six", "六"), ("seven", "七"), ("eight", "八"), ("nine", "九"),
+    ("none", "zero", "nobody", "nothing", "零", "没有"), ("one",), ("two", "两", "二"), ("three", "三"), ("four", "四"),
+    ("five", "五"), ("six", "六"), ("seven", "七"), ("eight", "八"), ("nine", "九"),
 )  # fmt: skip
-_WEAK: Final = frozenset({"a", "an", "no", "一"})
-"""Words that are numbers only where no other one is; more than one of them make a list."""
-_ARTICLE: Final = re.compile(r"(?<![a-z])(?:an?|no)(?![a-z])|一(?=个)")
+_ONE: Final = re.compile("一(?=个)")
+"""A number where it is there once; more of them make a list."""
 _DAYS: Final = (
     ("monday", "星期一", "周一"), ("tuesday", "星期二", "周二"), ("wednesday", "星期三", "周三"),
     ("thursday", "星期四", "周四"), ("friday", "星期五", "周五"), ("saturday", "星期六", "周六"),
@@ -69,13 +68,14 @@ def _without(text: str, words: Sequence[str]) -> str:
 
 
 def _missing(fact: Fact, run: Run, now: datetime) -> str:
-    told = [*(spoken.text for spoken in run.spoken), run.evidence.words]
-    texts = run.heard_by(fact.to) if fact.to else told
+    everything = [*(spoken.text for spoken in run.spoken), run.evidence.words]
+    texts = run.heard_by(fact.to) if fact.to else everything
     if not any(texts):
         return "nothing was told"
     text = " ".join(texts)
-    if fact.number is not None and fact.number not in (said := numbers(text)):
-        return f"told {', '.join(map(str, said)) or 'no number'}, not {fact.number}"
+    said = [number for told in texts for number in numbers(told)]
+    if fact.number is not None and fact.number not in said:
+        return f"told {', '.join(map(str, dict.fromkeys(said))) or 'no number'}, not {fact.number}"
     lost = ["|".join(g) for g in fact.groups if not any(_tells(text, word, run.evidence.scene) for word in g)]
     if lost:
         return f"not told: {', '.join(lost)}"
@@ -92,9 +92,8 @@ def numbers(text: str) -> list[int]:
     """All whole numbers of a text, in digits or words."""
     plain = text.casefold()
     found = [int(digits) for digits in re.findall(r"(?<![\d.])\d+(?![\d.]*\d)", plain)]
-    found += [n for n, words in enumerate(_NUMBERS) if any(has(plain, word) for word in words if word not in _WEAK)]
-    weak = _ARTICLE.findall(plain)
-    return found or [0 if word == "no" else 1 for word in weak if len(weak) == 1]
+    found += [n for n, words in enumerate(_NUMBERS) if any(has(plain, word) for word in words)]
+    return found or [1] * (len(_ONE.findall(plain)) == 1)
 
 
 def _tells(text: str, word: str, scene: Scene) -> bool:
