@@ -127,8 +127,8 @@ def figures(verdicts: Sequence[Verdict]) -> dict[str, Any]:
 
 def as_json(verdict: Verdict) -> dict[str, Any]:
     """A verdict with its reasons."""
-    fields = ("number", "category", "kind", "text", "plan", "result", "words", "asked", "misunderstood", "undone",
-              "untold", "made_up", "contacts", "cannot")  # fmt: skip
+    fields = ("number", "category", "kind", "text", "plan", "result", "words", "asked", "people", "misunderstood",
+              "undone", "untold", "made_up", "contacts", "cannot")  # fmt: skip
     marks = {"understood": verdict.understood, "done": verdict.done, "told": verdict.told}
     return {name: getattr(verdict, name) for name in fields} | marks | {"robot_s": round(verdict.robot_s, 1)}
 
@@ -139,6 +139,7 @@ def failure(verdict: Verdict) -> str:
     lines.append(f"  plan: {'; '.join(verdict.plan) or 'none'}")
     lines.append(f"  result: {verdict.result}: {verdict.words}")
     lines += [f"  asked: {question}" for question in verdict.asked]
+    lines += [f"  {did}" for did in verdict.people]
     for name, faults in (
         ("not understood", verdict.misunderstood),
         ("not done", verdict.undone),

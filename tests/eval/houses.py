@@ -106,7 +106,8 @@ def _draft(rng: np.random.Generator, needs: Needs, language: Language) -> Draft:
 def _begin(draft: Draft, needs: Needs) -> None:
     """The robot begins in the corridor; in another room, where a command is about the corridor."""
     if CORRIDOR not in needs.clear:
-        draft.start = (draft.uniform(-1.2, 1.2), draft.uniform(-0.2, 0.2), math.pi * int(draft.rng.integers(2)))
+        side = int(draft.rng.choice([-1, 1]))
+        draft.start = (draft.uniform(-1.2, 1.2), draft.uniform(0.2, 0.3) * side, math.pi * int(draft.rng.integers(2)))
         return
     room = next(room for room in ("living room", "dining room", "bedroom") if room not in needs.clear)
     x, y = free_point(draft, room, wall=1.2, furniture=0.6, stands=0.0)
@@ -200,7 +201,7 @@ def _scene(draft: Draft, name: str) -> Scene:
             "objects": draft.objects,
             "landmarks": list(landmarks(draft)),
             "people": draft.people,
-            "places": {**with_aliases(spots, _ALIASES), **others},
+            "places": with_aliases({**spots, **others}, _ALIASES),
         }
     )
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime
 
 import pytest
 
+from engine.robot.company import News
 from engine.robot.geometry import Pose
 from engine.robot.sim.scene import Scene
 from tests.bench.gpsr import failure, summary
@@ -104,6 +106,21 @@ def test_looking_through_the_room_is_looking_at_what_is_in_it() -> None:
     assert wrong(wants, ("scan_room", {"room": "kitchen"})) != ()
 
 
+def test_a_plan_that_only_looks_is_not_about_the_largest() -> None:
+    wants = (Want(("look", "find"), places=("desk",), about=("large", "big")),)
+    assert wrong(wants, ("navigation", {"place": symbol("desk")}), ("seewhat", {})) != ()
+    assert wrong(wants, ("describe_things", {"what": "largest thing", "surface": "desk"})) == ()
+
+
+def test_who_answers_rightly_has_understood() -> None:
+    goal = Goal((Want(("look",), places=("desk",), about=("large",)),), facts=(Fact((("coke",),), ("sprite",)),))
+    right, listed = (
+        verdict(goal, Story(HOUSE).then(1.0), words=words) for words in ("The coke.", "A coke and a sprite.")
+    )
+    assert (right.understood, right.done, right.told) == (True, True, True)
+    assert (listed.understood, listed.done, listed.told) == (False, False, False)
+
+
 # What came true
 
 
@@ -151,6 +168,13 @@ def test_who_is_near_hears() -> None:
     assert untrue(heard, run(story, spoken=[Spoken(3.0, "Linda, please leave.", ("person 1",))])) == ()
     assert untrue(heard, run(story, spoken=[Spoken(3.0, "Please leave.", ("person 2",))])) != ()
     assert untrue(heard, run(story, spoken=[Spoken(3.0, "Hello, Linda.", ("person 1",))])) != ()
+
+
+def test_what_somebody_says_that_they_heard_they_have_heard() -> None:
+    heard = (MustBe("heard", "person 1", words=("leave",)),)
+    told = replace(run(Story(HOUSE)), news=(News(2.0, "person 1", "hears", "Please leave."),))
+    assert untrue(heard, told) == ()
+    assert untrue(heard, replace(told, news=(News(2.0, "person 2", "hears", "Please leave."),))) != ()
 
 
 def test_a_thing_is_found_where_its_place_is_told_or_the_robot_is_near() -> None:
@@ -206,7 +230,9 @@ def missing(fact: Fact, words: str, *spoken: Spoken) -> tuple[str, ...]:
 def test_numbers_are_read_in_digits_and_words() -> None:
     assert numbers("I see 2 cups and 11 boxes.") == [2, 11]
     assert numbers("There are two.") == [2]
-    assert numbers("I see a cup.") == [1]
+    assert numbers("I see a cup and a ball.") == []
+    assert numbers("桌上有一个杯子。") == [1]
+    assert numbers("我看到一个杯子和一个球。") == []
     assert numbers("There are two on a table.") == [2]
     assert numbers("料理台上有三个杯子。") == [3]
     assert numbers("It is at 0.5 m.") == []
@@ -233,6 +259,17 @@ def test_a_woman_is_told_as_no_man() -> None:
     assert missing(fact, "She is a woman.") == ()
     assert made_up((fact,), run(Story(HOUSE), words="She is a woman.")) == ()
     assert made_up((fact,), run(Story(HOUSE), words="It is a man.")) == ("man",)
+
+
+def test_who_tells_right_and_wrong_together_has_answered_nothing_and_made_up_nothing() -> None:
+    gender = Fact((("female", "woman"),), ("male", "man"))
+    hedged = "I cannot tell whether the person is a man or a woman."
+    assert missing(gender, hedged) == ("told with what is wrong: man",)
+    assert made_up((gender,), run(Story(HOUSE), words=hedged)) == ()
+    largest = Fact((("coke",),), ("sprite", "apple"))
+    listed = "I see a green bottle and a red ball."
+    assert missing(largest, listed) != ()
+    assert made_up((largest,), run(Story(HOUSE), words=listed)) == ()
 
 
 @pytest.mark.parametrize(

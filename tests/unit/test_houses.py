@@ -109,6 +109,7 @@ def test_what_has_no_room_in_any_house_is_told() -> None:
 def test_things_are_called_in_the_language_of_the_command() -> None:
     scene = house(2, language="zh")
     assert "厨房" in scene.rooms["kitchen"].aliases
+    assert "水槽" in scene.places["sink"].aliases
     assert all(any("一" <= sign <= "鿿" for sign in name) for name in scene.objects)
 
 

@@ -48,6 +48,7 @@ class Act:
     who: str = ""
     thing: str = ""
     place: str = ""
+    call: str = ""  # all of it, as it was called
 
 
 def acts_of(calls: Iterable[Called]) -> tuple[Act, ...]:
@@ -61,9 +62,10 @@ def acts_of(calls: Iterable[Called]) -> tuple[Act, ...]:
         if name == "place_in_bin":
             said_place = "bin"
         place = said_place if said_place not in _ANYBODY else place
+        call = " ".join((name, *map(str, args.values()))).casefold()
         for what in _whats(name):
             concerned = who if what not in ("pick", "put", "go", "clean") else ""
-            found.append(Act(what, concerned, thing if what in ("pick", "give") else said_thing, place))
+            found.append(Act(what, concerned, thing if what in ("pick", "give") else said_thing, place, call))
     return tuple(found)
 
 
@@ -137,6 +139,8 @@ def unwanted(wants: Sequence[Want], acts: Sequence[Act], names: Names) -> tuple[
 def fits(want: Want, act: Act, names: Names) -> bool:
     """Whether an act is what is wanted, as far as it says."""
     if act.what not in want.what:
+        return False
+    if want.about and not any(part in act.call for part in want.about):
         return False
     if want.things and act.thing and not names.things(act.thing) & set(want.things):
         return False

@@ -57,12 +57,15 @@ def settle(draft: Draft, guests: Sequence[Guest]) -> None:
 
 
 def operator(draft: Draft) -> None:
-    """Who gives the command stands before the robot."""
+    """Who gives the command stands before the robot; in the corridor at its other side, so that others come by."""
     x, y, yaw = draft.start
-    at = (round(x + 1.1 * math.cos(yaw), 3), round(y + 1.1 * math.sin(yaw), 3))
+    at = (x + 1.1 * math.cos(yaw), y + 1.1 * math.sin(yaw))
+    if _away((x, y), draft.rooms[CORRIDOR]) == 0:
+        at = (x + 0.8 * math.cos(yaw), math.copysign(draft.rooms[CORRIDOR][3] - 0.42, -y))
+    facing = math.degrees(math.atan2(y - at[1], x - at[0]))
     draft.people[OPERATOR] = {
-        "path": [at], "facing": math.degrees(yaw) + 180, "height": 1.75, "shirt": "slate", "trousers": "slate",
-        "gender": "female",
+        "path": [(round(at[0], 3), round(at[1], 3))], "facing": round(facing), "height": 1.75, "shirt": "slate",
+        "trousers": "slate", "gender": "female",
     }  # fmt: skip
 
 

@@ -17,11 +17,11 @@ from tests.eval.gpsr.goal import Fact
 from tests.eval.gpsr.truths import Run
 
 _NUMBERS: Final = (
-    ("no", "none", "zero", "nobody", "nothing", "零", "没有"), ("one", "a", "an", "一"), ("two", "两", "二"),
-    ("three", "三"), ("four", "四"), ("five", "五"), ("six", "六"), ("seven", "七"), ("eight", "八"), ("nine", "九"),
+    ("none", "zero", "nobody", "nothing", "零", "没有"), ("one",), ("two", "两", "二"), ("three", "三"), ("four", "四"),
+    ("five", "五"), ("six", "六"), ("seven", "七"), ("eight", "八"), ("nine", "九"),
 )  # fmt: skip
-_WEAK: Final = frozenset({"a", "an", "no", "一"})
-"""Words that are numbers only where no other one is."""
+_ONE: Final = re.compile("一(?=个)")
+"""A number where it is there once; more of them make a list."""
 _DAYS: Final = (
     ("monday", "星期一", "周一"), ("tuesday", "星期二", "周二"), ("wednesday", "星期三", "周三"),
     ("thursday", "星期四", "周四"), ("friday", "星期五", "周五"), ("saturday", "星期六", "周六"),
@@ -38,16 +38,25 @@ def untold(facts: Sequence[Fact], run: Run, now: datetime) -> tuple[str, ...]:
 
 
 def made_up(facts: Sequence[Fact], run: Run) -> tuple[str, ...]:
-    """What was told and is wrong."""
-    found = []
+    """What was told and is wrong: another number, or wrong words instead of right ones. Who tells more of them than
+    were asked for lists what is there, and claims nothing."""
+    found: list[str] = []
     for fact in facts:
         answer = run.evidence.words
-        rest = _without(answer, [word for group in fact.groups for word in group])
-        found += [word for word in fact.wrong if _tells(rest, word, run.evidence.scene)]
+        wrong = _wrong(fact, answer, run.evidence.scene)
+        right = [g for g in fact.groups if any(_tells(answer, word, run.evidence.scene) for word in g)]
+        if len(right) + len(wrong) <= len(fact.groups):
+            found += wrong
         said = numbers(answer)
         if fact.number is not None and said and fact.number not in said:
             found.append(f"{said[0]} instead of {fact.number}")
     return tuple(found)
+
+
+def _wrong(fact: Fact, text: str, scene: Scene) -> list[str]:
+    """Words of a text that are wrong."""
+    rest = _without(text, [word for group in fact.groups for word in group])
+    return [word for word in fact.wrong if _tells(rest, word, scene)]
 
 
 def _without(text: str, words: Sequence[str]) -> str:
@@ -59,17 +68,19 @@ def _without(text: str, words: Sequence[str]) -> str:
 
 
 def _missing(fact: Fact, run: Run, now: datetime) -> str:
-    texts = [spoken.text for spoken in run.spoken if not fact.to or fact.to in spoken.near]
-    if not fact.to:
-        texts.append(run.evidence.words)
+    everything = [*(spoken.text for spoken in run.spoken), run.evidence.words]
+    texts = run.heard_by(fact.to) if fact.to else everything
     if not any(texts):
         return "nothing was told"
     text = " ".join(texts)
-    if fact.number is not None and fact.number not in (said := numbers(text)):
-        return f"told {', '.join(map(str, said)) or 'no number'}, not {fact.number}"
+    said = [number for told in texts for number in numbers(told)]
+    if fact.number is not None and fact.number not in said:
+        return f"told {', '.join(map(str, dict.fromkeys(said))) or 'no number'}, not {fact.number}"
     lost = ["|".join(g) for g in fact.groups if not any(_tells(text, word, run.evidence.scene) for word in g)]
     if lost:
         return f"not told: {', '.join(lost)}"
+    if wrong := _wrong(fact, run.evidence.words, run.evidence.scene):
+        return f"told with what is wrong: {', '.join(wrong)}"
     if fact.of_the_day and not _is_of_the_day(fact, text, now):
         return f"the {fact.of_the_day} was not told"
     if not fact.of_the_day and not fact.groups and fact.number is None and max(map(len, texts)) < _SHORTEST:
@@ -81,8 +92,8 @@ def numbers(text: str) -> list[int]:
     """All whole numbers of a text, in digits or words."""
     plain = text.casefold()
     found = [int(digits) for digits in re.findall(r"(?<![\d.])\d+(?![\d.]*\d)", plain)]
-    found += [n for n, words in enumerate(_NUMBERS) if any(has(plain, word) for word in words if word not in _WEAK)]
-    return found or [n for n, words in enumerate(_NUMBERS) if any(has(plain, word) for word in words)]
+    found += [n for n, words in enumerate(_NUMBERS) if any(has(plain, word) for word in words)]
+    return found or [1] * (len(_ONE.findall(plain)) == 1)
 
 
 def _tells(text: str, word: str, scene: Scene) -> bool:

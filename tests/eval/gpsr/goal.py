@@ -70,6 +70,7 @@ class Want:
     who: tuple[str, ...] = ()  # words of which the argument has one
     things: tuple[str, ...] = ()  # keys
     places: tuple[str, ...] = ()
+    about: tuple[str, ...] = ()  # parts of words, of which the call has one: what is asked of what is looked at
 
 
 Truth = Literal[

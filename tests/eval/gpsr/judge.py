@@ -34,6 +34,7 @@ class Verdict:
     result: str
     words: str
     asked: tuple[str, ...] = ()
+    people: tuple[str, ...] = ()  # what they did
     robot_s: float = 0.0
     wall_s: float = 0.0
 
@@ -60,11 +61,13 @@ def judge(command: Command, run: Run, now: datetime) -> Verdict:
     names = Names(run.evidence.scene, run.evidence.places)
     candidates = [*run.plans, run.started] if run.started else list(run.plans)
     wrong = min((unwanted(goal.wants, acts_of(calls), names) for calls in candidates), key=len, default=("no plan",))
+    if goal.facts and not untold(goal.facts, run, now) and not goal.truths:
+        wrong = ()  # who answers a question rightly has understood it
     undone = untrue(goal.truths, run)
     if goal.cannot:
         undone = (f"cannot: {goal.cannot}",)
-    elif not goal.truths and goal.facts:
-        undone = untold(goal.facts, run, now)  # to tell is all that there is to do
+    else:  # what is told to somebody is what there is to do; and so is any answer, where there is nothing else
+        undone += untold([fact for fact in goal.facts if fact.to or not goal.truths], run, now)
     invented = list(made_up(goal.facts, run))
     if run.evidence.result == "done" and run.plans and (goal.cannot or (goal.truths and undone)):
         invented.append("said that it is done")  # without a plan it was an answer
@@ -84,5 +87,6 @@ def judge(command: Command, run: Run, now: datetime) -> Verdict:
         result=run.evidence.result,
         words=run.evidence.words,
         asked=tuple(run.asked),
+        people=tuple(f"{news.who} {news.does} {news.text}".rstrip() for news in run.news),
         robot_s=run.evidence.end.t - run.evidence.start.t,
     )

@@ -15,6 +15,11 @@ from tests.eval.gpsr.making import Kind, Making, Order, Receiver, Undrawable
 BOXES: Final = ("cereal", "noodles", "sausages", "pringles", "crackers", "potato chips")
 """Things that something can stand on: what :data:`tests.eval.houses.LOOKS` makes boxes of."""
 _LARGEST: Final = frozenset({"biggest", "largest", "heaviest"})
+_ABOUT: Final[Mapping[str, tuple[str, ...]]] = {
+    "biggest": ("big", "large", "大"), "largest": ("big", "large", "大"), "smallest": ("small", "小"),
+    "heaviest": ("heav", "重"), "lightest": ("light", "轻"), "thinnest": ("thin", "narrow", "细"),
+}  # fmt: skip
+"""Parts of words that a plan must have that is about a property."""
 _SIDES: Final[Mapping[str, Side]] = {
     "at the left of": "left", "at the right of": "right", "on top of": "on", "above": "on", "behind": "behind",
     "under": "under",
@@ -170,7 +175,8 @@ def tell_the_three_most(m: Making) -> Order:
 
 
 def _told_things(m: Making, keys: tuple[str, ...], source: str, chinese: str) -> Order:
-    wants = (Want(("look", "find"), places=(source,)),)
+    about = _ABOUT[m.drawn.word("oprop")]
+    wants = (Want(("look", "find"), places=(source,), about=about),)
     wrong = tuple(item.key for item in m.items if item.key not in keys)
     return m.order(chinese, Goal(wants, facts=(Fact(tuple((key,) for key in keys), wrong),)))
 

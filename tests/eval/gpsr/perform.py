@@ -12,13 +12,14 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
-from typing import Any
+from typing import Any, cast, get_args
 
 from engine import events
 from engine.commands import Interrupt, Quit, Say
 from engine.engine import Engine
 from engine.events import Event
 from engine.parts.loading import Sound
+from engine.robot.company import Happening, News
 from engine.robot.host.memory import Memory
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.world import World
@@ -34,7 +35,7 @@ from tests.eval.tasks import Trial
 AFTER_S = 15.0
 """How long somebody who was followed stands before whoever asked says that it is enough, robot time."""
 _ANSWERS = 3  # that are given at most
-_STILL = 0.3  # m from the end of a way
+_STILL = 0.5  # m from the end of a way
 
 
 @dataclass
@@ -46,6 +47,7 @@ class Heard:
     finished: list[Done] = field(default_factory=list)
     spoken: list[tuple[float, str]] = field(default_factory=list)  # with the robot time
     asked: list[str] = field(default_factory=list)
+    news: list[News] = field(default_factory=list)
     result: events.TurnResult | None = None
     ready: threading.Event = field(default_factory=threading.Event)
     over: threading.Event = field(default_factory=threading.Event)
@@ -64,6 +66,8 @@ class Heard:
                 self.finished.append(Done(name, outcome, code, data or {}))
             case events.SpeechStarted(text=text):
                 self.spoken.append((self.now, text))
+            case events.PersonActed(who=who, does=does, text=text, robot_t=t) if does in get_args(Happening):
+                self.news.append(News(t, who, cast(Happening, does), text))
             case events.ClarificationAsked(question=question):
                 self.asked.append(question)
             case events.StateChanged(result=events.TurnResult() as result):
@@ -122,7 +126,7 @@ def _perform(trial: Trial, command: Command, settings: Any) -> Run:
         engine.send(Quit())
         engine.join(PATIENCE_S)
     spoken = [Spoken(t, text, who_hears(evidence, _at(evidence.samples, t))) for t, text in heard.spoken]
-    return Run(evidence, heard.plans, heard.started, spoken, heard.asked)
+    return Run(evidence, heard.plans, heard.started, spoken, heard.asked, heard.news)
 
 
 def _at(samples: Any, t: float) -> Sample:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
+from engine.robot.company import News
 from engine.robot.sim.clutter import _away
 from tests.eval import checker
 from tests.eval.checker import Evidence, Sample
@@ -19,7 +20,7 @@ from tests.eval.gpsr.goal import MustBe, Truth
 
 EARSHOT: Final = 3.0
 """m within which people hear the robot."""
-BESIDE: Final = 1.0
+BESIDE: Final = 1.5
 """m from somebody within which a thing that was laid down for them counts as given."""
 TOGETHER: Final = 2.2
 """m between the robot and somebody whom it guides or follows, where they have arrived."""
@@ -57,10 +58,16 @@ class Run:
     started: Sequence[Called] = ()  # actions that began
     spoken: Sequence[Spoken] = ()
     asked: Sequence[str] = ()  # what the robot wanted to know
+    news: Sequence[News] = ()  # what people tell that they heard and did
 
     def person(self, name: str, sample: Sample | None = None) -> tuple[float, float]:
         x, y, _ = self.evidence.at(name, sample)
         return x, y
+
+    def heard_by(self, name: str) -> list[str]:
+        """What somebody has heard of the robot: as they tell themselves, and because they were near."""
+        told = [news.text for news in self.news if news.who == name and news.does == "hears"]
+        return [*told, *(spoken.text for spoken in self.spoken if name in spoken.near)]
 
     def apart(self, name: str, sample: Sample) -> float:
         """From the robot's middle to somebody, m."""
@@ -193,7 +200,7 @@ def _accompanied(run: Run, truth: MustBe) -> str:
 
 
 def _heard(run: Run, truth: MustBe) -> str:
-    heard = [spoken.text for spoken in run.spoken if truth.who in spoken.near]
+    heard = run.heard_by(truth.who)
     if any(not word or has(text, word) for text in heard for word in truth.words):
         return ""
     words = "|".join(filter(None, truth.words)) or "anything"
