@@ -96,6 +96,8 @@ class PeopleMemory:
         self._records: dict[int, _Record] = {}
         self._numbers = 0
         self._last_answer: Answer | None = None
+        self.met: tuple[str, int] = ("", 0)
+        """Whom the robot has gone up to last: the words for them, and their number."""
 
     def heard(self, answer: Answer) -> None:
         """Somebody has answered."""

@@ -25,10 +25,11 @@ from engine.robot.robot import RobotState
 from engine.skills.context import SkillContext
 from engine.skills.drive import settle, why_held
 from engine.skills.legs import Legs
-from engine.skills.meeting import face_point, look_around
+from engine.skills.meeting import face_point, look_around, look_through
 from engine.skills.outcome import Result, fail, ok
-from engine.skills.servo import PICTURE_S, Wheels, chase, look_towards, place_of
-from engine.skills.travel import go_to, way_to
+from engine.skills.search import room_at
+from engine.skills.servo import PICTURE_S, WHOLE_S, Wheels, chase, look_towards, place_of
+from engine.skills.travel import NOTHING_SEEN, SEEN_RANGE, go_to, way_to
 
 KEEP: Final = 1.2
 """m from somebody who is followed: people like it so."""
@@ -38,6 +39,10 @@ BEHIND: Final = 2.4
 """m that somebody who is guided may fall behind."""
 AGAIN: Final = 1.7
 """m within which the robot goes on."""
+BESIDE: Final = 1.35
+"""m within which they have arrived as well."""
+CLOSES_S: Final = 6.0
+"""s in which they come so near at the end."""
 WAIT_S: Final = 15.0
 """s that it waits for somebody who has stayed behind, before it goes to fetch them."""
 LOST_S: Final = 2.5
@@ -49,6 +54,10 @@ _SAME: Final = 1.0  # m from where somebody is expected; who is seen farther off
 _AIM: Final = 0.7  # m ahead on the way round
 _ROUTE_S: Final = 0.5  # s between two looks for a way round
 _STILL: Final = 0.15  # m/s
+_WAIST: Final = 0.75  # m, where the camera looks: shirt and landmarks are in the picture
+_HELD_S: Final = 0.8  # s that something is in the way until the robot goes round
+_ROUND_S: Final = 4.0  # s for which it does
+_THEIRS: Final = 0.6  # m around somebody that the lidar sees of them
 _SEARCHES: Final = 3  # times that somebody who is lost is looked for
 _NARROW: Final = 0.05  # m that the robot keeps from things on its straight way
 _FETCHES: Final = 2  # times that somebody who stays behind is fetched
@@ -71,19 +80,18 @@ class Pursuit:
         self._shirt: Colour | None = person.shirt
         self._trousers: Colour | None = person.trousers
         self._legs = Legs(context.robot, person.position[:2])
-        self._height = max(0.8, person.position[2])
         self._picture: asyncio.Task[Sight] | None = None
-        self._picture_at = -math.inf
+        self._picture_at = self._whole_at = -math.inf
         self._wheels = Wheels(context)
         self._aim: tuple[float, float] | None = None  # on the way round
         self._routed_at = -math.inf
+        self._held_since, self._round_until = math.inf, -math.inf  # by something that is not on the map
         self._seen_t = context.robot.state().t  # by the camera
         robot = context.robot
         self._free = distances(robot.floor_map.occupied, robot.floor_map.resolution, 1.0)
 
-    async def run(self, there: Callable[[tuple[float, float]], bool]) -> Result:
-        """``there``: whether a point is where they wanted to be followed to; None of them ever is for who follows
-        wherever somebody goes."""
+    async def run(self, there: Callable[[tuple[float, float]], bool], stands: float = STOOD_S) -> Result:
+        """``there``: whether a point is where they wanted to be followed to, once they stand there for ``stands`` s."""
         context, stood_since = self._context, math.inf
         searches = 0
         try:
@@ -101,7 +109,7 @@ class Pursuit:
                 here = self._legs.at
                 stands = self._legs.speed < _STILL and there(here) and self._legs.away < KEEP + 0.6
                 stood_since = min(stood_since, state.t) if stands else math.inf
-                if state.t - stood_since > STOOD_S:
+                if state.t - stood_since > stands:
                     await self._wheels.stand()
                     return ok(f"I followed {self._name}{_where(context, here)}.", x=here[0], y=here[1])
                 context.progress(None, f"{self._name}, {self._legs.away:.1f} m away")
@@ -118,9 +126,11 @@ class Pursuit:
     async def _look(self, state: RobotState) -> None:
         """Have a picture understood beside the driving, and take it in when it is."""
         if self._picture is None and state.t >= self._picture_at + PICTURE_S:
-            look_towards(self._context, (*self._legs.at, self._height))
+            look_towards(self._context, (*self._legs.at, _WAIST))
             self._picture_at = state.t
-            self._picture = asyncio.create_task(self._context.see(_PEOPLE))
+            whole = state.t >= self._whole_at + WHOLE_S  # for landmarks, and for what lies about
+            self._whole_at = state.t if whole else self._whole_at
+            self._picture = asyncio.create_task(self._context.see() if whole else self._context.see(_PEOPLE))
         if self._picture is None:
             return
         if not self._picture.done():  # at full speed time stands still until somebody ticks
@@ -152,11 +162,15 @@ class Pursuit:
     def _twist(self, state: RobotState) -> Twist:
         spot = self._legs.at
         velocity = (0.0, 0.0) if self._legs.speed < _STILL else self._legs.velocity
-        if self._is_clear(state.pose, spot):
+        self._held_since = min(self._held_since, state.t) if state.blocked else math.inf
+        if state.t - self._held_since > _HELD_S:
+            self._round_until, self._held_since = state.t + _ROUND_S, math.inf
+        obstructed = state.t < self._round_until or len(self._legs.others) > 0
+        if state.t >= self._round_until and self._is_clear(state.pose, spot):
             self._aim = None
             return chase(state.pose, spot, velocity, KEEP)
         if self._aim is None or state.t > self._routed_at + _ROUTE_S:
-            self._aim, self._routed_at = self._way_round(state.pose, spot), state.t
+            self._aim, self._routed_at = self._way_round(state.pose, spot, around=obstructed), state.t
         if self._aim is None or self._legs.away < KEEP:
             return chase(state.pose, spot, velocity, KEEP)
         return chase(state.pose, self._aim, (0.0, 0.0), 0.0)
@@ -172,10 +186,22 @@ class Pursuit:
         row = np.clip(((ys - floor.origin[1]) / floor.resolution).astype(int), 0, rows - 1)
         column = np.clip(((xs - floor.origin[0]) / floor.resolution).astype(int), 0, columns - 1)
         clearance = self._context.robot.footprint.width / 2 + _NARROW
-        return bool((self._free[row[1:], column[1:]] > clearance).all())
+        if not (self._free[row[1:], column[1:]] > clearance).all():
+            return False
+        line = np.column_stack((xs, ys))
+        others = self._legs.others
+        others = others[np.hypot(others[:, 0] - pose.x, others[:, 1] - pose.y) < SEEN_RANGE]
+        apart = np.hypot(*(others[:, None] - line[None]).transpose(2, 0, 1))
+        return not len(others) or bool(apart.min() > clearance)
 
-    def _way_round(self, pose: Pose, spot: tuple[float, float]) -> tuple[float, float] | None:
-        way = way_to(self._context, Pose(*spot, math.atan2(spot[1] - pose.y, spot[0] - pose.x)))
+    def _way_round(self, pose: Pose, spot: tuple[float, float], *, around: bool) -> tuple[float, float] | None:
+        """A point on the way there; ``around`` what the lidar sees, but for them."""
+        goal = Pose(*spot, math.atan2(spot[1] - pose.y, spot[0] - pose.x))
+        seen = NOTHING_SEEN
+        if around:
+            points = self._context.robot.scan().on_map(pose, SEEN_RANGE)
+            seen = points[np.hypot(points[:, 0] - spot[0], points[:, 1] - spot[1]) > _THEIRS]
+        way = way_to(self._context, goal, seen)
         if isinstance(way, Unreachable):
             return None
         left = _AIM
@@ -209,6 +235,8 @@ class Pursuit:
 
         await look_around(context, seen)
         if not found:
+            await look_through(context, room_at(context.robot.floor_map, x, y), seen)
+        if not found:
             return False
         person = min(found, key=lambda p: math.dist(p.position[:2], (x, y)))
         self._legs = Legs(context.robot, person.position[:2])
@@ -241,7 +269,7 @@ async def lead(context: SkillContext, person: PersonSeen, name: str, goal: Pose,
         result = await _drive_ahead(context, legs, goal, place)
         if result is not None and not result.ok:
             return result
-        if result is not None and legs.unseen_s < 1.0 and legs.away < BEHIND + 0.4:
+        if result is not None and await _wait(context, legs, BESIDE, CLOSES_S):
             await face_point(context, (*legs.at, 1.0))
             return ok(f"I guided {name} to {place}.", x=context.pose.x, y=context.pose.y)
         await face_point(context, (*legs.at, 1.0))
@@ -286,13 +314,13 @@ async def _drive_ahead(context: SkillContext, legs: Legs, goal: Pose, place: str
         return None
 
 
-async def _wait(context: SkillContext, legs: Legs) -> bool:
-    """Until they are near again."""
+async def _wait(context: SkillContext, legs: Legs, within: float = AGAIN, limit_s: float = WAIT_S) -> bool:
+    """Until they are near, or for so long."""
     state = context.robot.state()
-    end = state.work_t + WAIT_S
+    end = state.work_t + limit_s
     while state.work_t < end:
         legs.update()
-        if legs.unseen_s < 0.5 and legs.away < AGAIN:
+        if legs.unseen_s < 0.5 and legs.away < within:
             return True
         state = await context.robot.tick()
     return False

@@ -29,7 +29,7 @@ from engine.skills.servo import gaze
 from engine.skills.strewn import seen_from
 from engine.skills.travel import go_to, way_to
 
-APART: Final = 1.0
+APART: Final = 1.1
 """m from the robot's centre to the middle of somebody whom it talks with."""
 NEARER: Final = 0.62
 """m where something is handed over."""
@@ -37,12 +37,13 @@ CALM: Final = 0.3
 """m/s on the last metre: whoever does not see the robot come must not be startled."""
 FRESH_S: Final = 20.0
 """Somebody who was seen within this time is where they were, or near it."""
-AT: Final = 1.6
+AT: Final = 1.8
 """m from a piece of furniture or a place within which somebody is at it."""
 _SIDES: Final = (0.0, 1.0, -1.0)
 """rad by which the arm turns the camera when it looks around."""
 _LEVEL: Final = (2.0, 0.9)
 """m ahead and up, where the camera looks then."""
+_CHEST: Final = 1.0  # m, where to look to see what somebody wears
 _TURN: Final = 1.2  # rad/s
 _STEPS: Final = 16  # directions around somebody that are tried
 _MARGIN: Final = 0.1  # m that the hull keeps from things
@@ -134,7 +135,7 @@ async def find_somebody(
     shut: Result | None = None
     seen: list[str] = []
     for one in order:
-        trouble = await _look_through(context, one, lambda: found() is not None)
+        trouble = await look_through(context, one, lambda: found() is not None)
         if (person := found()) is not None:
             return person
         if trouble is None:
@@ -154,7 +155,7 @@ def _order(context: SkillContext, who: Someone) -> list[Room]:
     return sorted(by_distance(floor, context.pose), key=lambda room: (room not in last, room.name != usual))
 
 
-async def _look_through(context: SkillContext, room: Room, found: Callable[[], bool]) -> Result | None:
+async def look_through(context: SkillContext, room: Room, found: Callable[[], bool]) -> Result | None:
     """Look around from as many places of a room as it takes to see all of it."""
     places = _viewpoints(context, room)
     trouble: Result | None = None
@@ -211,6 +212,8 @@ async def _find_at(context: SkillContext, who: Someone, wanted: Seen, where: str
         if not went.ok:
             return went
     trouble = await look_around(context, lambda: found() is not None)
+    if found() is None and trouble is None:
+        trouble = await look_through(context, room, lambda: found() is not None)
     if (person := found()) is not None:
         return person
     return trouble or fail("object_not_found", f"I looked at the {where} and saw {_no(who)} there.")
@@ -324,7 +327,7 @@ async def face_point(context: SkillContext, point: Point) -> None:
         await turn(context, aside, _TURN)
     pose = context.pose
     away = math.dist((pose.x, pose.y), point[:2])
-    await move_to(context, gaze(context.robot.arm, (max(away, 0.4), 0.0, max(point[2], 0.7))), speed=2.0)
+    await move_to(context, gaze(context.robot.arm, (max(away, 0.4), 0.0, max(point[2], _CHEST))), speed=2.0)
 
 
 def called(person: PersonSeen) -> str:

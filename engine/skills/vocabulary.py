@@ -23,6 +23,8 @@ from engine.skills.synonyms import synonyms
 
 BIN: Final = "bin"
 FLOOR: Final = "floor"
+ME: Final = "me"
+"""Whoever gave the order."""
 BARE: Final = frozenset({"plant", "dock", "wardrobe"})
 """Kinds of furniture that nothing is put on."""
 
@@ -92,7 +94,7 @@ class Vocabulary:
             "surface": self.surface,
             "room": self.room,
             "thing_colour": self.colour,
-            "person": lambda words: str(self.people.who(words)),
+            "person": self.person,
         }
 
     def object(self, words: str) -> str:
@@ -106,6 +108,10 @@ class Vocabulary:
             if not (names := self.things()):
                 raise
             raise UnknownObject(unknown.message, hint=f"{unknown.hint} And: {', '.join(names)}.") from None
+
+    def person(self, words: str) -> str:
+        """Somebody, as ``str(Someone)``; whoever gave the order stays ``me``. Raises :class:`UnknownPerson`."""
+        return ME if words.casefold().strip() == ME else str(self.people.who(words))
 
     def fitting(self, words: str) -> tuple[str, ...]:
         """Every thing of this house that the words may mean, by its name, or the words as :meth:`object` has them where

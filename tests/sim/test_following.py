@@ -26,6 +26,7 @@ from engine.robot.sim.scene import Scene
 from engine.skills.context import SkillContext
 from engine.skills.external.host import external_skill
 from engine.skills.library import following
+from engine.skills.library.people import person_follow
 from engine.skills.outcome import Result
 from engine.skills.registry import Skill
 from tests.sim.inhand import HandRobot, context_of
@@ -158,7 +159,7 @@ def test_a_walking_person_is_followed() -> None:
     beside = {"red box": RED["red box"] | {"at": [0.2, -0.6]}}
     run = Run(hall(Pose(-1.2, 0, 0), people=people, objects=beside), watch)
     with pytest.raises(_EnoughError):
-        run.do(following.person_follow)
+        run.do(person_follow)
     assert "red box" in {thing.name for thing in run.world.things}  # which it has not followed
     assert min(gaps[150:]) > 0.7
     assert max(gaps[150:]) < 1.9

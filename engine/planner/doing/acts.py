@@ -35,7 +35,7 @@ from engine.planner.doing.moving import (
     unspecified,
     wait,
 )
-from engine.planner.doing.people import answer, ask, introduce
+from engine.planner.doing.people import answer, ask, introduce, until_they_stand
 from engine.planner.doing.several import one_by_one, spread
 from engine.planner.doing.signals import arm_turn, beep, greet, just, light, often, remember, say, switch, tell
 from engine.planner.phrases.said import Calls, call
@@ -52,7 +52,7 @@ def calls_of(nodes: Sequence[Do | If | Repeat], doing: Doing) -> Calls:
             _do(node, doing)
         else:
             raise Unable("condition")
-    return tuple(doing.calls)
+    return tuple(until_they_stand(doing.calls))
 
 
 def _repeat(node: Repeat, doing: Doing) -> None:

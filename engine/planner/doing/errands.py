@@ -23,6 +23,10 @@ def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If
     for node in nodes:
         last = made[-1] if made else None
         if isinstance(last, Do) and isinstance(node, Do):
+            if last.act in ("guide", "follow") and node.act in ("find", "meet", "fact") and _is_where(last, node):
+                place = next(role for role in node.roles if role.name == "place")
+                made[-1] = replace(last, roles=(*last.roles, replace(place, name="source")))
+                continue
             if last.act == "leave" and node.act in _GOING:
                 made.pop()  # whoever goes elsewhere has left
             elif last.act == "follow" and _clears_the_way(node, doing):
@@ -46,6 +50,15 @@ def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If
                 continue
         made.append(node)
     return tuple(made)
+
+
+def _is_where(first: Do, second: Do) -> bool:
+    """Whether it says where somebody is found: "guide Anna to the exit, you may find her at the desk"."""
+    who, place = second.words("person"), second.words("place")
+    return bool(place) and not first.words("source") and _PRONOUN.fullmatch(who.casefold()) is not None
+
+
+_PRONOUN: Final = re.compile(r"him|her|them|he|she|they|[他她]们?")
 
 
 def _with_things(roles: Sequence[Role], then: Do) -> Do:

@@ -13,6 +13,7 @@ from engine.planner.doing import people
 from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Roles, Unable
 from engine.planner.phrases.said import Calls, call
 from engine.skills.places import ZERO_SYMBOL
+from engine.skills.vocabulary import ME
 
 
 def speed_of(roles: Roles) -> tuple[Quantity, ...]:
@@ -204,7 +205,7 @@ def follow(doing: Doing, roles: Roles) -> Calls:
         raise Open("which_colour")
     if found is not None and not found.known and not roles.words("person") and colour_of(doing, plain):
         return call("color_follow", colour_of(doing, plain))
-    return people.follow(doing, words or people.ME, roles.words("place"), roles.words("source"))
+    return people.follow(doing, words or ME, roles.words("place"), roles.words("source"))
 
 
 _LINE: Final = re.compile(r"line|tape|stripe|线")
@@ -242,7 +243,7 @@ def colour_of(doing: Doing, plain: str) -> str:
 
 def guide(doing: Doing, roles: Roles) -> Calls:
     words, place, source = roles.words("person"), roles.words("place"), roles.words("source")
-    return people.guide(doing, words or people.ME, place, source)
+    return people.guide(doing, words or ME, place, source)
 
 
 def patrol(doing: Doing, roles: Roles) -> Calls:

@@ -7,14 +7,16 @@ Whoever is only named, and neither known here nor said to be anywhere, is asked 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 from engine.errors import PlanError
+from engine.plan import ActionCall, Quantity
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable
 from engine.planner.phrases.said import Calls, call
-
-ME: Final = "me"
-"""Whoever gave the order."""
+from engine.skills.places import ZERO_SYMBOL
+from engine.skills.vocabulary import ME
 
 
 def somebody(doing: Doing, words: str, where: str = "", *, stranger: bool = False) -> tuple[str, str]:
@@ -97,16 +99,30 @@ def follow(doing: Doing, words: str, place: str, source: str) -> Calls:
     return (*first, *call("person_follow", "person" if who == ME else who, *to))
 
 
+def until_they_stand(calls: Sequence[ActionCall]) -> list[ActionCall]:
+    """Whoever is followed nowhere in particular is followed until they stand, where something is to be done then."""
+    made = list(calls)
+    for index, made_call in enumerate(made[:-1]):
+        if made_call.name == "person_follow" and len(made_call.positional) < 2 and not made[index + 1].alongside:
+            who = made_call.positional[:1] or ("person",)
+            made[index] = replace(made_call, positional=(*who, "", Quantity(STANDS_S, "s")))
+    return made
+
+
+STANDS_S: Final = 6.0
 _OUT: Final = re.compile(r"\bwherever|\boutside\b|\baround\b|到处|外面")
 
 
 def guide(doing: Doing, words: str, place: str, source: str) -> Calls:
     """Ahead of somebody, who is met first where they are said to be."""
     who, at = somebody(doing, words, source) if words else (ME, "")
-    if not place:
+    if not place and not _BACK.search(doing.said.casefold()):
         raise Open("where")
     first = call("meet", who, at) if at else ()
-    return (*first, *call("guide", who, doing.spot(place)))
+    return (*first, *call("guide", who, doing.spot(place) if place else ZERO_SYMBOL))
+
+
+_BACK: Final = re.compile(r"\bback\b|回来|回去")
 
 
 def tell(doing: Doing, words: str, where: str, text: str) -> Calls:

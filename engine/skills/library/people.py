@@ -14,7 +14,7 @@ from engine.perception.naming import wanted
 from engine.perception.people import Answer, PersonSeen
 from engine.perception.someone import Someone
 from engine.robot.arm import Joints
-from engine.skills.accompany import Pursuit, lead
+from engine.skills.accompany import STOOD_S, Pursuit, lead
 from engine.skills.context import SkillContext
 from engine.skills.find import room_called
 from engine.skills.hand import close_fingers, fold, move_to, open_fingers, presses, still_held
@@ -30,9 +30,10 @@ from engine.skills.meeting import (
     seen_now,
 )
 from engine.skills.outcome import Result, fail, ok
-from engine.skills.registry import Word, skill
+from engine.skills.registry import Duration, Word, skill
 from engine.skills.search import room_at
 from engine.skills.travel import go_to
+from engine.skills.vocabulary import ME
 
 Who = Annotated[str, Word("person")]
 Where = Annotated[str, Word("surface")]
@@ -40,13 +41,16 @@ RoomName = Annotated[str, Word("room")]
 Sentence = Annotated[str, Word("sentence")]
 
 ANYBODY: Final = "person"
-ME: Final = "me"
 THERE: Final = 1.5
 """m from a place within which somebody has arrived there."""
+WALKED: Final = 1.5
+"""m that somebody has to walk until they have arrived anywhere."""
 BESIDE: Final = 2.2
 """m within which somebody is there to talk with."""
 OFFER: Final[Joints] = (0.0, 0.25, 0.55, 0.65, 0.0)
 """The arm stretched out ahead, the hand level."""
+ONE: Final = 0.45
+"""m within which two sightings are one person, of whom legs and shirt were seen apart."""
 TAKE_S: Final = 12.0
 """s in which somebody takes what is held out, or puts something between the fingers."""
 
@@ -66,7 +70,7 @@ async def with_somebody(
     def near(person: PersonSeen) -> bool:
         return math.dist(person.position[:2], (pose.x, pose.y)) < BESIDE
 
-    person = None if where else seen_now(context, fits(context, who), near)
+    person = None if where else _met(context, words) or seen_now(context, fits(context, who), near)
     if person is None:
         found = await find_somebody(context, who, where, named=named)
         if isinstance(found, Result):
@@ -76,8 +80,18 @@ async def with_somebody(
     if not went.ok:
         return went
     await context.see()
-    now = seen_now(context, lambda other: other.number == person.number, lambda other: True)
-    return now or person
+    context.world.people.met = (words, person.number)
+    return next((p for p in context.world.people.everybody if p.number == person.number), person)
+
+
+def _met(context: SkillContext, words: str) -> PersonSeen | None:
+    """The one whom the robot stands before because of the same words: they may not wave any more."""
+    said, number = context.world.people.met
+    pose = context.pose
+    if said != words:
+        return None
+    person = next((p for p in context.world.people.everybody if p.number == number), None)
+    return person if person is not None and person.distance_to(pose.x, pose.y) < BESIDE else None
 
 
 @skill(occupies=["base", "arm", "camera"])
@@ -170,8 +184,13 @@ async def learn_name(context: SkillContext, name: Sentence) -> Result:
 
 
 @skill(occupies=["base", "arm", "camera", "voice"], endless=True)
-async def person_follow(context: SkillContext, who: Who = ANYBODY, to: Annotated[str, Word("place")] = "") -> Result:
-    """Follow somebody at a distance of 1.2 m, to a place if one is named, else until told otherwise."""
+async def person_follow(
+    context: SkillContext, who: Who = ANYBODY, to: Annotated[str, Word("place")] = "", stands: Duration = 0
+) -> Result:
+    """Follow somebody at a distance of 1.2 m, to a place if one is named, else until told otherwise.
+
+    stands: it also ends when they have walked somewhere and stand there for so long; 0: it does not.
+    """
     person = await nearest_of(context, who)
     if isinstance(person, Result):
         return person
@@ -179,14 +198,15 @@ async def person_follow(context: SkillContext, who: Who = ANYBODY, to: Annotated
     if to and goal is None:
         return fail("unknown_place", "I do not remember any place yet.")
     room = room_at(context.robot.floor_map, goal.x, goal.y) if goal is not None else None
+    began = person.position[:2]
 
     def there(at: tuple[float, float]) -> bool:
         if goal is None or room is None:
-            return False
+            return stands > 0 and math.dist(at, began) > WALKED
         return room.holds(*at) or math.dist(at, (goal.x, goal.y)) < THERE
 
-    await context.say(context.worded("I follow you."))
-    return await Pursuit(context, person, called(person)).run(there)
+    await context.say(_addressed(person, context.worded("I follow you.")))
+    return await Pursuit(context, person, called(person)).run(there, stands or STOOD_S)
 
 
 @skill(occupies=["base", "arm", "camera", "voice"])
@@ -217,7 +237,7 @@ async def nearest_of(context: SkillContext, who: str) -> PersonSeen | Result:
     def near(person: PersonSeen) -> bool:
         return math.dist(person.position[:2], (pose.x, pose.y)) < BESIDE + 1.0
 
-    person = seen_now(context, fits(context, meant), near)
+    person = _met(context, who) or seen_now(context, fits(context, meant), near)
     if person is None:
         await look_around(context, lambda: seen_now(context, fits(context, meant), near) is not None)
         person = seen_now(context, fits(context, meant), near)
@@ -311,7 +331,13 @@ async def people_in(context: SkillContext, room_name: str) -> tuple[PersonSeen, 
     if isinstance(nobody, Result) and nobody.error_code != "object_not_found":
         return nobody
     room = room_called(context, room_name)
-    return tuple(p for p in context.world.people.everybody if p.seen_at >= began and room.holds(*p.position[:2]))
+    here = [p for p in context.world.people.everybody if p.seen_at >= began and room.holds(*p.position[:2])]
+    here.sort(key=lambda p: (p.shirt is None, p.trousers is None))  # of two that are one, the one who showed better
+    found: list[PersonSeen] = []
+    for person in here:
+        if all(math.dist(person.position[:2], other.position[:2]) > ONE for other in found):
+            found.append(person)
+    return tuple(found)
 
 
 def _counted(count: int, who: Someone) -> str:
