@@ -268,6 +268,13 @@ class Entities:
         """Whether these words name somebody whom the robot knows."""
         return bool(self._vocabulary.people.name(words))
 
+    def is_name(self, who: str) -> bool:
+        """Whether it is the name of a stranger, and no description."""
+        try:
+            return self._vocabulary.people.is_stranger(self._vocabulary.people.who(who))
+        except PlanError:
+            return False
+
     def is_stranger_called(self, name: str) -> bool:
         """Whether somebody of this name, or this description, is not known by name."""
         return not self._vocabulary.people.name(name)

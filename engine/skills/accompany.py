@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import math
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
@@ -53,6 +54,8 @@ _PEOPLE: Final[frozenset[Part]] = frozenset({"people"})
 _SAME: Final = 1.0  # m from where somebody is expected; who is seen farther off is somebody else
 _AIM: Final = 0.7  # m ahead on the way round
 _ROUTE_S: Final = 0.5  # s between two looks for a way round
+_HERE: Final = 0.4  # m from their legs, within which what is seen is they
+_VOTES: Final = 60  # pictures that count for a colour
 _STILL: Final = 0.15  # m/s
 _WAIST: Final = 0.75  # m, where the camera looks: shirt and landmarks are in the picture
 _HELD_S: Final = 0.8  # s that something is in the way until the robot goes round
@@ -77,8 +80,8 @@ class Pursuit:
     def __init__(self, context: SkillContext, person: PersonSeen, name: str) -> None:
         self._context = context
         self._name = name
-        self._shirt: Colour | None = person.shirt
-        self._trousers: Colour | None = person.trousers
+        self._shirts: Counter[Colour] = Counter([person.shirt] if person.shirt else [])
+        self._legwear: Counter[Colour] = Counter([person.trousers] if person.trousers else [])
         self._legs = Legs(context.robot, person.position[:2])
         self._picture: asyncio.Task[Sight] | None = None
         self._picture_at = self._whole_at = -math.inf
@@ -141,17 +144,34 @@ class Pursuit:
 
     def _take_in(self, sight: Sight) -> None:
         """The one who is followed among all who are seen, or nobody."""
-        near = [p for p in sight.objects if p.kind == "person" and self._is_same(p)]
-        at = self._legs.at
+        people, at = [p for p in sight.objects if p.kind == "person"], self._legs.at
+        self._learn(people)
+        near = [p for p in people if self._is_same(p)]
         best = min(near, key=lambda p: math.dist(p.position[:2], at), default=None)
         gate = _SAME + min(2.0, 1.2 * max(0.0, sight.t - self._seen_t))
         if best is None or math.dist(best.position[:2], at) > gate:
             return
-        shirt, trousers = _clothes(best)
-        self._shirt, self._trousers = self._shirt or shirt, self._trousers or trousers
         self._seen_t = sight.t
         if math.dist(best.position[:2], at) > 0.35 or sight.t > self._legs.seen_t + 0.3:
             self._legs.moved_to((best.position[0], best.position[1]))
+
+    def _learn(self, people: list[Sighting]) -> None:
+        """What they wear, by what is seen where their legs are: a first look from close by may err."""
+        at = self._legs.at
+        nearest = min(people, key=lambda p: math.dist(p.position[:2], at), default=None)
+        if nearest is None or math.dist(nearest.position[:2], at) > _HERE or self._legs.unseen_s > 0.3:
+            return
+        for votes, colour in zip((self._shirts, self._legwear), _clothes(nearest), strict=True):
+            if colour is not None and votes[colour] < _VOTES:
+                votes[colour] += 1
+
+    @property
+    def _shirt(self) -> Colour | None:
+        return max(self._shirts, key=self._shirts.__getitem__, default=None)
+
+    @property
+    def _trousers(self) -> Colour | None:
+        return max(self._legwear, key=self._legwear.__getitem__, default=None)
 
     def _is_same(self, person: Sighting) -> bool:
         """Whether they wear the same, as far as it shows; something of it has to."""

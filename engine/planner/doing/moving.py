@@ -243,7 +243,7 @@ def colour_of(doing: Doing, plain: str) -> str:
 
 def guide(doing: Doing, roles: Roles) -> Calls:
     words, place, source = roles.words("person"), roles.words("place"), roles.words("source")
-    return people.guide(doing, words or ME, place, source)
+    return people.guide(doing, words, place, source)
 
 
 def patrol(doing: Doing, roles: Roles) -> Calls:

@@ -36,7 +36,9 @@ def somebody(doing: Doing, words: str, where: str = "", *, stranger: bool = Fals
         raise Unable("person", words) from None
     there = spot(doing, where or at)
     if doing.entities.is_stranger(who) and not there and not stranger:
-        raise Open("where_person")
+        there = doing.entities.place_name(doing.place)  # where it has just been sent
+        if not there:
+            raise Open("where_person")
     doing.who = str(who)
     return doing.who, there
 
@@ -67,10 +69,10 @@ def named(doing: Doing, roles: Roles) -> tuple[str, str]:
 
 
 def find_person(doing: Doing, who: str, where: str) -> Calls:
-    """Go where they are said to be; nothing where nobody has to be looked for."""
+    """Go where they are said to be; a stranger is asked for the name. Nothing where nobody has to be looked for."""
     if not where or who == ME:
         return ()
-    return call("find_person", who, where)
+    return call("meet" if doing.entities.is_name(who) else "find_person", who, where)
 
 
 def find(doing: Doing, roles: Roles) -> Calls:
@@ -115,7 +117,7 @@ _OUT: Final = re.compile(r"\bwherever|\boutside\b|\baround\b|到处|外面")
 
 def guide(doing: Doing, words: str, place: str, source: str) -> Calls:
     """Ahead of somebody, who is met first where they are said to be."""
-    who, at = somebody(doing, words, source) if words else (ME, "")
+    who, at = somebody(doing, words, source) if words else (doing.who or ME, "")
     if not place and not _BACK.search(doing.said.casefold()):
         raise Open("where")
     first = call("meet", who, at) if at else ()
