@@ -41,7 +41,7 @@ from engine.robot.geometry import ZERO, Pose
 from engine.robot.robot import Robot
 from engine.robot.watch import view
 from engine.session.holds import Holds
-from engine.skills.context import Ask, AskAbout, Progress, Say, See, SkillContext
+from engine.skills.context import Ask, AskAbout, Progress, Say, See, SkillContext, Worded
 from engine.skills.outcome import ErrorCode, Result, fail
 from engine.skills.people import People
 from engine.skills.places import Places
@@ -121,7 +121,7 @@ class Run:
     """Why it is being cancelled; asked when that happens."""
     ask: Ask | None = None
     """Asks somebody and gives the answer, where one can be heard."""
-    worded: Callable[[str], str] = lambda text: text
+    worded: Worded = lambda text, language=None: text
     """Puts a sentence of ours into the language of the request."""
     ran: list[Ran] = field(default_factory=list)
     started: set[int] = field(default_factory=set)

@@ -245,9 +245,10 @@ class Turn:
             await asyncio.sleep(STAND_DOWN_S)
             raise Overtaken
 
-    def worded(self, text: str) -> str:
-        """A sentence of ours in the language of the request; before there is one, in that of the last."""
-        return self._needs.wording.worded(text, self._language or language_of(self.asked or self._cycle.last_said))
+    def worded(self, text: str, language: Language | None = None) -> str:
+        """A sentence of ours in a language: if none is named, that of the request; before there is one, of the last."""
+        own = self._language or language_of(self.asked or self._cycle.last_said)
+        return self._needs.wording.worded(text, language or own)
 
     def _more(self, heard: events.TranscriptFinal, adds: bool) -> None:
         """Somebody goes on who had made a complete request."""

@@ -284,6 +284,7 @@ class _LeftBehind(Exception):
 async def lead(context: SkillContext, person: PersonSeen, name: str, goal: Pose, place: str) -> Result:
     """Ahead of somebody to ``goal``: stops when they fall behind, calls them, fetches them, and goes on."""
     legs = Legs(context.robot, person.position[:2])
+    language = context.people.about(person.name).language if person.name else None
     fetched = 0
     while True:
         result = await _drive_ahead(context, legs, goal, place)
@@ -293,14 +294,14 @@ async def lead(context: SkillContext, person: PersonSeen, name: str, goal: Pose,
             await face_point(context, (*legs.at, 1.0))
             return ok(f"I guided {name} to {place}.", x=context.pose.x, y=context.pose.y)
         await face_point(context, (*legs.at, 1.0))
-        await context.say(calls(name, context.worded("Please come along.")))
+        await context.say(calls(name, context.worded("Please come along.", language)))
         if await _wait(context, legs):
             continue
         fetched += 1
         if fetched > _FETCHES or not await _fetch(context, legs, person):
             where = place_of(context.robot.floor_map, *legs.at)
             return fail("target_lost", f"I lost {name} on the way to {place}: I last saw them {where}.")
-        await context.say(calls(name, context.worded(f"Please follow me to {place}.")))
+        await context.say(calls(name, context.worded(f"Please follow me to {place}.", language)))
 
 
 def calls(name: str, words: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Literal, Protocol
 
 from engine.perception.memory import WorldMemory
 from engine.perception.sighting import EVERYTHING, Part, Sight
@@ -51,6 +51,12 @@ class Ask(Protocol):
     async def __call__(self, question: str, limit_s: float = 10.0) -> str | None: ...
 
 
+class Worded(Protocol):
+    """A sentence of ours in a language: that of the request, unless another is named."""
+
+    def __call__(self, text: str, language: Literal["en", "zh"] | None = None) -> str: ...
+
+
 @dataclass(frozen=True, slots=True)
 class SkillContext:
     """One invocation's view of the world."""
@@ -64,7 +70,7 @@ class SkillContext:
     see: See
     world: WorldMemory
     ask_about: AskAbout | None = None  # where a model that sees is configured
-    worded: Callable[[str], str] = lambda text: text  # a sentence of ours, in the language of the request
+    worded: Worded = lambda text, language=None: text
     people: People = field(default_factory=People)
     ask: Ask | None = None  # where answers can be heard
 

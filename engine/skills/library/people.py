@@ -111,7 +111,7 @@ async def meet(context: SkillContext, who: Who = ANYBODY, where: Where = "") -> 
         return person
     meant = who_is(context, who)
     if person.name is not None and meant.name in ("", person.name):
-        await context.say(context.worded(f"Hello, {person.name}."))
+        await context.say(_in_theirs(context, person, f"Hello, {person.name}."))
         return ok(f"I met {person.name}{_place(context, person)}.", **_data(person))
     name = await _learn_name(context, person, meant.name)
     if isinstance(name, Result):
@@ -205,7 +205,7 @@ async def person_follow(
             return stands > 0 and math.dist(at, began) > WALKED
         return room.holds(*at) or math.dist(at, (goal.x, goal.y)) < THERE
 
-    await context.say(_addressed(person, context.worded("I follow you.")))
+    await context.say(_addressed(person, _in_theirs(context, person, "I follow you.")))
     return await Pursuit(context, person, called(person)).run(there, stands or STOOD_S)
 
 
@@ -223,10 +223,10 @@ async def guide(context: SkillContext, who: Who, to: Annotated[str, Word("place"
         return ok(f"I am at {place}. I saw nobody come along.") if went.ok else went
     name = person.name or "the person"
     ask = f"Please follow me to {place}."
-    await context.say(_addressed(person, context.worded(ask)))
+    await context.say(_addressed(person, _in_theirs(context, person, ask)))
     result = await lead(context, person, name, goal, place)
     if result.ok:
-        await context.say(context.worded(f"Here we are: {place}."))
+        await context.say(_in_theirs(context, person, f"Here we are: {place}."))
     return result
 
 
@@ -258,6 +258,11 @@ async def tell(context: SkillContext, who: Who, text: Sentence) -> Result:
     words = fact(text) or text
     await context.say(_addressed(person, words))
     return ok(f"I told {called(person)}: “{words}”.", said=words)
+
+
+def _in_theirs(context: SkillContext, person: PersonSeen, words: str) -> str:
+    """A sentence of ours in the language of whom it is said to, where it is known; else in that of the request."""
+    return context.worded(words, context.people.about(person.name).language if person.name else None)
 
 
 def _addressed(person: PersonSeen, words: str) -> str:
@@ -303,7 +308,7 @@ async def answer_question(context: SkillContext, who: Who = ANYBODY) -> Result:
         return person
     if context.ask is None:
         return fail("not_supported", "I cannot hear questions here.")
-    asked = await context.ask(_addressed(person, context.worded("What is your question?")))
+    asked = await context.ask(_addressed(person, _in_theirs(context, person, "What is your question?")))
     if not asked:
         return fail("no_progress", f"{_name(person)} asked nothing.")
     answer = fact(asked) or ("我不知道。" if is_chinese(asked) else "I do not know.")
@@ -401,7 +406,7 @@ async def hand_over(context: SkillContext, who: Who = ANYBODY) -> Result:
     if isinstance(person, Result):
         return person
     await move_to(context, OFFER, speed=0.8)
-    await context.say(_addressed(person, context.worded(f"Please take the {held.name}.")))
+    await context.say(_addressed(person, _in_theirs(context, person, f"Please take the {held.name}.")))
     if await _until(context, lambda: not presses(context), TAKE_S):
         context.world.put(None, context.robot.state().t)
         await open_fingers(context, 0.05)
@@ -423,7 +428,7 @@ async def take_from(
         return person
     await move_to(context, OFFER, speed=0.8)
     await open_fingers(context, context.robot.arm.jaw)
-    await context.say(_addressed(person, context.worded(f"Please give me the {thing}.")))
+    await context.say(_addressed(person, _in_theirs(context, person, f"Please give me the {thing}.")))
     state = context.robot.state()
     end = state.work_t + TAKE_S
     while state.work_t < end:
