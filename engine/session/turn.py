@@ -30,7 +30,7 @@ from engine.llm.chat import ChatError
 from engine.parts.part import Loading
 from engine.plan import Plan
 from engine.planner.intent import with_intent
-from engine.planner.phrases.stopping import is_emergency
+from engine.planner.phrases.stopping import is_emergency, is_stop
 from engine.planner.request import Happened, Language, NoPlan, PlanRequest, Plans
 from engine.planner.text.language import language_of
 from engine.robot.robot import Robot
@@ -397,28 +397,53 @@ class Turn:
         return TurnResult(exit_code, outcome, text)
 
     async def _ask(self, question: str, limit_s: float = ANSWER_S) -> str | None:
-        """Say a question and wait for its answer, which is typed, or said by somebody of a simulation."""
+        """Say a question and wait for its answer: what is typed, what is heard where the request was spoken, or what
+        somebody of a simulation says. A stop is no answer."""
         robot, around = await self._needs.robot.get(), self._needs.around()
         self._waits = asyncio.get_running_loop().create_future()
+        listening: asyncio.Task[str] | None = None
         answer, source = "", "nobody"
         try:
             if around is not None:
                 around.forget()
             await self._speak(question)
             self.emit(events.PersonAsked(question))
+            listening = asyncio.create_task(self._listen_for_answer())
             state = robot.state()
             end = state.work_t + limit_s
             while not answer and state.work_t < end:
                 if self._waits.done():
                     answer, source = self._waits.result(), "typed"
+                elif listening.done():
+                    answer, source = listening.result(), "heard"
+                    break
                 elif around is not None and (said := around.answered()):
                     answer, source = said, "company"
                 else:
                     state = await robot.tick()
         finally:
             self._waits = None
-        self.emit(events.PersonAnswered(question, answer, source))  # type: ignore[arg-type]
+            if listening is not None and not listening.done():
+                listening.cancel()
+                await asyncio.wait([listening])
+        if is_stop(answer) or is_emergency(answer):
+            answer = ""
+        self.emit(events.PersonAnswered(question, answer, source if answer else "nobody"))  # type: ignore[arg-type]
         return answer or None
+
+    async def _listen_for_answer(self) -> str:
+        """What is said next, where this request was spoken; ends when somebody has said something."""
+        hearing = self._needs.hearing.value
+        with contextlib.suppress(SaysoError):  # the microphone is gone: what is typed is an answer, too
+            while hearing is not None and self._spoken:
+                utterance = await hearing.listen(self.emit)
+                if isinstance(utterance, NothingHeard):
+                    continue
+                heard = await hearing.transcribe(utterance, self.emit, lambda more, adds: None)
+                if isinstance(heard, events.TranscriptFinal):
+                    return heard.text
+        await asyncio.get_running_loop().create_future()  # nobody is heard
+        raise AssertionError("nobody ends that")
 
     async def _speak(self, text: str) -> None:
         """Say one sentence at a time; what was heard of it is on record however it ends. A voice that fails is

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from engine.robot.floor_map import Doorway
 from engine.robot.follow import Follower
-from engine.robot.geometry import Pose, Twist
+from engine.robot.geometry import Pose, Twist, wrap
 from engine.robot.occupancy import Route, Unreachable, route
 from engine.robot.robot import RobotState
 from engine.skills.context import SkillContext
@@ -37,6 +37,10 @@ CHECKS = 3  # times that the robot makes sure that it is there
 
 TURNING = 0.01  # rad/s
 NEARLY = 0.06  # m; a base that cannot go sideways, or is told late, may come no nearer
+
+ASKS = 2  # times that somebody in the way is asked to let the robot pass
+ASIDE_S = 2.5  # s in which they step aside
+AHEAD, AHEAD_S, ASIDE = 1.2, 6.0, 0.9  # m, s and rad within which they are in the way
 
 HEMMED = 3  # times that something small on the floor may leave no way on before the robot gives up
 
@@ -61,7 +65,7 @@ async def go_to(context: SkillContext, goal: Pose, name: str, *, speed: float = 
 async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout, speed: float) -> Result:
     seen = NOTHING_SEEN
     shut: Doorway | None = None
-    detours = corrections = hemmed = 0
+    detours = corrections = hemmed = asked = 0
     while True:
         way = way_to(context, goal, seen)
         if isinstance(way, Unreachable):
@@ -85,6 +89,11 @@ async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout, s
             continue
         code, reason = why_held(state)
         shut = closed_door(context) or shut
+        if code == "path_blocked" and asked < ASKS and _somebody_ahead(context):
+            asked += 1
+            await context.say(context.worded("May I pass, please?"))
+            await _stand(context, ASIDE_S)
+            continue
         if code != "path_blocked" or detours == DETOURS:
             break
         detours += 1
@@ -92,6 +101,24 @@ async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout, s
     if shut is not None:
         return fail("door_closed", stopped_before(state, goal, name, is_closed(shut)))
     return fail(code, stopped_before(state, goal, name, reason))
+
+
+def _somebody_ahead(context: SkillContext) -> bool:
+    """Whether somebody was seen just now who stands before the robot."""
+    pose, now = context.pose, context.robot.state().t
+    for person in context.world.people.everybody:
+        x, y, _ = person.position
+        aside = wrap(math.atan2(y - pose.y, x - pose.x) - pose.yaw)
+        if now - person.seen_at < AHEAD_S and person.distance_to(pose.x, pose.y) < AHEAD and abs(aside) < ASIDE:
+            return True
+    return False
+
+
+async def _stand(context: SkillContext, seconds: float) -> None:
+    state = context.robot.state()
+    end = state.work_t + seconds
+    while state.work_t < end:
+        state = await context.robot.tick()
 
 
 def way_to(context: SkillContext, goal: Pose, seen: NDArray[np.float64] = NOTHING_SEEN) -> Route | Unreachable:

@@ -1,0 +1,198 @@
+"""The robot with people, in real physics and with real pictures: it finds, meets, follows, guides, tells and asks them,
+and hands things over. What they heard and did is told by them, not by the robot."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from config import load
+from config.schema import KnownPerson
+from engine.perception.memory import WorldMemory
+from engine.perception.people import PeopleMemory
+from engine.robot.company import News
+from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_file import load_scene, scene_path
+from engine.skills.library import LIBRARY
+from engine.skills.outcome import Result
+from engine.skills.people import People, looks_of
+from engine.skills.places import Places
+from tests.sim.inhand import HandRobot, context_of
+
+SKILLS = {skill.name: skill for skill in LIBRARY}
+PLACES = load(environ={}).places
+LIMIT_S = 240.0
+"""Robot time that a test takes at most."""
+
+
+class Family:
+    """A robot among people: what it says is heard, and what they answer is heard."""
+
+    def __init__(self, scene: Scene, known: dict[str, KnownPerson] | None = None) -> None:
+        self.robot = HandRobot(scene)
+        self.people = People(scene.known_people() if known is None else known)
+        self.world = WorldMemory(PeopleMemory(looks_of(self.people)))
+        self.news: list[News] = []
+        self.said: list[str] = []
+        self.context = replace(
+            context_of(self.robot, self.world), people=self.people, places=Places(PLACES), say=self._say, ask=self._ask
+        )
+
+    def do(self, *plan: tuple[str, dict[str, Any]]) -> list[Result]:
+        """Run these one after the other, until one is not ok."""
+        return asyncio.run(self._do(plan))
+
+    async def _do(self, plan: Sequence[tuple[str, dict[str, Any]]]) -> list[Result]:
+        results: list[Result] = []
+        for name, arguments in plan:
+            skill = SKILLS[name]
+            defaults = {p.name: p.default for p in skill.parameters if p.default is not None}
+            results.append(await skill.run(self.context, **{**defaults, **arguments}))
+            if not results[-1].ok:
+                break
+        for _ in range(60):  # what was said last has its effect
+            await self.robot.tick()
+        self._listen()
+        assert self.robot.state().t < LIMIT_S
+        return results
+
+    def heard(self, who: str) -> list[str]:
+        return [news.text for news in self.news if news.who == who and news.does == "hears"]
+
+    def place_of(self, who: str) -> tuple[float, float]:
+        x, y = (float(self.robot.world.data.joint(f"{who} {axis}").qpos[0]) for axis in "xy")
+        return x, y
+
+    def _listen(self) -> list[News]:
+        assert self.robot.company is not None
+        found = list(self.robot.company.news())
+        self.news += found
+        return found
+
+    async def _say(self, text: str) -> None:
+        assert self.robot.company is not None
+        self.said.append(text)
+        self.robot.company.tell(text)
+
+    async def _ask(self, question: str, limit_s: float = 10.0) -> str | None:
+        self._listen()
+        await self._say(question)
+        end = self.robot.state().t + limit_s
+        while self.robot.state().t < end:
+            await self.robot.tick()
+            if (said := next((news.text for news in self._listen() if news.does == "says"), None)) is not None:
+                return said
+        return None
+
+
+@pytest.fixture
+def family() -> Family:
+    return Family(load_scene(scene_path("family")))
+
+
+def changed(**people: dict[str, Any] | None) -> Scene:
+    """The family with some of them changed, or away."""
+    raw = load_scene(scene_path("family")).model_dump(mode="json")
+    for name, change in people.items():
+        if change is None:
+            del raw["people"][name]
+        else:
+            raw["people"][name] |= change
+    return Scene.model_validate(raw)
+
+
+def test_somebody_is_found_in_a_room_and_told_something(family: Family) -> None:
+    found, told = family.do(
+        ("find_person", {"who": "William", "where": "living room"}),
+        ("tell", {"who": "William", "text": "dinner is ready"}),
+    )
+    assert found.message == "I found William in the living room."
+    assert told.ok
+    assert family.heard("William") == ["William, dinner is ready"]
+    x, y = family.place_of("William")
+    assert 0.6 < math.dist((x, y), (family.context.pose.x, family.context.pose.y)) < 2.2, "near, and not too near"
+
+
+def test_nobody_of_this_look_is_there(family: Family) -> None:
+    [found] = family.do(("find_person", {"who": "person in purple", "where": "kitchen"}))
+    assert (found.outcome, found.error_code) == ("failed", "object_not_found")
+
+
+def test_a_stranger_is_met_and_known_from_then_on(family: Family) -> None:
+    learnt: list[str] = []
+    family.people.on_added = lambda name, person: learnt.append(name)
+    (met,) = family.do(("meet", {"who": "Robin", "where": "bedroom"}))
+    assert met.message == "I met Robin in the bedroom."
+    assert family.heard("visitor") == ["Hello. Are you Robin?"]
+    assert learnt == ["Robin"]
+    assert [p.name for p in family.world.people.everybody if p.name == "Robin"] == ["Robin"]
+
+
+def test_who_is_asked_answers_and_the_answer_is_reported(family: Family) -> None:
+    asked, reported = family.do(
+        ("ask_person", {"who": "Anna", "question": "What would you like to drink?"}), ("report_answer", {})
+    )
+    assert asked.data["answer"] == "I would like a coke, please."
+    assert reported.ok
+    assert family.said[-1] == "Anna said: “I would like a coke, please.”."
+
+
+def test_whoever_is_led_by_is_followed_to_the_room(family: Family) -> None:
+    _, followed = family.do(("meet", {"who": "James"}), ("person_follow", {"who": "James", "to": "D"}))
+    assert followed.message == "I followed James to the study."
+    x, y = family.place_of("James")
+    assert math.dist((x, y), (family.context.pose.x, family.context.pose.y)) < 2.0
+
+
+def test_whoever_strays_is_called_and_brought_along() -> None:
+    family = Family(changed(William={"strays": 1.5}))
+    [guided] = family.do(("guide", {"who": "William", "to": "A"}))
+    assert guided.ok, guided.message
+    assert "William, please come along." in family.heard("William")
+    kitchen = family.context.places.pose("A")
+    assert kitchen is not None
+    assert math.dist(family.place_of("William"), (kitchen.x, kitchen.y)) < 1.8
+
+
+def test_people_in_a_room_are_counted_and_described(family: Family) -> None:
+    counted, described = family.do(
+        ("count_people", {"who": "person", "where": "kitchen"}),
+        ("describe_person", {"who": "Anna", "what": "gender"}),
+    )
+    assert counted.data["people"] == 1
+    assert described.message == "Anna is a woman."
+
+
+def test_a_thing_is_taken_from_one_and_given_to_another() -> None:
+    family = Family(changed(William={"holds": "blue cup"}, Elizabeth={"holds": None}, James=None))
+    taken, given = family.do(
+        ("take_from", {"who": "William", "thing": "blue cup"}),
+        ("hand_over", {"who": "Anna"}),
+    )
+    assert taken.ok, taken.message
+    assert given.ok, given.message
+    assert [(news.who, news.does, news.text) for news in family.news if news.does in ("gives", "takes")] == [
+        ("William", "gives", "blue cup"),
+        ("Anna", "takes", "blue cup"),
+    ]
+    assert family.world.held is None
+
+
+def test_nothing_is_handed_over_by_an_empty_hand(family: Family) -> None:
+    [given] = family.do(("hand_over", {"who": "Anna"}))
+    assert given.error_code == "nothing_held"
+
+
+def test_whoever_stands_in_the_way_is_asked_and_not_pushed() -> None:
+    scene = changed(William={"path": [[-1.22, 0.0]], "facing": 0.0}, James=None)
+    raw = scene.model_dump(mode="json")
+    raw["doors"] = [{**door, "width": 0.8} for door in raw["doors"] if set(door["between"]) == {"hall", "living room"}]
+    family = Family(Scene.model_validate(raw))
+    [went] = family.do(("navigation", {"place": "B"}))
+    assert "May I pass, please?" in family.heard("William")
+    assert went.ok, went.message
