@@ -24,6 +24,8 @@ class Thing:
 
     name: str
     looks: str
+    category: str = ""
+    """What it and others like it are called: ``drinks``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +99,9 @@ def _home(scene: str) -> Home:
         floor_map=floor_map(loaded),
         start=loaded.start.pose,
         places=loaded.known_places(),
-        things=tuple(Thing(name, f"{thing.colour} {thing.kind}") for name, thing in loaded.objects.items()),
+        things=tuple(
+            Thing(name, f"{thing.colour} {thing.kind}", thing.category) for name, thing in loaded.objects.items()
+        ),
         called={word: name for name, words in named for word in words},
         people=loaded.known_people(),
         fences=tuple(loaded.edges()),

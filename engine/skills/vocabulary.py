@@ -66,6 +66,8 @@ class House:
     rooms: tuple[Room, ...] = ()
     things: Mapping[str, str] = field(default_factory=dict)
     """Names that things have here, and what they look like: ``teddy`` is a ``brown box``."""
+    categories: Mapping[str, str] = field(default_factory=dict)
+    """What things of one kind are called together, by the names of these things: ``coke`` is one of the ``drinks``."""
     called: Mapping[str, str] = field(default_factory=dict)
     """Other names of furniture and rooms, and the ones above."""
 
@@ -78,6 +80,7 @@ class Vocabulary:
         self.people = people or People()
         self._places = places
         self._things = {_plain(name): looks for name, looks in house.things.items()}
+        self._categories = {_plain(name): _plain(kind) for name, kind in house.categories.items()}
         self._rooms = {_plain(room.name): room for room in house.rooms}
         self._furniture = {_plain(piece.name): piece for piece in house.furniture if piece.kind not in BARE}
         self._called = {_plain(word): _plain(name) for word, name in house.called.items()}
@@ -105,9 +108,22 @@ class Vocabulary:
         except UnknownObject as unknown:
             if plain in self._things:
                 return str(wanted(self._things[plain]))
+            if (alike := self.of_category(plain)) and len(alike) == 1:
+                return str(wanted(self._things[alike[0]]))
+            if alike:
+                raise Ambiguous(f"Which {plain}: {', '.join(alike[:-1])} or {alike[-1]}?", alike) from None
             if not (names := self.things()):
                 raise
             raise UnknownObject(unknown.message, hint=f"{unknown.hint} And: {', '.join(names)}.") from None
+
+    def of_category(self, words: str) -> tuple[str, ...]:
+        """The names of all things here that are called so together, in the singular or the plural."""
+        plain = _plain(words)
+        return tuple(
+            name
+            for name, kind in self._categories.items()
+            if plain in (kind, kind.removesuffix("s"), f"{kind}s", kind.removesuffix("es"))
+        )
 
     def person(self, words: str) -> str:
         """Somebody, as ``str(Someone)``; whoever gave the order stays ``me``. Raises :class:`UnknownPerson`."""

@@ -151,7 +151,8 @@ def _stock(rng: np.random.Generator, needs: Needs, language: Language) -> list[I
 def _thing(item: Item) -> dict[str, Any]:
     kind, colour = LOOKS[item.name]
     size = round(_SIZES[kind] * item.scale, 4)
-    return {"kind": kind, "colour": colour, "size": size, "mass": round(_MASSES[kind] * item.scale**3, 4)}
+    mass = round(_MASSES[kind] * item.scale**3, 4)
+    return {"kind": kind, "colour": colour, "size": size, "mass": mass, "category": item.category}
 
 
 def _on_furniture(draft: Draft, name: str, items: Sequence[Item]) -> None:

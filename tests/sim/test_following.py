@@ -26,7 +26,7 @@ from engine.robot.sim.scene import Scene
 from engine.skills.context import SkillContext
 from engine.skills.external.host import external_skill
 from engine.skills.library import following
-from engine.skills.library.people import person_follow
+from engine.skills.library.accompanying import person_follow
 from engine.skills.outcome import Result
 from engine.skills.registry import Skill
 from tests.sim.inhand import HandRobot, context_of

@@ -15,8 +15,8 @@ from engine.facts import fact
 from engine.perception.sighting import Colour
 from engine.perception.someone import Gender, Someone, UnknownPerson, someone
 from engine.robot.company import Gesture, Posture
-from engine.skills.library.people import name_told
 from engine.skills.people import People
+from engine.skills.with_people import name_told
 
 
 @pytest.mark.parametrize(

@@ -152,3 +152,13 @@ def test_the_recogniser_expects_names_and_nouns_but_no_commands() -> None:
     assert len(nouns) == len(set(nouns)) <= 60
     assert "厨房" not in nouns
     assert "厨房" in expected_nouns(load(environ={}, overrides=["asr.language=zh"]))
+
+
+def test_things_are_called_together_by_their_category() -> None:
+    things = {"coke": "red bottle", "juice": "orange bottle", "apple": "red ball"}
+    kinds = {"coke": "drinks", "juice": "drinks", "apple": "fruits"}
+    words = Vocabulary(Places({}), House(things=things, categories=kinds))
+    assert words.object("a fruit") == "red ball", "the only one"
+    with pytest.raises(Ambiguous, match="Which drinks: coke or juice"):
+        words.object("the drinks")
+    assert words.of_category("snacks") == ()

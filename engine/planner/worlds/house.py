@@ -24,9 +24,9 @@ def _house(robot: RobotSettings) -> House:
     lived_in = home(robot)
     mapped = lived_in.floor_map
     things = {thing.name: _looks(thing.name, thing.looks) for thing in lived_in.things}
-    return House(
-        mapped.furniture, mapped.rooms, {name: looks for name, looks in things.items() if looks}, lived_in.called
-    )
+    named = {name: looks for name, looks in things.items() if looks}
+    categories = {thing.name: thing.category for thing in lived_in.things if thing.category and thing.name in named}
+    return House(mapped.furniture, mapped.rooms, named, categories, lived_in.called)
 
 
 def _looks(name: str, otherwise: str) -> str:

@@ -127,6 +127,7 @@ class LooseObject(Part):
     mass: float = Field(default=0.05, gt=0, le=5, description="kg")
     turn: float = 0.0
     tag: int | None = Field(default=None, ge=0, le=586, description="AprilTag 36h11 id of a tag_block.")
+    category: str = Field(default="", description="What people call it and others like it: drinks, fruits.")
 
     @model_validator(mode="after")
     def _tag_matches_kind(self) -> Self:

@@ -1,6 +1,7 @@
 """The action library: one file per family of skills. ``LIBRARY`` lists all of them; to add a skill, write a
 function with ``@skill`` in the file of its family and add it here."""
 
+from engine.skills.library.accompanying import guide, person_follow
 from engine.skills.library.conversation import finish_dialogue, finishtask, list_skills, say
 from engine.skills.library.following import (
     color_follow,
@@ -11,6 +12,7 @@ from engine.skills.library.following import (
     track,
 )
 from engine.skills.library.gestures import arm_applaud, arm_down, arm_nod, arm_shake, arm_up, dance, drift
+from engine.skills.library.handing import hand_over, take_from
 from engine.skills.library.household import ask_user, carry, clean_room, tidy
 from engine.skills.library.manipulation import (
     close_gripper,
@@ -24,24 +26,11 @@ from engine.skills.library.manipulation import (
 )
 from engine.skills.library.motion import move_forward, move_left, move_right, move_sideways, set_cmdvel, stop, wait
 from engine.skills.library.navigation import get_current_pose, navigation, remember_place, report_pose
-from engine.skills.library.people import (
-    answer_question,
-    ask_person,
-    count_people,
-    describe_person,
-    find_person,
-    guide,
-    hand_over,
-    learn_name,
-    meet,
-    person_follow,
-    report_answer,
-    take_from,
-    tell,
-)
+from engine.skills.library.people import count_people, describe_person, find_person, learn_name, meet
 from engine.skills.library.searching import locate, navigate_to_object, scan_room, seewhat
 from engine.skills.library.signals import beep, light
 from engine.skills.library.sorting import apriltag_remove_higher, apriltag_sort, color_remove_higher
+from engine.skills.library.talking import answer_question, ask_person, report_answer, tell
 from engine.skills.registry import Skill
 
 LIBRARY: tuple[Skill, ...] = (

@@ -45,6 +45,7 @@ class Item:
     at: str  # a placement, or a room: on its floor
     scale: float = 1.0  # of its usual size
     beside: tuple[Side, str] | None = None  # the key of another
+    category: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -109,7 +109,8 @@ class Making:
         """Put a thing into the house; its key. A second one of the same name gets a number."""
         alike = sum(item.name == name for item in self.items)
         key = self.here(name) if not alike else f"{self.here(name)} {alike + 1}"
-        self.items.append(Item(name, key, at, scale, beside))
+        kind = next((ware.category for ware in self.lexicon.wares if ware.name == name), "")
+        self.items.append(Item(name, key, at, scale, beside, self.here(kind) if kind else ""))
         return key
 
     def home(self, name: str, *but: str) -> str:

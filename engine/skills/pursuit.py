@@ -1,8 +1,7 @@
-"""Going with somebody: behind one person among several, or ahead of one who follows.
+"""Behind one person among several.
 
-Whoever is followed is known by what they wear and by where they went, from the camera; the lidar keeps hold of their
-legs between the pictures. Where a wall or furniture is between, the robot takes the way round. Who is guided walks
-behind: there the lidar alone sees them, and the robot stops and looks back when it does not.
+They are known by what they wear and by where they went, from the camera; the lidar keeps hold of their legs between the
+pictures. What stands in the way, on the map or not, is gone round.
 """
 
 from __future__ import annotations
@@ -12,21 +11,19 @@ import contextlib
 import math
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from engine.han import is_chinese
 from engine.perception.people import PersonSeen
 from engine.perception.sighting import Colour, Part, Sight, Sighting
 from engine.robot.geometry import Pose, Twist
 from engine.robot.occupancy import Unreachable, distances
 from engine.robot.robot import RobotState
 from engine.skills.context import SkillContext
-from engine.skills.drive import settle, why_held
+from engine.skills.drive import why_held
 from engine.skills.legs import Legs
-from engine.skills.meeting import face_point, look_around, look_through
+from engine.skills.meeting import look_around, look_through
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.search import room_at
 from engine.skills.servo import PICTURE_S, WHOLE_S, Wheels, chase, look_towards, place_of
@@ -34,18 +31,6 @@ from engine.skills.travel import NOTHING_SEEN, SEEN_RANGE, go_to, way_to
 
 KEEP: Final = 1.2
 """m from somebody who is followed: people like it so."""
-GUIDE_SPEED: Final = 0.4
-"""m/s ahead of somebody."""
-BEHIND: Final = 2.4
-"""m that somebody who is guided may fall behind."""
-AGAIN: Final = 1.7
-"""m within which the robot goes on."""
-BESIDE: Final = 1.35
-"""m within which they have arrived as well."""
-CLOSES_S: Final = 6.0
-"""s in which they come so near at the end."""
-WAIT_S: Final = 15.0
-"""s that it waits for somebody who has stayed behind, before it goes to fetch them."""
 LOST_S: Final = 2.5
 """s in which the camera has not seen somebody who is followed, after which the robot looks for them."""
 STOOD_S: Final = 3.0
@@ -63,9 +48,6 @@ _ROUND_S: Final = 4.0  # s for which it does
 _THEIRS: Final = 0.6  # m around somebody that the lidar sees of them
 _SEARCHES: Final = 3  # times that somebody who is lost is looked for
 _NARROW: Final = 0.05  # m that the robot keeps from things on its straight way
-_FETCHES: Final = 2  # times that somebody who stays behind is fetched
-_UNSEEN_S: Final = 1.5  # s without a sight of them until they count as behind
-_LATE_S: Final = 1.0  # s for which they are too far behind until the robot stops
 
 
 def _clothes(person: Sighting) -> tuple[Colour | None, Colour | None]:
@@ -275,93 +257,3 @@ class Pursuit:
 def _where(context: SkillContext, at: tuple[float, float]) -> str:
     room = next((room.name for room in context.robot.floor_map.rooms if room.holds(*at)), "")
     return f" to the {room}" if room else ""
-
-
-class _LeftBehind(Exception):
-    """Whoever is guided is too far behind."""
-
-
-async def lead(context: SkillContext, person: PersonSeen, name: str, goal: Pose, place: str) -> Result:
-    """Ahead of somebody to ``goal``: stops when they fall behind, calls them, fetches them, and goes on."""
-    legs = Legs(context.robot, person.position[:2])
-    language = context.people.about(person.name).language if person.name else None
-    fetched = 0
-    while True:
-        result = await _drive_ahead(context, legs, goal, place)
-        if result is not None and not result.ok:
-            return result
-        if result is not None and await _wait(context, legs, BESIDE, CLOSES_S):
-            await face_point(context, (*legs.at, 1.0))
-            return ok(f"I guided {name} to {place}.", x=context.pose.x, y=context.pose.y)
-        await face_point(context, (*legs.at, 1.0))
-        await context.say(calls(name, context.worded("Please come along.", language)))
-        if await _wait(context, legs):
-            continue
-        fetched += 1
-        if fetched > _FETCHES or not await _fetch(context, legs, person):
-            where = place_of(context.robot.floor_map, *legs.at)
-            return fail("target_lost", f"I lost {name} on the way to {place}: I last saw them {where}.")
-        await context.say(calls(name, context.worded(f"Please follow me to {place}.", language)))
-
-
-def calls(name: str, words: str) -> str:
-    """A sentence to somebody, with their name before it where they have one."""
-    if not name or name.startswith("the "):
-        return words
-    return f"{name}，{words}" if is_chinese(words) else f"{name}, {words[:1].lower()}{words[1:]}"
-
-
-async def _drive_ahead(context: SkillContext, legs: Legs, goal: Pose, place: str) -> Result | None:
-    """Drive until it is there; None where they are too far behind."""
-    late_since = math.inf
-
-    def watch(
-        fraction: float | None, message: str = "", *, path: tuple[tuple[float, float], ...] | None = None
-    ) -> None:
-        """Called in every tick of the drive."""
-        nonlocal late_since
-        context.progress(fraction, message, path=path)
-        legs.update()
-        now = context.robot.state().t
-        late = legs.unseen_s > _UNSEEN_S or legs.away > BEHIND
-        late_since = min(late_since, now) if late else math.inf
-        if now - late_since > _LATE_S:
-            raise _LeftBehind
-
-    try:
-        return await go_to(replace(context, progress=watch), goal, place, speed=GUIDE_SPEED)
-    except _LeftBehind:
-        await settle(context)
-        return None
-
-
-async def _wait(context: SkillContext, legs: Legs, within: float = AGAIN, limit_s: float = WAIT_S) -> bool:
-    """Until they are near, or for so long."""
-    state = context.robot.state()
-    end = state.work_t + limit_s
-    while state.work_t < end:
-        legs.update()
-        if legs.unseen_s < 0.5 and legs.away < within:
-            return True
-        state = await context.robot.tick()
-    return False
-
-
-async def _fetch(context: SkillContext, legs: Legs, person: PersonSeen) -> bool:
-    """Go back to where they are."""
-    x, y = legs.at
-    pose = context.pose
-    direction = math.atan2(y - pose.y, x - pose.x)
-    goal = Pose(x - 1.0 * math.cos(direction), y - 1.0 * math.sin(direction), direction)
-    await go_to(context, goal, "where they stayed")
-
-    def same(other: PersonSeen) -> bool:
-        return other.number == person.number or (other.shirt == person.shirt and other.trousers == person.trousers)
-
-    began = context.robot.state().t
-    await look_around(context, lambda: any(same(p) and p.seen_at > began for p in context.world.people.everybody))
-    found = next((p for p in context.world.people.everybody if same(p) and p.seen_at > began), None)
-    if found is None:
-        return False
-    legs.moved_to((found.position[0], found.position[1]))
-    return True

@@ -1,0 +1,77 @@
+"""Going with people: behind them, or ahead of them."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Final
+
+from engine.skills.context import SkillContext
+from engine.skills.leading import lead
+from engine.skills.meeting import (
+    called,
+)
+from engine.skills.outcome import Result, fail, ok
+from engine.skills.pursuit import STOOD_S, Pursuit
+from engine.skills.registry import Duration, Word, skill
+from engine.skills.search import room_at
+from engine.skills.travel import go_to
+from engine.skills.vocabulary import ME
+from engine.skills.with_people import (
+    ANYBODY,
+    Who,
+    addressed,
+    in_theirs,
+    nearest_of,
+)
+
+THERE: Final = 1.5
+"""m from a place within which somebody has arrived there."""
+WALKED: Final = 1.5
+"""m that somebody has to walk until they have arrived anywhere."""
+
+
+@skill(occupies=["base", "arm", "camera", "voice"], endless=True)
+async def person_follow(
+    context: SkillContext, who: Who = ANYBODY, to: Annotated[str, Word("place")] = "", stands: Duration = 0
+) -> Result:
+    """Follow somebody at a distance of 1.2 m, to a place if one is named, else until told otherwise.
+
+    stands: it also ends when they have walked somewhere and stand there for so long; 0: it does not.
+    """
+    person = await nearest_of(context, who)
+    if isinstance(person, Result):
+        return person
+    goal = context.places.pose(to) if to else None
+    if to and goal is None:
+        return fail("unknown_place", "I do not remember any place yet.")
+    room = room_at(context.robot.floor_map, goal.x, goal.y) if goal is not None else None
+    began = person.position[:2]
+
+    def there(at: tuple[float, float]) -> bool:
+        if goal is None or room is None:
+            return stands > 0 and math.dist(at, began) > WALKED
+        return room.holds(*at) or math.dist(at, (goal.x, goal.y)) < THERE
+
+    await context.say(addressed(person, in_theirs(context, person, "I follow you.")))
+    return await Pursuit(context, person, called(person)).run(there, stands or STOOD_S)
+
+
+@skill(occupies=["base", "arm", "camera", "voice"])
+async def guide(context: SkillContext, who: Who, to: Annotated[str, Word("place")]) -> Result:
+    """Lead somebody to a place: the robot goes ahead, waits when they fall behind, and says when they are there."""
+    goal, place = context.places.pose(to), context.places.name(to)
+    if goal is None:
+        return fail("unknown_place", "I do not remember any place yet.")
+    person = await nearest_of(context, who)
+    if isinstance(person, Result):
+        if who != ME or person.error_code != "object_not_found":
+            return person
+        went = await go_to(context, goal, place)  # whoever asked for it may come
+        return ok(f"I am at {place}. I saw nobody come along.") if went.ok else went
+    name = person.name or "the person"
+    ask = f"Please follow me to {place}."
+    await context.say(addressed(person, in_theirs(context, person, ask)))
+    result = await lead(context, person, name, goal, place)
+    if result.ok:
+        await context.say(in_theirs(context, person, f"Here we are: {place}."))
+    return result

@@ -1,0 +1,74 @@
+"""Talking with people: telling, asking, and answering them."""
+
+from __future__ import annotations
+
+from engine.facts import fact
+from engine.han import is_chinese
+from engine.perception.people import Answer
+from engine.skills.context import SkillContext
+from engine.skills.meeting import (
+    called,
+)
+from engine.skills.outcome import Result, fail, ok
+from engine.skills.registry import skill
+from engine.skills.with_people import (
+    ANYBODY,
+    Sentence,
+    Who,
+    addressed,
+    in_theirs,
+    name_of,
+    with_somebody,
+)
+
+
+@skill(occupies=["base", "arm", "camera", "voice"])
+async def tell(context: SkillContext, who: Who, text: Sentence) -> Result:
+    """Go to somebody and say something to them; the time, the day or a joke are told as they are then."""
+    person = await with_somebody(context, who)
+    if isinstance(person, Result):
+        return person
+    words = fact(text) or text
+    await context.say(addressed(person, words))
+    return ok(f"I told {called(person)}: “{words}”.", said=words)
+
+
+@skill(occupies=["base", "arm", "camera", "voice"])
+async def ask_person(context: SkillContext, who: Who, question: Sentence) -> Result:
+    """Go to somebody, ask them something, and remember what they answer."""
+    person = await with_somebody(context, who)
+    if isinstance(person, Result):
+        return person
+    if context.ask is None:
+        return fail("not_supported", "I cannot hear answers here.")
+    answer = await context.ask(addressed(person, question))
+    if not answer:
+        return fail("no_progress", f"{called(person).capitalize()} did not answer.")
+    context.world.people.heard(Answer(called(person), question, answer))
+    return ok(f"{name_of(person)} answered: “{answer}”.", answer=answer)
+
+
+@skill(occupies=["voice"])
+async def report_answer(context: SkillContext) -> Result:
+    """Say what the person who was asked last has answered."""
+    told = context.world.people.last_answer
+    if told is None:
+        return fail("nothing_held", "Nobody has answered me anything yet.")
+    await context.say(context.worded(f"{told.who[:1].upper()}{told.who[1:]} said: “{told.answer}”."))
+    return ok(f"I said what {told.who} had answered.", answer=told.answer)
+
+
+@skill(occupies=["base", "arm", "camera", "voice"])
+async def answer_question(context: SkillContext, who: Who = ANYBODY) -> Result:
+    """Go to somebody, ask for their question, and answer it if the robot knows the answer."""
+    person = await with_somebody(context, who)
+    if isinstance(person, Result):
+        return person
+    if context.ask is None:
+        return fail("not_supported", "I cannot hear questions here.")
+    asked = await context.ask(addressed(person, in_theirs(context, person, "What is your question?")))
+    if not asked:
+        return fail("no_progress", f"{name_of(person)} asked nothing.")
+    answer = fact(asked) or ("我不知道。" if is_chinese(asked) else "I do not know.")
+    await context.say(answer)
+    return ok(f"{name_of(person)} asked: “{asked}”, and I said: “{answer}”.", question=asked, answer=answer)

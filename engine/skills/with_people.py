@@ -1,0 +1,163 @@
+"""Whom a skill means, how the robot comes to stand before them, and how they are spoken to."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Annotated, Final
+
+from config.schema import KnownPerson
+from engine.han import is_chinese
+from engine.perception.people import PersonSeen
+from engine.perception.someone import Someone
+from engine.skills.context import SkillContext
+from engine.skills.meeting import (
+    APART,
+    called,
+    face_point,
+    find_somebody,
+    fits,
+    go_up_to,
+    look_around,
+    seen_now,
+)
+from engine.skills.outcome import Result, fail
+from engine.skills.registry import Word
+from engine.skills.vocabulary import ME
+
+Who = Annotated[str, Word("person")]
+Where = Annotated[str, Word("surface")]
+Sentence = Annotated[str, Word("sentence")]
+ANYBODY: Final = "person"
+BESIDE: Final = 2.2
+"""m within which somebody is there to talk with."""
+
+
+def who_is(context: SkillContext, words: str) -> Someone:
+    """Whom the argument of a skill means."""
+    return Someone() if words == ME else context.people.who(words)
+
+
+async def with_somebody(
+    context: SkillContext, words: str, where: str = "", *, apart: float = APART, named: bool = True
+) -> PersonSeen | Result:
+    """Somebody who is meant, with the robot standing before them; or why not."""
+    who = who_is(context, words)
+    pose = context.pose
+
+    def near(person: PersonSeen) -> bool:
+        return math.dist(person.position[:2], (pose.x, pose.y)) < BESIDE
+
+    person = None if where else _met(context, words) or seen_now(context, fits(context, who), near)
+    if person is None:
+        found = await find_somebody(context, who, where, named=named)
+        if isinstance(found, Result):
+            return found
+        person = found
+    went = await go_up_to(context, person, apart=apart)
+    if not went.ok:
+        return went
+    await context.see()
+    context.world.people.met = (words, person.number)
+    return next((p for p in context.world.people.everybody if p.number == person.number), person)
+
+
+def _met(context: SkillContext, words: str) -> PersonSeen | None:
+    """The one whom the robot stands before because of the same words: they may not wave any more."""
+    said, number = context.world.people.met
+    pose = context.pose
+    if said != words:
+        return None
+    person = next((p for p in context.world.people.everybody if p.number == number), None)
+    return person if person is not None and person.distance_to(pose.x, pose.y) < BESIDE else None
+
+
+async def nearest_of(context: SkillContext, who: str) -> PersonSeen | Result:
+    """Somebody who is meant and is near; else they are looked for and gone up to."""
+    meant, pose = who_is(context, who), context.pose
+
+    def near(person: PersonSeen) -> bool:
+        return math.dist(person.position[:2], (pose.x, pose.y)) < BESIDE + 1.0
+
+    person = _met(context, who) or seen_now(context, fits(context, meant), near)
+    if person is None:
+        await look_around(context, lambda: seen_now(context, fits(context, meant), near) is not None)
+        person = seen_now(context, fits(context, meant), near)
+    if person is not None:
+        await face_point(context, person.position)
+        return person
+    if who == ME:
+        return fail("object_not_found", "I see nobody here.")
+    return await with_somebody(context, who)
+
+
+async def ask_for_name(context: SkillContext, person: PersonSeen, expected: str) -> str | Result:
+    """Ask somebody for their name and remember it; empty where they do not tell it."""
+    asks = f"Hello. Are you {expected}?" if expected else "Hello. What is your name?"
+    if context.ask is None:
+        await context.say(context.worded("Hello."))
+        return expected
+    answer = await context.ask(context.worded(asks))
+    name = name_told(answer or "", expected)
+    if expected and answer and not name:
+        name = name_told(await context.ask(context.worded("What is your name?")) or "", "")
+    if name:
+        know(context, person, name)
+    return name
+
+
+def name_told(answer: str, expected: str) -> str:
+    """The name in an answer: "I am Robin", "yes" to a name that was asked about; empty where there is none."""
+    plain = answer.strip(" .!。！")
+    found = _NAME_TOLD.search(plain)
+    if found is not None:
+        return (found["en"] or found["zh"]).strip()
+    if expected and _YES.match(plain.casefold()):
+        return expected
+    words = plain.split()
+    return plain if 0 < len(words) <= 2 and plain[:1].isupper() and not _NO.match(plain.casefold()) else ""
+
+
+def know(context: SkillContext, person: PersonSeen, name: str) -> None:
+    """From now on somebody who was seen has this name, here and later."""
+    context.world.people.name_them(person.number, name)
+    looks = KnownPerson(shirt=person.shirt, trousers=person.trousers, tag=person.tag)
+    context.people.add(context.people.name(name) or name, looks)
+
+
+def in_theirs(context: SkillContext, person: PersonSeen, words: str) -> str:
+    """A sentence of ours in the language of whom it is said to, where it is known; else in that of the request."""
+    return context.worded(words, context.people.about(person.name).language if person.name else None)
+
+
+def addressed(person: PersonSeen, words: str) -> str:
+    """With the name of whom it is said to before it."""
+    if person.name is None:
+        return words[:1].upper() + words[1:]
+    if is_chinese(words):
+        return f"{person.name}，{words}"
+    keeps = words.split(" ", 1)[0] in ("I", "I'm")
+    return f"{person.name}, {words if keeps else words[:1].lower() + words[1:]}"
+
+
+def name_of(person: PersonSeen) -> str:
+    name = called(person)
+    return name[:1].upper() + name[1:]
+
+
+def place_of_them(context: SkillContext, person: PersonSeen) -> str:
+    room = next((r.name for r in context.robot.floor_map.rooms if r.holds(*person.position[:2])), "")
+    return f" in the {room}" if room else ""
+
+
+def data_of(person: PersonSeen) -> dict[str, str | float]:
+    x, y, _ = person.position
+    return {"name": person.name or "", "x": round(x, 3), "y": round(y, 3)}
+
+
+_NAME_TOLD: Final = re.compile(
+    r"(?:\b(?:[Ii] am|[Ii]'m|[Mm]y name is|[Cc]all me|[Ii]t is|[Ii]t's|[Tt]his is) (?:called )?)"
+    r"(?P<en>[A-Z][\w'-]*(?: [A-Z][\w'-]*)?)|(?:我叫|我是|我的名字是|叫我)(?P<zh>[\u3400-\u9fff\w]{1,6})"
+)
+_YES: Final = re.compile(r"(?:yes|yeah|yep|sure|right|that's me|i am)\b|是|对|没错|嗯")
+_NO: Final = re.compile(r"(?:no|nope|not|nobody|sorry|i)\b|不|没")
