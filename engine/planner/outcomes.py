@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
-from engine.errors import ExitCode
+from engine.errors import ExitCode, PlanError
 from engine.facts import fact, is_of_the_clock
 from engine.plan import Action, ActionCall, Plan
 from engine.planner import about_itself, amounts
@@ -35,6 +35,7 @@ DOUBT: Final = 0.15
 """How much the reader may doubt that a request is an order for something of it to be done."""
 _ASKED: Final = frozenset({"condition", "every", "until", "times", "role"})
 """What is asked about rather than turned down."""
+_WHERE_IS: Final = re.compile(r"\bwhere(?:'s| is| are)?\b|在哪|哪里|哪儿")
 _UNITS: Final = ("m", "deg", "s", "m/s")
 _SOMEBODY: Final = re.compile(r"him|her|them|they|he|she|someone|somebody|他们?|她们?|谁|有人")
 _NO_ORDERS: Final = frozenset({"talk", "fact"})
@@ -71,6 +72,8 @@ class Outcomes:
             return self._no_act(meaning, heard)
         if len(wanted) == 1 and isinstance(act := wanted[0], Do) and self._is_of_the_session(act):
             return self._of_the_session(act, heard)
+        if len(wanted) == 1 and isinstance(act := wanted[0], Do) and (told := self._seen_lately(act, heard)):
+            return _answer(heard, told)
         if meaning.doubt > DOUBT and not meaning.has(Retract) and not meaning.has(Not):
             return _question(heard, "no_order", SAID[heard.language]["no_order_doubt"])
         request = heard.request
@@ -101,6 +104,16 @@ class Outcomes:
             return _answer(heard, told)
         found = self._done(rest, heard, thing, doing.place)
         return found if found is not None else _answer(heard, SAID[heard.language]["all_right"])
+
+    def _seen_lately(self, act: Do, heard: Heard) -> str:
+        """Where somebody was seen whom a question is about; empty where that is not known: they are looked for then."""
+        if act.act != "find" or _WHERE_IS.search(heard.text.casefold()) is None or not act.words("person"):
+            return ""
+        try:
+            who, _ = self._entities.somebody(act.words("person"))
+        except PlanError:
+            return ""
+        return heard.request.people.get(who.name, "")
 
     def _is_of_the_session(self, act: Do) -> bool:
         """Whether it is one of the conversation; what is answered to somebody else is done."""

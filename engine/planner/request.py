@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Final, Literal, Protocol
 
 from engine.errors import ExitCode
@@ -127,6 +127,8 @@ class PlanRequest:
     """What came of the last plan."""
     holding: str = ""
     """The thing in the gripper."""
+    people: Mapping[str, str] = field(default_factory=dict)
+    """Of those who are known and were seen: where and when, a sentence by name."""
     seen: tuple[str, ...] = ()
     """Things that the robot has seen and where, a sentence each."""
     sees: Callable[[str], bool] | None = None

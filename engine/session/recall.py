@@ -39,6 +39,16 @@ class Recall:
         told += [(t.seen_at, f"The {t.name} is {whereabouts(t, floor_map)}.") for t in world.things]
         return tuple(words for _, words in sorted(told, key=lambda one: one[0])[-MOST_TOLD:])
 
+    def people(self) -> dict[str, str]:
+        """Of those who are known and were seen: where and when, a sentence by name."""
+        now, found = self._robot.state().t, {}
+        for person in self._memory.people.everybody:
+            if person.name is not None and not person.gone:
+                where, ago = _room(person, self._robot.floor_map), now - person.seen_at
+                when = f"{ago:.0f} s ago" if ago < 100 else f"{ago / 60:.0f} min ago"
+                found[person.name] = f"I saw {person.name} {where} {when}."
+        return found
+
     def since(self, t: float) -> Callable[[str], bool]:
         """Whether a thing of a description has been seen after ``t`` (robot time, s), or is held."""
 

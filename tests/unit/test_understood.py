@@ -265,6 +265,15 @@ def test_what_cannot_be_done_is_told_with_its_words(
     assert says in found.answer
 
 
+def test_where_somebody_is_who_was_seen_is_said_before_anything_moves(understood: Understood, reader: Written) -> None:
+    text = reader.knows("find | where is {person: Anna}")
+    found = plan(understood, text, people={"Anna": "I saw Anna in the kitchen 20 s ago."})
+    assert isinstance(found, Plan)
+    assert (found.actions, found.response) == ((), "I saw Anna in the kitchen 20 s ago.")
+    text = reader.knows("find | look for {person: Anna}")
+    assert actions(plan(understood, text, people={"Anna": "…"})) == ["meet(Anna, )"]
+
+
 # With the reader that is committed
 
 _STILL = {"say", "report_pose", "list_skills", "stop"}

@@ -60,12 +60,12 @@ def spot(doing: Doing, words: str) -> str:
     return found.room or found.surface or doing.entities.place_name(found.place or "")
 
 
-def named(doing: Doing, roles: Roles) -> tuple[str, str]:
+def named(doing: Doing, roles: Roles, *, stranger: bool = False) -> tuple[str, str]:
     """The person of an act, and where; anybody where none is said."""
     words, where = roles.words("person"), roles.words("place") or roles.words("source")
     if not words:
         return "person", spot(doing, where)
-    return somebody(doing, words, where)
+    return somebody(doing, words, where, stranger=stranger)
 
 
 def find_person(doing: Doing, who: str, where: str) -> Calls:
@@ -76,8 +76,9 @@ def find_person(doing: Doing, who: str, where: str) -> Calls:
 
 
 def find(doing: Doing, roles: Roles) -> Calls:
-    who, where = named(doing, roles)
-    return call("find_person", who, *((where,) if where else ()))
+    """Whoever is only named, and is no one whom the robot knows, is asked for the name where somebody is found."""
+    who, where = named(doing, roles, stranger=True)
+    return call("meet" if doing.entities.is_name(who) else "find_person", who, *((where,) if where else ()))
 
 
 def found(doing: Doing, words: str) -> Calls:
