@@ -226,21 +226,27 @@ def test_a_goal_is_rejected(router: Router, opened: Open) -> None:
     assert outcome.first().code == "rejected"
 
 
-@pytest.mark.parametrize("early", [True, False], ids=["before it is taken", "while it is carried out"])
-def test_a_goal_is_cancelled(router: Router, opened: Open, early: bool) -> None:
+def test_a_goal_is_cancelled_while_it_is_carried_out(router: Router, opened: Open) -> None:
     ours, robot = opened(router), opened(router, "robot")
     outcome, work = Heard(), Counter(ends=False)
-    name = f"/slow_{early}".lower()
-    robot.serve_action(name, FIBONACCI, work)
-    goal = ours.send_goal(name, FIBONACCI, {"order": 1}, outcome)
-    if not early:
-        work.executions.first()
+    robot.serve_action("/slow", FIBONACCI, work)
+    goal = ours.send_goal("/slow", FIBONACCI, {"order": 1}, outcome)
+    work.executions.first()
     goal.cancel()
     goal.cancel()
     found = outcome.first()
     assert (found.code, found.result) == ("canceled", {"sequence": [9]})
     assert len(work.cancelled) == 1
     goal.cancel()
+
+
+def test_a_goal_that_is_cancelled_before_it_is_taken_is_not_carried_out(router: Router, opened: Open) -> None:
+    ours, robot = opened(router), opened(router, "robot")
+    outcome, work = Heard(), Counter(ends=False)
+    robot.serve_action("/slower", FIBONACCI, work)
+    ours.send_goal("/slower", FIBONACCI, {"order": 1}, outcome).cancel()
+    assert outcome.first().code == "canceled"
+    assert len(work.executions) == len(work.cancelled), "it may have been on its way"
 
 
 def test_a_goal_that_lasts_too_long_is_cancelled(router: Router, opened: Open) -> None:
