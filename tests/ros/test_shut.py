@@ -28,9 +28,9 @@ def own(way: Way) -> Iterator[Door]:
 
 
 def begin(door: Door) -> Ending:
-    """A goal that is under way."""
+    """A goal that is under way, and keeps its peer busy no longer than a test needs."""
     ending, under_way = Ending(), threading.Event()
-    door.send_goal("/peer/slow", FIBONACCI, {"order": 2_000}, ending, feedback=lambda message: under_way.set())
+    door.send_goal("/peer/slow", FIBONACCI, {"order": 300}, ending, feedback=lambda message: under_way.set())
     assert under_way.wait(LIMIT_S)
     return ending
 
