@@ -90,3 +90,5 @@ def test_all_holds_when_the_way_is_cut_and_mended(way: Way, own: Door) -> None:
         if response is not None:
             break
     assert response == {"success": True, "message": "held"}
+    way.peer.close()  # to it the killed bridge lives on for a while, which keeps it from hearing the new one
+    way.new_peer()
