@@ -92,8 +92,8 @@ class Pursuit:
                 if state.t - self._seen_t < 0.3:
                     searches = 0
                 here = self._legs.at
-                stands = self._legs.speed < _STILL and there(here) and self._legs.away < KEEP + 0.6
-                stood_since = min(stood_since, state.t) if stands else math.inf
+                has_arrived = self._legs.speed < _STILL and there(here) and self._legs.away < KEEP + 0.6
+                stood_since = min(stood_since, state.t) if has_arrived else math.inf
                 if state.t - stood_since > stands:
                     await self._wheels.stand()
                     return ok(f"I followed {self._name}{_where(context, here)}.", x=here[0], y=here[1])
