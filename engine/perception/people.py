@@ -122,6 +122,12 @@ class PeopleMemory:
             people = [record.person for record in self._records.values()]
         return tuple(sorted(people, key=lambda person: -person.seen_at))
 
+    def of_number(self, number: int) -> PersonSeen | None:
+        """The one of this number; None where they have been forgotten."""
+        with self._lock:
+            record = self._records.get(number)
+        return record.person if record is not None else None
+
     def find(
         self, fits: Callable[[PersonSeen], bool], near: tuple[float, float] | None = None
     ) -> tuple[PersonSeen, ...]:

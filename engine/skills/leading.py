@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 from typing import Final
 
-from engine.han import is_chinese
 from engine.perception.people import PersonSeen
 from engine.robot.geometry import Pose
 from engine.skills.context import SkillContext
@@ -16,6 +15,7 @@ from engine.skills.meeting import face_point, look_around
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.servo import place_of
 from engine.skills.travel import go_to
+from engine.skills.with_people import addressed, in_theirs
 
 GUIDE_SPEED: Final = 0.4
 """m/s ahead of somebody."""
@@ -41,7 +41,6 @@ class _LeftBehind(Exception):
 async def lead(context: SkillContext, person: PersonSeen, name: str, goal: Pose, place: str) -> Result:
     """Ahead of somebody to ``goal``: stops when they fall behind, calls them, fetches them, and goes on."""
     legs = Legs(context.robot, person.position[:2])
-    language = context.people.about(person.name).language if person.name else None
     fetched = 0
     while True:
         result = await _drive_ahead(context, legs, goal, place)
@@ -51,21 +50,14 @@ async def lead(context: SkillContext, person: PersonSeen, name: str, goal: Pose,
             await face_point(context, (*legs.at, 1.0))
             return ok(f"I guided {name} to {place}.", x=context.pose.x, y=context.pose.y)
         await face_point(context, (*legs.at, 1.0))
-        await context.say(calls(name, context.worded("Please come along.", language)))
+        await context.say(addressed(person, in_theirs(context, person, "Please come along.")))
         if await _wait(context, legs):
             continue
         fetched += 1
         if fetched > _FETCHES or not await _fetch(context, legs, person):
             where = place_of(context.robot.floor_map, *legs.at)
             return fail("target_lost", f"I lost {name} on the way to {place}: I last saw them {where}.")
-        await context.say(calls(name, context.worded(f"Please follow me to {place}.", language)))
-
-
-def calls(name: str, words: str) -> str:
-    """A sentence to somebody, with their name before it where they have one."""
-    if not name or name.startswith("the "):
-        return words
-    return f"{name}，{words}" if is_chinese(words) else f"{name}, {words[:1].lower()}{words[1:]}"
+        await context.say(addressed(person, in_theirs(context, person, f"Please follow me to {place}.")))
 
 
 async def _drive_ahead(context: SkillContext, legs: Legs, goal: Pose, place: str) -> Result | None:

@@ -22,7 +22,7 @@ from engine.skills.approach import outlines
 from engine.skills.context import SkillContext
 from engine.skills.drive import turn
 from engine.skills.find import NO_WAY, by_distance, furniture_called
-from engine.skills.hand import move_to, on_map
+from engine.skills.hand import move_to
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.search import places_in, room_at
 from engine.skills.servo import gaze
@@ -333,8 +333,3 @@ async def face_point(context: SkillContext, point: Point) -> None:
 def called(person: PersonSeen) -> str:
     """``William``, or ``the person in red``."""
     return person.name or f"the person in {person.shirt}"
-
-
-def beside(context: SkillContext, away: float, angle: float) -> Point:
-    """A point of the map, ``away`` m from the robot, ``angle`` rad to its left."""
-    return on_map(context.pose, (away * math.cos(angle), away * math.sin(angle), 0.0))

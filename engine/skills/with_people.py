@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from typing import Annotated, Final
 
@@ -13,6 +12,7 @@ from engine.perception.someone import Someone
 from engine.skills.context import SkillContext
 from engine.skills.meeting import (
     APART,
+    Seen,
     called,
     face_point,
     find_somebody,
@@ -31,6 +31,8 @@ Sentence = Annotated[str, Word("sentence")]
 ANYBODY: Final = "person"
 BESIDE: Final = 2.2
 """m within which somebody is there to talk with."""
+NEAR: Final = BESIDE + 1.0
+"""m within which somebody is taken to be meant before anybody is looked for elsewhere."""
 
 
 def who_is(context: SkillContext, words: str) -> Someone:
@@ -43,12 +45,7 @@ async def with_somebody(
 ) -> PersonSeen | Result:
     """Somebody who is meant, with the robot standing before them; or why not."""
     who = who_is(context, words)
-    pose = context.pose
-
-    def near(person: PersonSeen) -> bool:
-        return math.dist(person.position[:2], (pose.x, pose.y)) < BESIDE
-
-    person = None if where else _met(context, words) or seen_now(context, fits(context, who), near)
+    person = None if where else _met(context, words) or _beside(context, fits(context, who), BESIDE)
     if person is None:
         found = await find_somebody(context, who, where, named=named)
         if isinstance(found, Result):
@@ -59,30 +56,33 @@ async def with_somebody(
         return went
     await context.see()
     context.world.people.met = (words, person.number)
-    return next((p for p in context.world.people.everybody if p.number == person.number), person)
+    return context.world.people.of_number(person.number) or person
 
 
 def _met(context: SkillContext, words: str) -> PersonSeen | None:
     """The one whom the robot stands before because of the same words: they may not wave any more."""
     said, number = context.world.people.met
+    person = context.world.people.of_number(number) if said == words else None
+    return person if person is not None and person.distance_to(context.pose.x, context.pose.y) < BESIDE else None
+
+
+def _beside(context: SkillContext, wanted: Seen, within: float) -> PersonSeen | None:
+    """The nearest of those who are wanted, within so many m of the robot."""
     pose = context.pose
-    if said != words:
-        return None
-    person = next((p for p in context.world.people.everybody if p.number == number), None)
-    return person if person is not None and person.distance_to(pose.x, pose.y) < BESIDE else None
+    return seen_now(context, wanted, lambda person: person.distance_to(pose.x, pose.y) < within)
+
+
+async def look_for_beside(context: SkillContext, wanted: Seen) -> PersonSeen | None:
+    """Somebody who is wanted and is near, looking around where none has been seen just now."""
+    if (person := _beside(context, wanted, NEAR)) is None:
+        await look_around(context, lambda: _beside(context, wanted, NEAR) is not None)
+        person = _beside(context, wanted, NEAR)
+    return person
 
 
 async def nearest_of(context: SkillContext, who: str) -> PersonSeen | Result:
     """Somebody who is meant and is near; else they are looked for and gone up to."""
-    meant, pose = who_is(context, who), context.pose
-
-    def near(person: PersonSeen) -> bool:
-        return math.dist(person.position[:2], (pose.x, pose.y)) < BESIDE + 1.0
-
-    person = _met(context, who) or seen_now(context, fits(context, meant), near)
-    if person is None:
-        await look_around(context, lambda: seen_now(context, fits(context, meant), near) is not None)
-        person = seen_now(context, fits(context, meant), near)
+    person = _met(context, who) or await look_for_beside(context, fits(context, who_is(context, who)))
     if person is not None:
         await face_point(context, person.position)
         return person
@@ -91,7 +91,7 @@ async def nearest_of(context: SkillContext, who: str) -> PersonSeen | Result:
     return await with_somebody(context, who)
 
 
-async def ask_for_name(context: SkillContext, person: PersonSeen, expected: str) -> str | Result:
+async def ask_for_name(context: SkillContext, person: PersonSeen, expected: str) -> str:
     """Ask somebody for their name and remember it; empty where they do not tell it."""
     asks = f"Hello. Are you {expected}?" if expected else "Hello. What is your name?"
     if context.ask is None:

@@ -72,13 +72,17 @@ def find_person(doing: Doing, who: str, where: str) -> Calls:
     """Go where they are said to be; a stranger is asked for the name. Nothing where nobody has to be looked for."""
     if not where or who == ME:
         return ()
-    return call("meet" if doing.entities.is_name(who) else "find_person", who, where)
+    return _looked_for(doing, who, where)
+
+
+def _looked_for(doing: Doing, who: str, where: str) -> Calls:
+    return call("meet" if doing.entities.is_name(who) else "find_person", who, *((where,) if where else ()))
 
 
 def find(doing: Doing, roles: Roles) -> Calls:
     """Whoever is only named, and is no one whom the robot knows, is asked for the name where somebody is found."""
     who, where = named(doing, roles, stranger=True)
-    return call("meet" if doing.entities.is_name(who) else "find_person", who, *((where,) if where else ()))
+    return _looked_for(doing, who, where)
 
 
 def found(doing: Doing, words: str) -> Calls:

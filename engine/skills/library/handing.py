@@ -52,9 +52,7 @@ async def hand_over(context: SkillContext, who: Who = ANYBODY) -> Result:
 
 
 @skill(occupies=["base", "arm", "camera", "voice"])
-async def take_from(
-    context: SkillContext, who: Who = ANYBODY, thing: Annotated[str, Word("object")] = "thing"
-) -> Result:
+async def take_from(context: SkillContext, who: Who = ANYBODY, thing: Thing = "thing") -> Result:
     """Go to somebody, hold out the open hand, and take what they put into it."""
     if context.world.held is not None and still_held(context):
         return fail("hand_full", f"I hold the {context.world.held.name} already.")

@@ -13,15 +13,12 @@ from engine.skills.meeting import (
     called,
     find_somebody,
     fits,
-    look_around,
-    seen_now,
 )
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.registry import skill
 from engine.skills.search import room_at
 from engine.skills.with_people import (
     ANYBODY,
-    BESIDE,
     Sentence,
     Where,
     Who,
@@ -29,6 +26,7 @@ from engine.skills.with_people import (
     data_of,
     in_theirs,
     know,
+    look_for_beside,
     name_of,
     place_of_them,
     who_is,
@@ -59,8 +57,6 @@ async def meet(context: SkillContext, who: Who = ANYBODY, where: Where = "") -> 
         await context.say(in_theirs(context, person, f"Hello, {person.name}."))
         return ok(f"I met {person.name}{place_of_them(context, person)}.", **data_of(person))
     name = await ask_for_name(context, person, meant.name)
-    if isinstance(name, Result):
-        return name
     if meant.name and name and name != meant.name:
         return fail("object_not_found", f"I looked for {meant.name}, and met {name} there.", name=name)
     if not name:
@@ -71,15 +67,7 @@ async def meet(context: SkillContext, who: Who = ANYBODY, where: Where = "") -> 
 @skill(occupies=["camera", "arm", "base"])
 async def learn_name(context: SkillContext, name: Sentence) -> Result:
     """Remember that the person before the robot has this name."""
-    pose = context.pose
-
-    def near(person: PersonSeen) -> bool:
-        return math.dist(person.position[:2], (pose.x, pose.y)) < BESIDE + 1.0
-
-    person = seen_now(context, lambda other: True, near)
-    if person is None:
-        await look_around(context, lambda: seen_now(context, lambda other: True, near) is not None)
-        person = seen_now(context, lambda other: True, near)
+    person = await look_for_beside(context, lambda other: True)
     if person is None:
         return fail("object_not_found", f"I see nobody before me who could be {name}.")
     know(context, person, name)
@@ -135,7 +123,7 @@ async def describe_person(context: SkillContext, who: Who = ANYBODY, what: Sente
         case "name":
             if person.name is None:
                 name = await ask_for_name(context, person, "")
-                if isinstance(name, Result) or not name:
+                if not name:
                     return fail("no_progress", "They did not tell me their name.")
                 return ok(f"The person is {name}.", name=name)
             return ok(f"The person is {person.name}.", name=person.name)
