@@ -182,7 +182,11 @@ def _top_of_shoulders(body: Body, axis: NDArray[np.float64], away: NDArray[np.fl
     found = []
     for side in (-1, 1):
         part = (side * aside > 0.08) & (side * aside < 0.15) & (behind > -0.15) & (behind < 0.16)
-        if part.any() and body.rows[part].min() > 0:
+        if not part.any():
+            continue
+        top = int(body.rows[part].min())
+        over = np.isin(body.columns, np.unique(body.columns[part])) & (body.rows < top) & (body.rows >= top - 3)
+        if top > 0 and np.count_nonzero(over) < 3:  # else the trunk goes on there, nearer to the robot
             found.append(float(body.z[part].max()))
     return min(found, default=None)
 

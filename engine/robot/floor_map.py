@@ -6,6 +6,7 @@ doorways, and the tags that are fixed to the house. Loose things are not on it. 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,6 +75,11 @@ class Furniture:
     def holds(self, x: float, y: float, *, margin: float = 0.0) -> bool:
         """Whether the point lies on it, at least ``margin`` m from its edges."""
         return self.x_min + margin <= x <= self.x_max - margin and self.y_min + margin <= y <= self.y_max - margin
+
+    def away(self, x: float, y: float) -> float:
+        """From its edge to a point beside it, m; 0 on it."""
+        beside_x = max(self.x_min - x, 0.0, x - self.x_max)
+        return math.hypot(beside_x, max(self.y_min - y, 0.0, y - self.y_max))
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,13 +6,15 @@ import math
 from dataclasses import replace
 from typing import Final
 
-from engine.perception.people import PersonSeen
+from engine.perception.people import Looks, PersonSeen
 from engine.robot.geometry import Pose
 from engine.skills.context import SkillContext
 from engine.skills.drive import settle
 from engine.skills.legs import Legs
-from engine.skills.meeting import face_point, look_around
+from engine.skills.meeting import face_point, go_up_to, look_around, look_through
 from engine.skills.outcome import Result, fail, ok
+from engine.skills.outfit import Outfit
+from engine.skills.search import room_at
 from engine.skills.servo import place_of
 from engine.skills.travel import go_to
 from engine.skills.with_people import addressed, in_theirs
@@ -29,8 +31,10 @@ CLOSES_S: Final = 6.0
 """s in which they come so near at the end."""
 WAIT_S: Final = 15.0
 """s that it waits for somebody who has stayed behind, before it goes to fetch them."""
-_FETCHES: Final = 2  # times that somebody who stays behind is fetched
+_FETCHES: Final = 3  # times that somebody who stays behind is fetched
 _UNSEEN_S: Final = 1.5  # s without a sight of them until they count as behind
+_CHEST: Final = 1.0  # m, where to look to see what somebody wears
+_BESIDE_THEM: Final = 0.9  # m from their legs, within which who wears the same is they
 _LATE_S: Final = 1.0  # s for which they are too far behind until the robot stops
 
 
@@ -38,26 +42,57 @@ class _LeftBehind(Exception):
     """Whoever is guided is too far behind."""
 
 
-async def lead(context: SkillContext, person: PersonSeen, name: str, goal: Pose, place: str) -> Result:
-    """Ahead of somebody to ``goal``: stops when they fall behind, calls them, fetches them, and goes on."""
+async def lead(context: SkillContext, person: PersonSeen, name: str, goal: Pose, place: str, outfit: Outfit) -> Result:
+    """Ahead of somebody to ``goal``: stops when they fall behind, calls them, fetches them, and goes on. Whether it is
+    still they who come along is looked at where somebody else has come near them, and at the end."""
     legs = Legs(context.robot, person.position[:2])
     fetched = 0
     while True:
         result = await _drive_ahead(context, legs, goal, place)
         if result is not None and not result.ok:
             return result
-        if result is not None and await _wait(context, legs, BESIDE, CLOSES_S):
-            await face_point(context, (*legs.at, 1.0))
+        near = result is not None and await _wait(context, legs, BESIDE, CLOSES_S)
+        same = await _is_still(context, legs, outfit)
+        if near and same:
             return ok(f"I guided {name} to {place}.", x=context.pose.x, y=context.pose.y)
-        await face_point(context, (*legs.at, 1.0))
-        await context.say(addressed(person, in_theirs(context, person, "Please come along.")))
-        if await _wait(context, legs):
+        if same and result is None and legs.away < BEHIND:
             continue
+        if same:
+            await call(context, person, outfit)
+            if await _wait(context, legs) and await _is_still(context, legs, outfit):
+                continue
         fetched += 1
-        if fetched > _FETCHES or not await _fetch(context, legs, person):
+        if fetched > _FETCHES or not await _fetch(context, legs, outfit):
             where = place_of(context.robot.floor_map, *legs.at)
             return fail("target_lost", f"I lost {name} on the way to {place}: I last saw them {where}.")
-        await context.say(addressed(person, in_theirs(context, person, f"Please follow me to {place}.")))
+        await call(context, person, outfit, place)
+
+
+async def call(context: SkillContext, person: PersonSeen, outfit: Outfit, place: str = "") -> None:
+    """Ask somebody to follow the robot to ``place``, or to come along, by their name or by what they wear: there may
+    be others who feel addressed."""
+    shirt = outfit.shirt if person.name is None else None
+    if place:
+        words = f"You in {shirt}, please follow me to {place}." if shirt else f"Please follow me to {place}."
+    else:
+        words = f"You in {shirt}, please come along." if shirt else "Please come along."
+    await context.say(addressed(person, in_theirs(context, person, words)))
+
+
+async def _is_still(context: SkillContext, legs: Legs, outfit: Outfit) -> bool:
+    """Turn round and look whether it is they whose legs the lidar sees. Somebody in the same clothes who is seen beside
+    them is they."""
+    began = context.robot.state().t
+    await face_point(context, (*legs.at, _CHEST))
+    await context.see()
+    legs.update()
+    here = [p for p in context.world.people.everybody if p.seen_at > began and outfit.fits(Looks(p.shirt, p.trousers))]
+    seen = min(here, key=lambda p: p.distance_to(*legs.at), default=None)
+    if seen is None or seen.distance_to(*legs.at) > _BESIDE_THEM:
+        return False
+    legs.moved_to((seen.position[0], seen.position[1]))
+    legs.is_sure()
+    return True
 
 
 async def _drive_ahead(context: SkillContext, legs: Legs, goal: Pose, place: str) -> Result | None:
@@ -72,7 +107,7 @@ async def _drive_ahead(context: SkillContext, legs: Legs, goal: Pose, place: str
         context.progress(fraction, message, path=path)
         legs.update()
         now = context.robot.state().t
-        late = legs.unseen_s > _UNSEEN_S or legs.away > BEHIND
+        late = legs.unseen_s > _UNSEEN_S or legs.away > BEHIND or legs.crossed
         late_since = min(late_since, now) if late else math.inf
         if now - late_since > _LATE_S:
             raise _LeftBehind
@@ -96,21 +131,31 @@ async def _wait(context: SkillContext, legs: Legs, within: float = AGAIN, limit_
     return False
 
 
-async def _fetch(context: SkillContext, legs: Legs, person: PersonSeen) -> bool:
-    """Go back to where they are."""
-    x, y = legs.at
-    pose = context.pose
-    direction = math.atan2(y - pose.y, x - pose.x)
-    goal = Pose(x - 1.0 * math.cos(direction), y - 1.0 * math.sin(direction), direction)
-    await go_to(context, goal, "where they stayed")
-
-    def same(other: PersonSeen) -> bool:
-        return other.number == person.number or (other.shirt == person.shirt and other.trousers == person.trousers)
-
+async def _fetch(context: SkillContext, legs: Legs, outfit: Outfit) -> bool:
+    """Look for them, first from here, then from where they were last."""
     began = context.robot.state().t
-    await look_around(context, lambda: any(same(p) and p.seen_at > began for p in context.world.people.everybody))
-    found = next((p for p in context.world.people.everybody if same(p) and p.seen_at > began), None)
-    if found is None:
+    found: list[PersonSeen] = []
+
+    def seen() -> bool:
+        people = context.world.people.everybody
+        found[:] = [p for p in people if p.seen_at > began and outfit.fits(Looks(p.shirt, p.trousers))]
+        return bool(found)
+
+    await look_around(context, seen)
+    if not found:
+        x, y = legs.at
+        pose = context.pose
+        direction = math.atan2(y - pose.y, x - pose.x)
+        await go_to(context, Pose(x - math.cos(direction), y - math.sin(direction), direction), "where they stayed")
+        await look_around(context, seen)
+    if not found:
+        await look_through(context, room_at(context.robot.floor_map, *legs.at), seen)
+    if not found:
         return False
-    legs.moved_to((found.position[0], found.position[1]))
+    person = min(found, key=lambda p: p.distance_to(*legs.at))
+    legs.moved_to((person.position[0], person.position[1]))
+    legs.is_sure()
+    if legs.away > AGAIN:
+        await go_up_to(context, person)
+        await _is_still(context, legs, outfit)
     return True

@@ -21,6 +21,7 @@ _KEEP_S: Final = 8.0  # s for which scans are kept
 _EVERY_S: Final = 0.2  # s between two that are
 _WENT: Final = 0.7  # m that they have gone since: what stood there then and stands there now is not they
 _SAME: Final = 0.15  # m
+_CROSSED: Final = 0.6  # m around them, in which something else makes it doubtful who is who
 _APART: Final = 0.4  # m from them, from which it was somebody else
 
 
@@ -37,6 +38,8 @@ class Legs:
         """When, robot time, s."""
         self.others: NDArray[np.float64] = np.empty((0, 2))
         """What stands about and is not they, and not on the map: points of the map frame, m."""
+        self.crossed = False
+        """Somebody or something else has been so near that these may be other legs now."""
         self._velocity = (0.0, 0.0)
         self._scan_t = -math.inf
         self._before: list[tuple[float, NDArray[np.float64], tuple[float, float]]] = []  # scans, and where they were
@@ -74,6 +77,8 @@ class Legs:
         if not self._before or scan.t - self._before[-1][0] > _EVERY_S:
             self._before.append((scan.t, points, self.at))
         self.others = points[others | (np.hypot(points[:, 0] - self.at[0], points[:, 1] - self.at[1]) > _NEAR + 0.2)]
+        near = others & (np.hypot(points[:, 0] - self.at[0], points[:, 1] - self.at[1]) < _CROSSED)
+        self.crossed = self.crossed or bool(near.any())
         points = points[~others]
         since = max(1e-3, min(scan.t - self.seen_t, _AHEAD_S))
         expected = (self.at[0] + self._velocity[0] * since, self.at[1] + self._velocity[1] * since)
@@ -107,6 +112,10 @@ class Legs:
             apart = np.hypot(*(points[:, None] - then[None]).transpose(2, 0, 1)).min(axis=1)
             found = apart < _SAME
         return found
+
+    def is_sure(self) -> None:
+        """The camera has seen that it is they."""
+        self.crossed = False
 
     def moved_to(self, at: tuple[float, float]) -> None:
         """The camera has seen them there."""

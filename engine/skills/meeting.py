@@ -38,7 +38,9 @@ CALM: Final = 0.3
 FRESH_S: Final = 20.0
 """Somebody who was seen within this time is where they were, or near it."""
 AT: Final = 1.8
-"""m from a piece of furniture or a place within which somebody is at it."""
+"""m from a place within which somebody is at it."""
+BY: Final = 1.4
+"""m from the edge of a piece of furniture within which somebody is at it."""
 _SIDES: Final = (0.0, 1.0, -1.0)
 """rad by which the arm turns the camera when it looks around."""
 _LEVEL: Final = (2.0, 0.9)
@@ -197,14 +199,17 @@ async def _find_at(context: SkillContext, who: Someone, wanted: Seen, where: str
     at = place_called(context, where)
     if at is None:
         return fail("unknown_place", f"I don't know where the {where} is.")
+    piece = furniture_called(context, where)
 
-    def near(person: PersonSeen) -> bool:
-        return math.dist(person.position[:2], at[:2]) < AT
+    def away(person: PersonSeen) -> float:
+        x, y, _ = person.position
+        return piece.away(x, y) if piece is not None else math.dist((x, y), at[:2])
 
     def found() -> PersonSeen | None:
         now = context.robot.state().t
-        fresh = [p for p in context.world.people.everybody if wanted(p) and near(p) and now - p.seen_at < FRESH_S]
-        return min(fresh, key=lambda p: math.dist(p.position[:2], at[:2]), default=None)
+        limit = BY if piece is not None else AT
+        fresh = [p for p in context.world.people.everybody if wanted(p) and now - p.seen_at < FRESH_S]
+        return min((p for p in fresh if away(p) < limit), key=away, default=None)
 
     room = room_at(context.robot.floor_map, at[0], at[1])
     if not room.holds(context.pose.x, context.pose.y) or math.dist((context.pose.x, context.pose.y), at[:2]) > 2.5:

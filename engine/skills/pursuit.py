@@ -9,22 +9,22 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import math
-from collections import Counter
 from collections.abc import Callable
 from typing import Final
 
 import numpy as np
 
-from engine.perception.people import PersonSeen
-from engine.perception.sighting import Colour, Part, Sight, Sighting
+from engine.perception.people import Looks, PersonSeen
+from engine.perception.sighting import Part, Sight, Sighting
 from engine.robot.geometry import Pose, Twist
 from engine.robot.occupancy import Unreachable, distances
 from engine.robot.robot import RobotState
 from engine.skills.context import SkillContext
 from engine.skills.drive import why_held
 from engine.skills.legs import Legs
-from engine.skills.meeting import look_around, look_through
+from engine.skills.meeting import face_point, look_around, look_through
 from engine.skills.outcome import Result, fail, ok
+from engine.skills.outfit import Outfit, clothes_of
 from engine.skills.search import room_at
 from engine.skills.servo import PICTURE_S, WHOLE_S, Wheels, chase, look_towards, place_of
 from engine.skills.travel import NOTHING_SEEN, SEEN_RANGE, go_to, way_to
@@ -40,30 +40,24 @@ _SAME: Final = 1.0  # m from where somebody is expected; who is seen farther off
 _AIM: Final = 0.7  # m ahead on the way round
 _ROUTE_S: Final = 0.5  # s between two looks for a way round
 _HERE: Final = 0.4  # m from their legs, within which what is seen is they
-_VOTES: Final = 60  # pictures that count for a colour
+_ALONE: Final = 1.0  # m around somebody in which there is nobody else
 _STILL: Final = 0.15  # m/s
 _WAIST: Final = 0.75  # m, where the camera looks: shirt and landmarks are in the picture
 _HELD_S: Final = 0.8  # s that something is in the way until the robot goes round
 _ROUND_S: Final = 4.0  # s for which it does
 _THEIRS: Final = 0.6  # m around somebody that the lidar sees of them
 _SEARCHES: Final = 3  # times that somebody who is lost is looked for
+_WALKED_S: Final = 3.0  # s for which somebody out of sight is taken to have walked on
 _NARROW: Final = 0.05  # m that the robot keeps from things on its straight way
-
-
-def _clothes(person: Sighting) -> tuple[Colour | None, Colour | None]:
-    """The colours of shirt and trousers, as far as they show."""
-    figure = person.figure
-    return (person.colour, None) if figure is None else (figure.shirt, figure.trousers)
 
 
 class Pursuit:
     """Behind one person, until they have arrived where they wanted to be followed to."""
 
-    def __init__(self, context: SkillContext, person: PersonSeen, name: str) -> None:
+    def __init__(self, context: SkillContext, person: PersonSeen, name: str, outfit: Outfit) -> None:
         self._context = context
         self._name = name
-        self._shirts: Counter[Colour] = Counter([person.shirt] if person.shirt else [])
-        self._legwear: Counter[Colour] = Counter([person.trousers] if person.trousers else [])
+        self._outfit = outfit
         self._legs = Legs(context.robot, person.position[:2])
         self._picture: asyncio.Task[Sight] | None = None
         self._picture_at = self._whole_at = -math.inf
@@ -128,7 +122,7 @@ class Pursuit:
         """The one who is followed among all who are seen, or nobody."""
         people, at = [p for p in sight.objects if p.kind == "person"], self._legs.at
         self._learn(people)
-        near = [p for p in people if self._is_same(p)]
+        near = [p for p in people if self._outfit.fits(clothes_of(p))]
         best = min(near, key=lambda p: math.dist(p.position[:2], at), default=None)
         gate = _SAME + min(2.0, 1.2 * max(0.0, sight.t - self._seen_t))
         if best is None or math.dist(best.position[:2], at) > gate:
@@ -138,28 +132,13 @@ class Pursuit:
             self._legs.moved_to((best.position[0], best.position[1]))
 
     def _learn(self, people: list[Sighting]) -> None:
-        """What they wear, by what is seen where their legs are: a first look from close by may err."""
-        at = self._legs.at
-        nearest = min(people, key=lambda p: math.dist(p.position[:2], at), default=None)
-        if nearest is None or math.dist(nearest.position[:2], at) > _HERE or self._legs.unseen_s > 0.3:
+        """What they wear, by what is seen where their legs are while nobody else is near."""
+        at, others = self._legs.at, self._legs.others
+        near = [p for p in people if math.dist(p.position[:2], at) < _ALONE]
+        if len(near) != 1 or math.dist(near[0].position[:2], at) > _HERE or self._legs.unseen_s > 0.3:
             return
-        for votes, colour in zip((self._shirts, self._legwear), _clothes(nearest), strict=True):
-            if colour is not None and votes[colour] < _VOTES:
-                votes[colour] += 1
-
-    @property
-    def _shirt(self) -> Colour | None:
-        return max(self._shirts, key=self._shirts.__getitem__, default=None)
-
-    @property
-    def _trousers(self) -> Colour | None:
-        return max(self._legwear, key=self._legwear.__getitem__, default=None)
-
-    def _is_same(self, person: Sighting) -> bool:
-        """Whether they wear the same, as far as it shows; something of it has to."""
-        worn = tuple(zip(_clothes(person), (self._shirt, self._trousers), strict=True))
-        shown = [(seen, known) for seen, known in worn if seen is not None and known is not None]
-        return all(seen == known for seen, known in shown) and (bool(shown) or self._shirt is None)
+        if not (np.hypot(others[:, 0] - at[0], others[:, 1] - at[1]) < _ALONE).any():
+            self._outfit.learn(near[0])
 
     def _twist(self, state: RobotState) -> Twist:
         spot = self._legs.at
@@ -215,27 +194,29 @@ class Pursuit:
         return way.points[-1]
 
     async def _search(self) -> bool:
-        """Go where they went out of sight, and look around; whether they are seen again."""
+        """Look where they walked to, else go there and look around; whether they are seen again."""
         await self._wheels.stand()
-        context, (x, y) = self._context, self._legs.at
+        context, legs = self._context, self._legs
         context.progress(None, f"looking for {self._name}")
         began, pose = context.robot.state().t, context.pose
-        if math.dist((x, y), (pose.x, pose.y)) > 0.8:
-            direction = math.atan2(y - pose.y, x - pose.x)
-            await go_to(context, Pose(x - 0.3 * math.cos(direction), y - 0.3 * math.sin(direction), direction), "there")
+        ahead = min(legs.unseen_s, _WALKED_S)
+        x, y = (at + ahead * speed for at, speed in zip(legs.at, legs.velocity, strict=True))
         found: list[PersonSeen] = []
 
         def seen() -> bool:
-            found[:] = [
-                p
-                for p in context.world.people.everybody
-                if p.seen_at > began
-                and self._shirt in (None, p.shirt)
-                and (None in (p.trousers, self._trousers) or p.trousers == self._trousers)
-            ]
+            people = context.world.people.everybody
+            found[:] = [p for p in people if p.seen_at > began and self._outfit.fits(Looks(p.shirt, p.trousers))]
             return bool(found)
 
-        await look_around(context, seen)
+        await face_point(context, (x, y, _WAIST))
+        await context.see()
+        if not seen():
+            x, y = legs.at
+            if math.dist((x, y), (pose.x, pose.y)) > 0.8:
+                direction = math.atan2(y - pose.y, x - pose.x)
+                goal = Pose(x - 0.3 * math.cos(direction), y - 0.3 * math.sin(direction), direction)
+                await go_to(context, goal, "where they stayed")
+            await look_around(context, seen)
         if not found:
             await look_through(context, room_at(context.robot.floor_map, x, y), seen)
         if not found:

@@ -49,6 +49,9 @@ ENOUGH: Final = 0.97
 """Part of the room that must have been seen."""
 BLOCKED: Final = 4
 """Places in a row that it cannot get to before it gives up."""
+BRISK: Final = 10.0
+"""Unseen patches per second that the next view of a room must promise, as long as other rooms have hardly been seen.
+Of a room of 15 m², four fifths are seen at 20 to 30 a second, and the last fifth at 5: it takes as long as the rest."""
 WORTHWHILE: Final = 6
 """Unseen patches that a view must promise: a corner that needs a view of its own hides nothing larger than a cup."""
 _ELSEWHERE: Final = frozenset({"path_blocked", "unreachable", "door_closed", "no_progress"})
@@ -94,11 +97,11 @@ class Survey:
     def done(self) -> bool:
         return not self._open.any() or self._seen >= ENOUGH * len(self._patches)
 
-    def next_view(self, now: Pose) -> Pose | None:
-        """Where to look from next; None when no view promises anything."""
+    def next_view(self, now: Pose, least: float = 0.0) -> Pose | None:
+        """Where to look from next; None when no view promises more than ``least`` unseen patches per second."""
         if self.done or not len(self._stands):
             return None
-        best, view = 0.0, None
+        best, view = least, None
         unseen, reach = self._patches[self._open], self._reach[self._open]
         headings = np.arange(HEADINGS) * (2 * math.pi / HEADINGS)
         for x, y in self._stands.tolist():
@@ -141,10 +144,15 @@ class Survey:
 
 
 async def search(
-    context: SkillContext, room: Room, found: Callable[[], bool] = lambda: False, survey: Survey | None = None
+    context: SkillContext,
+    room: Room,
+    found: Callable[[], bool] = lambda: False,
+    survey: Survey | None = None,
+    *,
+    least: float = 0.0,
 ) -> Searched:
     """Look through ``room`` until all is seen or ``found()``; what is seen is in the memory then. ``survey``: go on
-    with one that was begun."""
+    with one that was begun. ``least``: leave the room once its views promise no more unseen patches per second."""
     robot = context.robot
     survey = survey or Survey(room, robot.floor_map, robot.footprint, context.pose)
     pictures = blocked = 0
@@ -153,7 +161,7 @@ async def search(
             return Searched(False, 0.0, 0, _STUCK)
         await context.see()
         pictures = 1
-    while not found() and (pose := _next(context, survey)) is not None:
+    while not found() and (pose := _next(context, room, survey, least)) is not None:
         on_the_way = context.saying(f"looking through the {room.name}, {survey.seen:.0%} seen", survey.seen)
         trouble = await _stand(on_the_way, pose, room.name)
         if trouble is not None:
@@ -169,9 +177,10 @@ async def search(
     return Searched(found(), survey.seen, pictures)
 
 
-def _next(context: SkillContext, survey: Survey) -> Pose | None:
+def _next(context: SkillContext, room: Room, survey: Survey, least: float) -> Pose | None:
     survey.bar(outline(strewn(context)), context.robot.footprint.radius + BESIDE)
-    return survey.next_view(context.pose)
+    inside = room.holds(context.pose.x, context.pose.y)  # the way into a room is not held against its first view
+    return survey.next_view(context.pose, least if inside else 0.0)
 
 
 async def _stand(context: SkillContext, pose: Pose, room: str) -> Result | None:

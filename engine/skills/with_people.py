@@ -63,7 +63,10 @@ def _met(context: SkillContext, words: str) -> PersonSeen | None:
     """The one whom the robot stands before because of the same words: they may not wave any more."""
     said, number = context.world.people.met
     person = context.world.people.of_number(number) if said == words else None
-    return person if person is not None and person.distance_to(context.pose.x, context.pose.y) < BESIDE else None
+    if person is None or person.distance_to(context.pose.x, context.pose.y) >= BESIDE:
+        return None
+    wanted = who_is(context, words).name
+    return None if wanted and person.name not in (None, wanted) else person  # they have said who they are
 
 
 def _beside(context: SkillContext, wanted: Seen, within: float) -> PersonSeen | None:

@@ -139,10 +139,21 @@ def test_who_lies_or_sits_answers_too() -> None:
 
 
 def test_the_nearest_hears_and_nobody_beyond_three_metres() -> None:
-    world = hall(near={"path": [[-1.5, 0]]}, far={"path": [[1.8, 0]]}, away={"path": [[-3.2, 0]]})
+    world = hall(near={"path": [[1.2, 0.5]]}, far={"path": [[1.8, 0]]}, away={"path": [[-3.2, 0]]})
     assert {news.who for news in said(world, "What is your name?")} == {"near"}
     alone = hall(away={"path": [[-3.2, 0]]})
     assert said(alone, "What is your name?") == []
+
+
+def test_the_one_whom_the_robot_looks_at_hears_rather_than_one_behind_it_who_is_nearer() -> None:
+    world = hall(behind={"path": [[-1.5, 0]]}, ahead={"path": [[1.8, 0]]})
+    assert {news.who for news in said(world, "What is your name?")} == {"ahead"}
+
+
+@pytest.mark.parametrize("text", ["You in red, please follow me.", "穿红色衣服的那位，请跟我来。"])
+def test_who_is_spoken_to_by_their_shirt_reacts_even_if_others_are_nearer(text: str) -> None:
+    world = hall(near={"path": [[1.2, 0]], "shirt": "blue"}, far={"path": [[2, 1]], "shirt": "red"})
+    assert {news.who for news in said(world, text)} == {"far"}
 
 
 def test_who_is_named_reacts_even_if_others_are_nearer_and_nobody_does_for_somebody_away() -> None:

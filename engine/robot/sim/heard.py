@@ -17,6 +17,11 @@ Wish = Literal["name", "follow", "come along", "arrived", "lead", "take", "give"
 """What the robot wants of somebody: that they say who they are, follow it, do so again, stand, walk ahead, take what it
 holds, give it what they hold, let it pass, answer a question; or nothing."""
 
+COLOURS_ZH: Final[Mapping[str, str]] = {
+    "red": "红", "orange": "橙", "yellow": "黄", "green": "绿", "blue": "蓝", "purple": "紫", "white": "白",
+    "grey": "灰", "black": "黑",
+}  # fmt: skip
+"""What people wear, as it is said in Chinese."""
 _ORDER = r"(?:^|[,.!?:] ?|\bplease )"
 """Before what somebody is asked to do: "I asked William to follow me" asks nobody."""
 _ORDER_ZH = r"(?:^|[,，.。!！?？:：]\s*|请)"

@@ -7,7 +7,7 @@ is asked, and of these rather one whom no wall hides. They answer after a moment
 from __future__ import annotations
 
 import math
-from collections import deque
+from collections import Counter, deque
 from typing import Any, Final
 
 from engine.robot.company import Happening, News
@@ -25,6 +25,7 @@ HEARING: Final = 3.0
 REPLY_S: Final = 0.8
 """s of robot time until somebody does something about what they have heard."""
 
+_ASIDE = 0.8  # m that somebody counts as farther away, per rad that the robot does not look at them
 _ATTENDS_S = 6.0  # that somebody who walks about stands when they are spoken to
 _KEPT = 200  # news that nobody has asked for
 
@@ -42,7 +43,9 @@ class People:
         self._people = [
             Somebody(Mover(model, data, name, person), name, person) for name, person in scene.people.items()
         ]
-        self._called = {somebody.name: somebody for somebody in self._people}
+        words = Counter(word for one in self._people for word in one.descriptions)
+        unique = {word: one for one in self._people for word in one.descriptions if words[word] == 1}
+        self._called = {**unique, **{one.name: one for one in self._people}}
         self._names = names_of(self._called)
         self._robot = scene.start.pose
         self._news: deque[News] = deque(maxlen=_KEPT)
@@ -93,13 +96,11 @@ class People:
         self._news.append(News(self._t, somebody.key, does, text))
 
     def _rank(self, one: Somebody, heard: Heard) -> tuple[bool, bool, float]:
-        """Less for who reacts rather."""
+        """Less for who reacts rather: somebody who can, who sees the robot, and who is near, or looked at by it."""
         robot, at = self._robot, one.at
-        can = one.can(heard)
-        if heard.wish == "pass":
-            off = wrap(direction((robot.x, robot.y), at) - robot.yaw)
-            can = can and abs(off) < math.pi / 2
-        return not can, not self._floor.can_see((robot.x, robot.y), at), one.pose.distance_to(robot)
+        off = abs(wrap(direction((robot.x, robot.y), at) - robot.yaw))
+        can = one.can(heard) and (heard.wish != "pass" or off < math.pi / 2)
+        return not can, not self._floor.can_see((robot.x, robot.y), at), one.pose.distance_to(robot) + _ASIDE * off
 
     # What they do
 

@@ -9,7 +9,7 @@ import math
 from engine.robot.company import Happening
 from engine.robot.geometry import Pose
 from engine.robot.sim.handing import Giving, Hands, Taking
-from engine.robot.sim.heard import Heard
+from engine.robot.sim.heard import COLOURS_ZH, Heard
 from engine.robot.sim.person import Mover, in_hand
 from engine.robot.sim.scene_parts import Person, Point
 from engine.robot.sim.walking import Following, Leading, Rounds, SteppingAside, Way
@@ -43,6 +43,12 @@ class Somebody:
                 self.holds.append(thing)
         if isinstance(self.way, Rounds) and not self.way.rejoin(self.at):
             self.way = None
+
+    @property
+    def descriptions(self) -> tuple[str, ...]:
+        """How they are spoken to by who does not know their name, in English and Chinese."""
+        shirt = self.person.shirt
+        return f"you in {shirt}", f"穿{COLOURS_ZH.get(shirt, shirt)}色衣服的那位"
 
     @property
     def pose(self) -> Pose:

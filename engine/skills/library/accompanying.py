@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import Annotated, Final
 
+from engine.perception.people import Looks, PersonSeen
 from engine.skills.context import SkillContext
-from engine.skills.leading import lead
-from engine.skills.meeting import (
-    called,
-)
+from engine.skills.leading import call, lead
+from engine.skills.meeting import called, face_point, go_up_to
 from engine.skills.outcome import Result, fail, ok
+from engine.skills.outfit import Outfit
 from engine.skills.pursuit import STOOD_S, Pursuit
 from engine.skills.registry import Duration, Word, skill
 from engine.skills.search import room_at
@@ -22,6 +22,7 @@ from engine.skills.with_people import (
     addressed,
     in_theirs,
     nearest_of,
+    who_is,
 )
 
 THERE: Final = 1.5
@@ -53,7 +54,7 @@ async def person_follow(
         return room.holds(*at) or math.dist(at, (goal.x, goal.y)) < THERE
 
     await context.say(addressed(person, in_theirs(context, person, "I follow you.")))
-    return await Pursuit(context, person, called(person)).run(there, stands or STOOD_S)
+    return await Pursuit(context, person, called(person), _outfit(context, person, who)).run(there, stands or STOOD_S)
 
 
 @skill(occupies=["base", "arm", "camera", "voice"])
@@ -68,10 +69,22 @@ async def guide(context: SkillContext, who: Who, to: Annotated[str, Word("place"
             return person
         went = await go_to(context, goal, place)  # whoever asked for it may come
         return ok(f"I am at {place}. I saw nobody come along.") if went.ok else went
+    went = await go_up_to(context, person)  # from afar, somebody else may think that they are meant
+    if not went.ok:
+        return went
+    await context.see()  # whoever walks is elsewhere by now
+    person = context.world.people.of_number(person.number) or person
+    await face_point(context, person.position)
     name = person.name or "the person"
-    ask = f"Please follow me to {place}."
-    await context.say(addressed(person, in_theirs(context, person, ask)))
-    result = await lead(context, person, name, goal, place)
+    outfit = _outfit(context, person, who)
+    await call(context, person, outfit, place)
+    result = await lead(context, person, name, goal, place, outfit)
     if result.ok:
         await context.say(in_theirs(context, person, f"Here we are: {place}."))
     return result
+
+
+def _outfit(context: SkillContext, person: PersonSeen, who: str) -> Outfit:
+    """What they wear: as it was asked for, else as it was seen."""
+    asked = who_is(context, who)
+    return Outfit(person, Looks(asked.shirt, asked.trousers))

@@ -33,6 +33,8 @@ from engine.skills.with_people import (
     with_somebody,
 )
 
+MOST_ASKED: Final = 5
+"""People who are asked for their name before the robot gives up to look for one of them."""
 ONE: Final = 0.45
 """m within which two sightings are one person, of whom legs and shirt were seen apart."""
 
@@ -48,20 +50,29 @@ async def find_person(context: SkillContext, who: Who = ANYBODY, where: Where = 
 
 @skill(occupies=["base", "arm", "camera", "voice"])
 async def meet(context: SkillContext, who: Who = ANYBODY, where: Where = "") -> Result:
-    """Go to somebody, greet them, and learn their name if they are not known by sight."""
-    person = await with_somebody(context, who, where, named=False)
-    if isinstance(person, Result):
-        return person
-    meant = who_is(context, who)
-    if person.name is not None and meant.name in ("", person.name):
-        await context.say(in_theirs(context, person, f"Hello, {person.name}."))
-        return ok(f"I met {person.name}{place_of_them(context, person)}.", **data_of(person))
-    name = await ask_for_name(context, person, meant.name)
-    if meant.name and name and name != meant.name:
-        return fail("object_not_found", f"I looked for {meant.name}, and met {name} there.", name=name)
-    if not name:
-        return ok(f"I met {called(person)}, who did not tell me their name.", **data_of(person))
-    return ok(f"I met {name}{place_of_them(context, person)}.", **{**data_of(person), "name": name})
+    """Go to somebody, greet them, and learn their name if they are not known by sight. Whoever is somebody else is
+    left, and the next one there is asked."""
+    wanted = who_is(context, who).name
+    others: list[str] = []
+    while len(others) < MOST_ASKED:
+        person = await with_somebody(context, who, where, named=False)
+        if isinstance(person, Result):
+            return _met_only(wanted, others) if others and person.error_code == "object_not_found" else person
+        if person.name is not None and wanted in ("", person.name):
+            await context.say(in_theirs(context, person, f"Hello, {person.name}."))
+            return ok(f"I met {person.name}{place_of_them(context, person)}.", **data_of(person))
+        name = await ask_for_name(context, person, wanted)
+        if not name:
+            return ok(f"I met {called(person)}, who did not tell me their name.", **data_of(person))
+        if wanted in ("", name):
+            return ok(f"I met {name}{place_of_them(context, person)}.", **{**data_of(person), "name": name})
+        others.append(name)
+    return _met_only(wanted, others)
+
+
+def _met_only(wanted: str, others: list[str]) -> Result:
+    names = " and ".join(others)
+    return fail("object_not_found", f"I looked for {wanted}, and met {names} there.", name=others[-1])
 
 
 @skill(occupies=["camera", "arm", "base"])

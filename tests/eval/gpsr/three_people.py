@@ -31,6 +31,8 @@ _SHIRTS: Final[Mapping[str, str]] = {
 _INSIDE: Final = 1.5
 """Where the robot begins, m from the middle: in nobody's way, who would wait for it."""
 _NAMES: Final = ("Linda", "John", "Mary")
+_LANE: Final = 0.7
+"""Between one who walks and the next, m."""
 _HALF: Final = (4.5, 4.0)  # of the hall, m
 
 
@@ -97,8 +99,9 @@ def _command(kind: Company, seed: int, language: Language, shirt: str, to: str) 
 
 def _walker(rng: np.random.Generator, begin: float, index: int, shirt: str) -> dict[str, Any]:
     """Somebody who walks round the hall. The second walks the other way, the third slower or faster than the first, so
-    that each of them comes near the right one, and whoever keeps near another one does not keep near that."""
-    round_ = float(rng.uniform(2.4, 2.8))
+    that each of them comes near the right one, and whoever keeps near another one does not keep near that. Each has a
+    lane of their own: people do not walk through each other."""
+    round_ = float(rng.uniform(2.3, 2.5)) + (0.0, _LANE, -_LANE)[index]
     angle, way = begin + (0.0, 1.2, -0.5)[index], -1 if index == 1 else 1
     speed = float(rng.uniform(0.24, 0.3)) * (1.0, 1.0, float(rng.choice([0.55, 1.5])))[index]
     corners = [angle + way * turn * math.pi / 6 for turn in range(12)]

@@ -1,0 +1,61 @@
+"""What one person wears who is followed or guided, and whether somebody seen can be that person.
+
+Colours that were asked for ("the person in blue") are certain. Others are learnt by majority, from sightings of a
+person who stands apart from everybody else: beside other people a sighting may be of them.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Final
+
+from engine.perception.people import Looks, PersonSeen
+from engine.perception.sighting import Colour, Sighting
+
+_FIRST: Final = 5
+"""Sightings that the first look counts for."""
+_MOST: Final = 60
+"""Sightings of one colour that count."""
+
+
+def clothes_of(sighting: Sighting) -> Looks:
+    """The colours of shirt and trousers, as far as they show."""
+    figure = sighting.figure
+    return Looks(sighting.colour) if figure is None else Looks(figure.shirt, figure.trousers)
+
+
+class Outfit:
+    """The clothes of one person."""
+
+    def __init__(self, person: PersonSeen, asked: Looks | None = None) -> None:
+        """``person``: as they were seen first. ``asked``: the colours that were asked for."""
+        self._asked = asked or Looks()
+        self._shirts: Counter[Colour] = Counter({person.shirt: _FIRST} if person.shirt else {})
+        self._trousers: Counter[Colour] = Counter({person.trousers: _FIRST} if person.trousers else {})
+
+    @property
+    def shirt(self) -> Colour | None:
+        """Its colour; None where no sighting has shown it."""
+        return self._asked.shirt or _most(self._shirts)
+
+    @property
+    def trousers(self) -> Colour | None:
+        """Their colour; None where no sighting has shown them."""
+        return self._asked.trousers or _most(self._trousers)
+
+    def learn(self, sighting: Sighting) -> None:
+        """This was the person, and nobody else was near."""
+        seen = clothes_of(sighting)
+        for votes, colour in ((self._shirts, seen.shirt), (self._trousers, seen.trousers)):
+            if colour is not None and votes[colour] < _MOST:
+                votes[colour] += 1
+
+    def fits(self, seen: Looks) -> bool:
+        """Whether nothing that shows is another colour, and something shows; anybody fits who has shown nothing yet."""
+        pairs = ((seen.shirt, self.shirt), (seen.trousers, self.trousers))
+        shown = [(a, b) for a, b in pairs if a is not None and b is not None]
+        return all(a == b for a, b in shown) and (bool(shown) or self.shirt is None)
+
+
+def _most(votes: Counter[Colour]) -> Colour | None:
+    return votes.most_common(1)[0][0] if votes else None
