@@ -13,6 +13,7 @@ from typing import Final, Literal
 
 from engine.errors import PlanError
 from engine.han import is_chinese
+from engine.perception.naming import parted, wanted
 from engine.perception.someone import Someone
 from engine.planner.amounts import number
 from engine.skills.places import ZERO_SYMBOL
@@ -218,6 +219,10 @@ class Entities:
             superlative=_SUPERLATIVE.search(head) is not None,
             at=self.of(where) if where else None,
         )
+        if beside := self._beside(plain):
+            found = replace(found, thing=beside, superlative=False, at=None)
+        elif found.thing is not None and found.superlative and wanted(found.thing).is_choice:
+            found = replace(found, superlative=False, every=False)
         if found.thing is not None and _is_plural(head, found.thing):
             found = replace(found, every=True)  # "the red boxes" are all that there are
         many = _SO_MANY.match(plain)
@@ -309,6 +314,34 @@ class Entities:
     def rooms_meant(self, words: str) -> bool:
         """Whether ``words`` are all rooms of the house."""
         return _EVERY_ROOM.search(" ".join(words.casefold().split())) is not None
+
+    def _beside(self, phrase: str) -> str | None:
+        """ "The object left of the cup": a thing that another thing tells; a place or furniture tells where it is."""
+        if (found := parted(_bare(phrase))) is None:
+            return None
+        anchor = self.of(found[2])
+        if anchor.thing is None or anchor.surface or anchor.place or anchor.room:
+            return None
+        try:
+            return self._object(f"{_bare(found[0])} {found[1]} {anchor.thing}")
+        except PlanError:
+            return None
+
+    def several(self, words: str) -> tuple[str, int]:
+        """Things of a kind, any of which will do, and how many are asked for (0: not said): "the three largest
+        drinks", "cups". Empty where it is no kind of thing."""
+        plain = " ".join(words.casefold().split()).strip(" ,.!?;:，。！？；：、")
+        so_many = _SO_MANY.match(plain)
+        count = round(number(so_many["en"] or so_many["zh"]) or 0) if so_many is not None else 0
+        rest = plain[so_many.end() :] if so_many is not None else _bare(plain)
+        for candidate in (_chinese if is_chinese(rest) else _english)(rest):
+            if found := self._vocabulary.any_of(candidate):
+                return found, count
+            try:
+                return self._object(candidate), count
+            except PlanError:
+                continue
+        return "", count
 
     def _first(self, resolve: Callable[[str], str], candidates: list[str], which: list[str]) -> str | None:
         for words in candidates:

@@ -16,6 +16,7 @@ from engine.perception.naming import Wanted
 from engine.robot.floor_map import FloorMap, Furniture, Room
 from engine.robot.geometry import Pose
 from engine.skills.approach import stand_before
+from engine.skills.choosing import choose
 from engine.skills.context import SkillContext
 from engine.skills.hand import move_to
 from engine.skills.outcome import ErrorCode, Result, fail
@@ -112,7 +113,9 @@ _LIKE_PAPER: Final = ("white", "grey", "black")
 
 async def find(context: SkillContext, what: Wanted, *, rooms: tuple[Room, ...] | None = None) -> Thing | Result:
     """The thing that is wanted, or why there is none. It is looked for first where it was seen last, then in ``rooms``
-    (all, beginning with this one, unless told otherwise)."""
+    (all, beginning with this one, unless told otherwise). Of several things, one is chosen among all that are here."""
+    if what.is_choice:
+        return await choose(context, what)
     floor = context.robot.floor_map
     order = list(rooms if rooms is not None else by_distance(floor, context.pose))
     finder = Finder(context, what, tuple(order))
@@ -208,6 +211,12 @@ def listing(things: tuple[Thing, ...]) -> str:
     for thing in things:
         names[thing.name] = names.get(thing.name, 0) + 1
     words = [f"{count} {_plural(name)}" if count > 1 else _one(name) for name, count in names.items()]
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def listing_the(things: tuple[Thing, ...]) -> str:
+    """``the red box, the red box and the cup``."""
+    words = [f"the {thing.name}" for thing in things]
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final, get_args
 
 from engine.errors import ExitCode, PlanError
 from engine.han import SIMPLER
-from engine.perception.naming import CHINESE, UnknownObject, wanted
+from engine.perception.naming import CHINESE, UnknownObject, Wanted, parted, ranked, wanted
 from engine.perception.sighting import Colour
 from engine.robot.floor_map import Furniture, Room
 from engine.skills.people import People
@@ -103,18 +103,36 @@ class Vocabulary:
     def object(self, words: str) -> str:
         """What is looked for, as ``str(Wanted)``. Raises :class:`UnknownObject` with what is known."""
         plain = _plain(words)
+        rank, rest = ranked(plain)
+        if rank is not None and (alike := self._of_any(_plain(rest))):
+            return str(replace(alike, rank=rank))
         try:
             return str(wanted(plain))
         except UnknownObject as unknown:
+            if (beside := parted(plain)) is not None:
+                head, side, anchor = beside
+                return str(replace(wanted(self.object(head)), beside=(side, wanted(self.object(anchor)))))
             if plain in self._things:
                 return str(wanted(self._things[plain]))
-            if (alike := self.of_category(plain)) and len(alike) == 1:
-                return str(wanted(self._things[alike[0]]))
-            if alike:
-                raise Ambiguous(f"Which {plain}: {', '.join(alike[:-1])} or {alike[-1]}?", alike) from None
+            if (names := self.of_category(plain)) and len(names) == 1:
+                return str(wanted(self._things[names[0]]))
+            if names:
+                raise Ambiguous(f"Which {plain}: {', '.join(names[:-1])} or {names[-1]}?", names) from None
             if not (names := self.things()):
                 raise
             raise UnknownObject(unknown.message, hint=f"{unknown.hint} And: {', '.join(names)}.") from None
+
+    def any_of(self, words: str) -> str:
+        """What is looked for where each thing of a kind will do ("a fruit", "the drinks"), as ``str(Wanted)``; empty
+        where the words are no kind of this house."""
+        alike = self._of_any(_plain(words))
+        return str(alike) if alike is not None else ""
+
+    def _of_any(self, plain: str) -> Wanted | None:
+        """Whatever is called so together, or by this name."""
+        names = self.of_category(plain) or ((plain,) if plain in self._things else ())
+        looks = tuple(dict.fromkeys(wanted(self._things[name]) for name in names))
+        return None if not looks else looks[0] if len(looks) == 1 else Wanted(among=looks)
 
     def of_category(self, words: str) -> tuple[str, ...]:
         """The names of all things here that are called so together, in the singular or the plural."""
@@ -137,6 +155,8 @@ class Vocabulary:
         except PlanError:
             return ()
         meant = wanted(plain)
+        if meant.is_choice or meant.among:  # the robot tells which one, or any will do
+            return (plain,)
         looks = {name: wanted(looks) for name, looks in self._things.items()}
         fit = (name for name, look in looks.items() if meant.covers(look))
         return tuple(fit) or (plain,)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from engine.perception.naming import wanted
+from engine.plan import Quantity
 from engine.planner.doing import people
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable
 from engine.planner.doing.handling import source_of
@@ -55,6 +57,8 @@ def find(doing: Doing, roles: Roles) -> Calls:
         raise Open("which_thing")
     elif _ANYTHING.fullmatch(thing.casefold()):  # what there is
         return looked(doing, place) if place else call("seewhat")
+    elif place and doing.entities.several(thing)[1] > 1 and (listed := _listed(doing, thing, place)):
+        return listed  # "find three snacks in the kitchen"
     else:
         found = doing.entity(thing)
         if found.thing is None and found.place is not None:
@@ -71,8 +75,23 @@ _ANYTHING: Final = re.compile(r"(?:any|some|every)thing|what|什么|啥|东西|�
 def count(doing: Doing, roles: Roles) -> Calls:
     if roles.words("person") and not roles.words("thing"):
         return people.count(doing, roles)
+    things, places = roles.words("thing"), roles.words("place")
     roles.all("thing"), roles.all("person")
-    return looked(doing, roles.words("place")) if roles.words("place") else call("seewhat")
+    if listed := _listed(doing, things, places):
+        return listed
+    return looked(doing, places) if places else call("seewhat")
+
+
+def _listed(doing: Doing, things: str, place: str) -> Calls:
+    """All things of a kind, or the biggest of them, at a place; nothing where the words are no kind of thing, or the
+    place is none to look at."""
+    kind, many = doing.entities.several(things) if things else ("", 0)
+    where = doing.where(place) if place else None
+    spot = (where.room or where.surface) if where is not None else ""
+    if not kind or spot is None or (where is not None and (where.me or where.refers or where.side)):
+        return ()
+    most = (Quantity(many, ""),) if many > 1 and wanted(kind).is_choice else ()
+    return call("list_things", kind, *((spot, *most) if spot else ()))
 
 
 def check(doing: Doing, roles: Roles) -> Calls:
@@ -90,7 +109,10 @@ def describe(doing: Doing, roles: Roles) -> Calls:
     if roles.words("person"):
         return people.describe(doing, roles)
     roles.words("topic")
-    words = roles.words("place") or roles.words("thing")
+    thing, place = roles.words("thing"), roles.words("place")
+    if thing and (listed := _listed(doing, thing, place)) and (place or wanted(str(listed[0].positional[0])).is_choice):
+        return listed
+    words = place or thing
     return looked(doing, words, is_thing=words == roles.words("thing")) if words else call("seewhat")
 
 

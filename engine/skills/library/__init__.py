@@ -27,7 +27,7 @@ from engine.skills.library.manipulation import (
 from engine.skills.library.motion import move_forward, move_left, move_right, move_sideways, set_cmdvel, stop, wait
 from engine.skills.library.navigation import get_current_pose, navigation, remember_place, report_pose
 from engine.skills.library.people import count_people, describe_person, find_person, learn_name, meet
-from engine.skills.library.searching import locate, navigate_to_object, scan_room, seewhat
+from engine.skills.library.searching import list_things, locate, navigate_to_object, scan_room, seewhat
 from engine.skills.library.signals import beep, light
 from engine.skills.library.sorting import apriltag_remove_higher, apriltag_sort, color_remove_higher
 from engine.skills.library.talking import answer_question, ask_person, report_answer, tell
@@ -56,6 +56,7 @@ LIBRARY: tuple[Skill, ...] = (
     close_gripper,
     seewhat,
     scan_room,
+    list_things,
     locate,
     navigate_to_object,
     grasp_obj,

@@ -53,7 +53,7 @@ async def carry(
     if goal is None:
         return fail("unknown_place", "I have not been told to remember a place yet.")
     held, elsewhere = context.world.held, ""
-    if held is None or not wanted(object).fits(held.kind, held.colour, held.tag):
+    if held is None or wanted(object).is_choice or not wanted(object).fits(held.kind, held.colour, held.tag):
         rooms = _rooms_of(context, source)
         picked = await fetch(context, wanted(object), rooms)
         if picked.error_code == "object_not_found" and rooms is not None:  # people err about where they left things
