@@ -14,8 +14,8 @@ _ABOUT: Final = "I am a robot that listens, thinks and acts, and nothing that I 
 _NAME: Final = "I am called sayso."
 _TOMORROW: Final = re.compile(r"\btomorrow\b|明天")
 _ASKING: Final = re.compile(
-    r"^(?:(?:please|so|and|can you|could you|would you|do you know|i want to know|tell (?:me|us|them|him|her)?|say|"
-    r"what(?:'s| is)|请问|请|告诉我|你知道)\s*)+"
+    r"^(?:(?:(?:please|so|and|can you|could you|would you|do you know|i want to know|tell(?: (?:me|us|them|him|her))?|"
+    r"say|what(?:'s| is))\b|请问|请|告诉我|你知道)\s*)+"
 )
 _WHEN: Final = r"(?: (?:is )?(?:it|today|tomorrow)(?: is)?(?: today| tomorrow)?)"
 _TOPICS: Final = (

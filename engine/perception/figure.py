@@ -36,6 +36,7 @@ _HALF = 0.1  # m from somebody's front to their axis
 _HEAD_WIDTH = 0.105  # m that a head is wide at least; arms are narrower
 _BESIDE, _BEYOND = 0.17, 0.45  # m from the axis: of a raised arm, and of one that points
 _FEWEST = 12  # pixels that tell anything
+_EDGE = 5  # rows from the upper edge of a picture that cuts somebody off, where shoulders may go on
 _BRIGHT = 0.42  # brightness that parts a face from hair
 
 
@@ -185,8 +186,9 @@ def _top_of_shoulders(body: Body, axis: NDArray[np.float64], away: NDArray[np.fl
         if not part.any():
             continue
         top = int(body.rows[part].min())
+        # What goes on above it, nearer to the robot, is trunk as well.
         over = np.isin(body.columns, np.unique(body.columns[part])) & (body.rows < top) & (body.rows >= top - 3)
-        if top > 0 and np.count_nonzero(over) < 3:  # else the trunk goes on there, nearer to the robot
+        if top > (_EDGE if body.cut else 0) and np.count_nonzero(over) < 3:
             found.append(float(body.z[part].max()))
     return min(found, default=None)
 

@@ -31,6 +31,7 @@ SMALLEST: Final = 0.95
 """m that somebody is tall at least, which backs of chairs are not; less shows where the picture ends above."""
 _CUT = 0.3  # m that must show of somebody whom the picture's upper edge cuts
 _FROM_FLOOR = 0.35  # m: what begins higher hangs, unless the picture's lower edge cuts it, or something hides it
+_LOWEST = 0.15  # m above its lowest point, where it reaches down
 _SITS = 0.4  # m that somebody rises above a seat at least
 _FLOOR = 0.06  # m above which something stands out
 _LEGS, _FILLED = (0.1, 0.34), 0.42  # m above the floor, and how much of their width legs fill there
@@ -126,10 +127,11 @@ def _bulges(body: Body) -> bool:
 
 
 def _hidden_below(picture: Picture, found: Loose) -> bool:
-    """Whether something nearer is before the lower part of it."""
+    """Whether something nearer is before the lower part of what reaches down farthest: legs, and not hands."""
     depth = picture.depth[:: found.step, :: found.step]
+    low = found.points[:, 2] < found.points[:, 2].min() + _LOWEST
+    columns = np.unique(found.columns[low])
     nearer = 0
-    columns = np.unique(found.columns)
     for column in columns.tolist():
         lowest = int(found.rows[found.columns == column].max())
         below = depth[min(lowest + 2, found.shape[0] - 1), column]

@@ -50,7 +50,9 @@ _NUMBERED: Final = re.compile(
 )
 """A block by its number, however that is said."""
 _SOME: Final = re.compile(r"^(?:some|any|one|either|a few|several|a couple|\d+|two|three|four|five|six|both)\b|\bof\b")
-_ALL: Final = re.compile(r"^(?:all|every|everything|each|both|whatever|anything)\b|^(?:所有|全部|每)|都")
+_ALL: Final = re.compile(
+    r"^(?:all|every|everything|everyone|everybody|each|both|whatever|anything)\b|^(?:所有|全部|每|大家)|都"
+)
 _MEASURE: Final = "[个张只把台本瓶条块件盒袋杯间些颗支根部盏双副罐碗串座扇辆]"
 """Measure words."""
 _SO_MANY: Final = re.compile(

@@ -46,6 +46,9 @@ _SIDES: Final = (0.0, 1.0, -1.0)
 _LEVEL: Final = (2.0, 0.9)
 """m ahead and up, where the camera looks then."""
 _CHEST: Final = 1.0  # m, where to look to see what somebody wears
+_SEATED: Final = 0.8  # m, the same of one who sits
+_TIMES, _BETWEEN_S = 4, 0.35  # looks at one person, and s between them, to see whether an arm moves
+_ONE: Final = 0.6  # m within which two sightings are one person
 _TURN: Final = 1.2  # rad/s
 _STEPS: Final = 16  # directions around somebody that are tried
 _MARGIN: Final = 0.1  # m that the hull keeps from things
@@ -91,8 +94,12 @@ def seen_now(context: SkillContext, wanted: Seen, within: Callable[[PersonSeen],
     return min(here, key=lambda p: math.dist(p.position[:2], (pose.x, pose.y)), default=None)
 
 
-async def look_around(context: SkillContext, found: Callable[[], bool] = lambda: False) -> Result | None:
-    """Look all the way round with the camera level, until ``found()``; what kept it from that."""
+async def look_around(
+    context: SkillContext, found: Callable[[], bool] = lambda: False, *, gestures: bool = False
+) -> Result | None:
+    """Look all the way round with the camera level, until ``found()``; what kept it from that. ``gestures``: watch
+    everybody who is seen for a while, to tell what they do with their arms."""
+    watched: list[tuple[float, float]] = []
     for half in range(2):
         if half:
             turned = await turn(context, math.pi, _TURN)
@@ -102,10 +109,35 @@ async def look_around(context: SkillContext, found: Callable[[], bool] = lambda:
             point = (_LEVEL[0] * math.cos(side), _LEVEL[0] * math.sin(side), _LEVEL[1])
             if not await move_to(context, gaze(context.robot.arm, point), speed=2.0):
                 return fail("no_progress", "The arm stopped on the way to its looking pose.")
+            began = context.robot.state().t
             await context.see()
             if found():
                 return None
+            for person in context.world.people.everybody if gestures else ():
+                x, y, _ = person.position
+                if person.seen_at < began or any(math.dist((x, y), at) < _ONE for at in watched):
+                    continue
+                watched.append((x, y))
+                await _watch(context, person)
+                if found():
+                    return None
     return None
+
+
+async def _watch(context: SkillContext, person: PersonSeen) -> None:
+    """Look at the arms of somebody several times: one that moves waves."""
+    x, y, _ = person.position
+    pose = context.pose
+    ahead, aside = x - pose.x, y - pose.y
+    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+    point = (c * ahead + s * aside, c * aside - s * ahead, _SEATED if person.posture == "sitting" else _CHEST)
+    await move_to(context, gaze(context.robot.arm, point), speed=2.0)
+    for _ in range(_TIMES):
+        state = context.robot.state()
+        end = state.work_t + _BETWEEN_S
+        while state.work_t < end:
+            state = await context.robot.tick()
+        await context.see()
 
 
 async def find_somebody(
@@ -120,6 +152,7 @@ async def find_somebody(
     if where and room is None:
         return await _find_at(context, who, wanted, where)
     order = [room] if room is not None else _order(context, who)
+    gestures = who.gesture is not None
 
     def inside(person: PersonSeen) -> bool:
         return any(one.holds(*person.position[:2]) for one in order)
@@ -131,13 +164,13 @@ async def find_somebody(
     if (person := found()) is not None:
         return person
     if here in order or not rooms:
-        trouble = await look_around(context, lambda: found() is not None)
+        trouble = await look_around(context, lambda: found() is not None, gestures=gestures)
         if (person := found()) is not None or trouble is not None:
             return person or trouble or _nobody(context, who, [])
     shut: Result | None = None
     seen: list[str] = []
     for one in order:
-        trouble = await look_through(context, one, lambda: found() is not None)
+        trouble = await look_through(context, one, lambda: found() is not None, gestures=gestures)
         if (person := found()) is not None:
             return person
         if trouble is None:
@@ -157,7 +190,9 @@ def _order(context: SkillContext, who: Someone) -> list[Room]:
     return sorted(by_distance(floor, context.pose), key=lambda room: (room not in last, room.name != usual))
 
 
-async def look_through(context: SkillContext, room: Room, found: Callable[[], bool]) -> Result | None:
+async def look_through(
+    context: SkillContext, room: Room, found: Callable[[], bool], *, gestures: bool = False
+) -> Result | None:
     """Look around from as many places of a room as it takes to see all of it."""
     places = _viewpoints(context, room)
     trouble: Result | None = None
@@ -170,7 +205,7 @@ async def look_through(context: SkillContext, room: Room, found: Callable[[], bo
             trouble = went
             continue
         reached = True
-        if (trouble := await look_around(context, found)) is not None or found():
+        if (trouble := await look_around(context, found, gestures=gestures)) is not None or found():
             return trouble
     if not places:
         return fail("unreachable", f"I cannot get into the {room.name}.")
@@ -216,9 +251,10 @@ async def _find_at(context: SkillContext, who: Someone, wanted: Seen, where: str
         went = await _go_in_sight(context, at, where)
         if not went.ok:
             return went
-    trouble = await look_around(context, lambda: found() is not None)
+    gestures = who.gesture is not None
+    trouble = await look_around(context, lambda: found() is not None, gestures=gestures)
     if found() is None and trouble is None:
-        trouble = await look_through(context, room, lambda: found() is not None)
+        trouble = await look_through(context, room, lambda: found() is not None, gestures=gestures)
     if (person := found()) is not None:
         return person
     return trouble or fail("object_not_found", f"I looked at the {where} and saw {_no(who)} there.")

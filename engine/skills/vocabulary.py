@@ -103,6 +103,8 @@ class Vocabulary:
     def object(self, words: str) -> str:
         """What is looked for, as ``str(Wanted)``. Raises :class:`UnknownObject` with what is known."""
         plain = _plain(words)
+        if plain in self._things:  # also one that is called like a colour: "the orange"
+            return str(wanted(self._things[plain]))
         rank, rest = ranked(plain)
         if rank is not None and (alike := self._of_any(_plain(rest))):
             return str(replace(alike, rank=rank))
@@ -112,8 +114,6 @@ class Vocabulary:
             if (beside := parted(plain)) is not None:
                 head, side, anchor = beside
                 return str(replace(wanted(self.object(head)), beside=(side, wanted(self.object(anchor)))))
-            if plain in self._things:
-                return str(wanted(self._things[plain]))
             if (names := self.of_category(plain)) and len(names) == 1:
                 return str(wanted(self._things[names[0]]))
             if names:

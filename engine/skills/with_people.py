@@ -31,6 +31,7 @@ Sentence = Annotated[str, Word("sentence")]
 ANYBODY: Final = "person"
 BESIDE: Final = 2.2
 """m within which somebody is there to talk with."""
+_THEIR_PLACE: Final = 0.6  # m from where they were seen from afar
 NEAR: Final = BESIDE + 1.0
 """m within which somebody is taken to be meant before anybody is looked for elsewhere."""
 
@@ -54,9 +55,24 @@ async def with_somebody(
     went = await go_up_to(context, person, apart=apart)
     if not went.ok:
         return went
-    await context.see()
+    person = await _there(context, person)
     context.world.people.met = (words, person.number)
-    return context.world.people.of_number(person.number) or person
+    return person
+
+
+async def _there(context: SkillContext, person: PersonSeen) -> PersonSeen:
+    """The one who stands where they were seen from afar. From near by their clothes may look different, so that they
+    are remembered as another one: that one it is."""
+    began, people = context.robot.state().t, context.world.people
+    await context.see()
+    now = people.of_number(person.number)
+    if now is not None and now.seen_at >= began:
+        return now
+    here = [p for p in people.everybody if p.seen_at >= began and p.distance_to(*person.position[:2]) < _THEIR_PLACE]
+    if not here:
+        return now or person
+    people.forget(person.number)
+    return min(here, key=lambda p: p.distance_to(*person.position[:2]))
 
 
 def _met(context: SkillContext, words: str) -> PersonSeen | None:

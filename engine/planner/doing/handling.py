@@ -135,6 +135,8 @@ def bring(doing: Doing, roles: Roles) -> Calls:
     goal = ZERO_SYMBOL
     if person:
         who = doing.entity(person)
+        if who.every and who.person:
+            return _served(doing, things, person, place)
         if not who.me and who.place is None:
             return _brought(doing, things, source, person, place)
         goal = who.place or ZERO_SYMBOL
@@ -149,6 +151,15 @@ def bring(doing: Doing, roles: Roles) -> Calls:
             doing.named = doing.in_hand
         made += carried(doing, words, goal, source)
     return made
+
+
+def _served(doing: Doing, things: tuple[str, ...], person: str, place: str) -> Calls:
+    """One of these for each of them: "drinks to everyone in the kitchen"."""
+    if len(things) > 1:
+        raise Unable("full", things[0])
+    kind = doing.entities.several(things[0])[0] or doing.thing(things[0])
+    who, there = people.somebody(doing, person, place)
+    return call("serve", kind, who, *((there,) if there else ()))
 
 
 def _brought(doing: Doing, things: tuple[str, ...], source: str, person: str, place: str) -> Calls:

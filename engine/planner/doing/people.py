@@ -126,10 +126,16 @@ def guide(doing: Doing, words: str, place: str, source: str) -> Calls:
     if not place and not _BACK.search(doing.said.casefold()):
         raise Open("where")
     first = call("meet", who, at) if at else ()
-    return (*first, *call("guide", who, doing.spot(place) if place else ZERO_SYMBOL))
+    return (*first, *call("guide", who, doing.spot(place) if place else _back(doing)))
+
+
+def _back(doing: Doing) -> str:
+    """Where somebody is led back to: whom the speaker wants here, here; anybody else to the place where they were."""
+    return ZERO_SYMBOL if not doing.place or _HERE.search(doing.said.casefold()) else doing.place
 
 
 _BACK: Final = re.compile(r"\bback\b|回来|回去")
+_HERE: Final = re.compile(r"\bbring\b.*\bback\b|\bback (?:here|to me|with you)\b|回来")
 
 
 def tell(doing: Doing, words: str, where: str, text: str) -> Calls:

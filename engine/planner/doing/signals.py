@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from engine.facts import topic_of
 from engine.plan import ActionCall, Quantity
 from engine.planner import amounts
 from engine.planner.doing import people
@@ -123,6 +124,8 @@ def tell(doing: Doing, roles: Roles) -> Calls:
     is_me = who is not None and who.me
     if not text and is_me and any(made.name == "ask_person" for made in doing.calls):
         return call("report_answer")
+    if not text and who is not None and not is_me and topic_of(roles.act.words("topic")):
+        return people.answer(doing, roles)  # the time, the day, something about the robot itself
     if not text:
         raise Unable("act")
     if who is not None and who.place is None and not who.me:

@@ -12,7 +12,7 @@ from engine.skills.library.following import (
     track,
 )
 from engine.skills.library.gestures import arm_applaud, arm_down, arm_nod, arm_shake, arm_up, dance, drift
-from engine.skills.library.handing import hand_over, take_from
+from engine.skills.library.handing import hand_over, serve, take_from
 from engine.skills.library.household import ask_user, carry, clean_room, tidy
 from engine.skills.library.manipulation import (
     close_gripper,
@@ -90,6 +90,7 @@ LIBRARY: tuple[Skill, ...] = (
     answer_question,
     hand_over,
     take_from,
+    serve,
     count_people,
     describe_person,
     learn_name,

@@ -5,22 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Final
 
+from engine.perception.memory import Thing as Held
 from engine.perception.naming import wanted
+from engine.perception.people import PersonSeen
 from engine.robot.arm import Joints
 from engine.skills.context import SkillContext
+from engine.skills.find import room_called
 from engine.skills.hand import close_fingers, fold, move_to, open_fingers, presses, still_held
-from engine.skills.meeting import (
-    NEARER,
-    called,
-)
+from engine.skills.library.manipulation import fetch
+from engine.skills.library.people import people_in
+from engine.skills.meeting import NEARER, called, fits, go_up_to
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.registry import Word, skill
 from engine.skills.with_people import (
     ANYBODY,
+    Where,
     Who,
     addressed,
     in_theirs,
     name_of,
+    who_is,
     with_somebody,
 )
 
@@ -40,6 +44,44 @@ async def hand_over(context: SkillContext, who: Who = ANYBODY) -> Result:
     person = await with_somebody(context, who, apart=NEARER)
     if isinstance(person, Result):
         return person
+    return await _hand_to(context, person, held)
+
+
+@skill(occupies=["base", "arm", "camera", "voice"], lasting=True)
+async def serve(context: SkillContext, object: Thing, who: Who = ANYBODY, where: Where = "") -> Result:
+    """Bring a thing of a kind to each person in a room, or to each of these: one after the other is fetched and handed
+    over."""
+    room = room_called(context, where)
+    wants = fits(context, who_is(context, who))
+    guests = await people_in(context, room.name)
+    if isinstance(guests, Result):
+        return guests
+    waiting = [person for person in guests if wants(person)]
+    if not waiting:
+        return fail("object_not_found", f"I looked in the {room.name} and saw nobody to serve.")
+    served: list[str] = []
+    for guest in waiting:
+        if context.world.held is None and not (picked := await fetch(context, wanted(object))).ok:
+            return _served(served, picked)
+        if (held := context.world.held) is None or not still_held(context):
+            return _served(served, fail("dropped", f"I have lost the {object}."))
+        person = context.world.people.of_number(guest.number) or guest
+        went = await go_up_to(context, person, apart=NEARER)
+        handed = await _hand_to(context, person, held) if went.ok else went
+        if not handed.ok:
+            return _served(served, handed)
+        served.append(called(person))
+    return ok(f"I served {len(served)} people in the {room.name}.", served=len(served))
+
+
+def _served(served: list[str], trouble: Result) -> Result:
+    """A failure that says who has got something before it."""
+    done = f"I served {' and '.join(served)}. " if served else ""
+    return fail(trouble.error_code or "no_progress", f"{done}{trouble.message}", served=len(served))
+
+
+async def _hand_to(context: SkillContext, person: PersonSeen, held: Held) -> Result:
+    """Hold it out to whom the robot stands before, and let go when they take it."""
     await move_to(context, OFFER, speed=0.8)
     await context.say(addressed(person, in_theirs(context, person, f"Please take the {held.name}.")))
     if await _until(context, lambda: not presses(context), TAKE_S):

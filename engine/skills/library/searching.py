@@ -82,7 +82,7 @@ async def list_things(
     if not found:
         return ok(f"I see no {what} {there}.", things=0)
     if not what.is_choice:
-        return ok(f"I see {listing(found)} {there}.", things=len(found))
+        return ok(f"I count {len(found)} {there}: {listing(found)}.", things=len(found))
     meant = found[: round(most)]
     if len(meant) == 1:
         return ok(f"The {what.rank or ''} one {there} is {listing_the(meant)}.".replace("  ", " "), things=1)

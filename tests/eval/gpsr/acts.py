@@ -30,7 +30,7 @@ _SKILLS: Final[Mapping[str, tuple[What, ...]]] = {
     "answer_question": ("ask", "tell"), "report_answer": ("tell",), "learn_name": (),
     "count_people": ("look",), "describe_person": ("look",),
     "count": ("look",), "scan_room": ("look",), "seewhat": ("look",), "look": ("look",), "clean_room": ("clean",),
-    "tidy": ("clean",),
+    "tidy": ("clean",), "list_things": ("look", "find"), "serve": ("pick", "give"),
 }  # fmt: skip
 _TELLING: Final = re.compile(r"tell|say|answer|introduce|report|joke")
 _LOOKING: Final = re.compile(r"count|describe|compare|look|find|search|which")
