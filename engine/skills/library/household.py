@@ -27,7 +27,7 @@ from engine.skills.library.manipulation import fetch
 from engine.skills.library.navigation import PlaceName
 from engine.skills.library.searching import ObjectName, RoomName
 from engine.skills.outcome import ErrorCode, Result, fail, ok
-from engine.skills.put import put_in, put_on, put_on_floor
+from engine.skills.put import HIGHEST, put_in, put_on, put_on_floor
 from engine.skills.registry import Word, skill
 from engine.skills.search import room_at, search
 from engine.skills.travel import go_to
@@ -48,7 +48,7 @@ async def carry(
     context: SkillContext, object: ObjectName, place: PlaceName, source: Annotated[str, Word("surface")] = ""
 ) -> Result:
     """Bring something to a place: find it (on or in ``source`` first if that is given), pick it up, drive there, put it
-    down on the floor."""
+    down: on the piece of furniture that the place is at, where the arm reaches, else on the floor."""
     goal, name = context.places.pose(place), context.places.name(place)
     if goal is None:
         return fail("unknown_place", "I have not been told to remember a place yet.")
@@ -74,8 +74,20 @@ async def carry(
         return lost(context, held)
     if not went.ok:
         return fail(went.error_code or "path_blocked", f"{went.message} I still hold the {held.name}.")
-    put = await put_on_floor(context)
+    put = await _put_down(context, furniture_called(context, name.removeprefix("the ")))
     return ok(f"I brought the {held.name} to {name}.{elsewhere}") if put.ok else put
+
+
+async def _put_down(context: SkillContext, piece: Furniture | None) -> Result:
+    """On or into the piece of furniture, where there is one that the arm reaches and that has room; else on the
+    floor."""
+    if piece is not None and piece.kind == "bin":
+        return await put_in(context, piece)
+    if piece is not None and 0 < piece.height <= HIGHEST:
+        put = await put_on(context, piece)
+        if put.error_code not in ("no_room", "out_of_reach"):
+            return put
+    return await put_on_floor(context)
 
 
 @skill(occupies=["base", "arm", "camera"], lasting=True)
