@@ -147,8 +147,8 @@ def someone(words: str) -> Someone:
         kind = _KINDS_ZH.search(rest)
         rest = _FILLERS_ZH.sub("", _KINDS_ZH.sub("", rest)).replace(" ", "")
     else:
-        kind = next((m for m in re.finditer(r"[a-z]+", rest.casefold()) if _KINDS.fullmatch(m[0])), None)
-        kind = _KINDS.fullmatch(kind[0]) if kind is not None else None
+        kinds = [one for word in re.findall(r"[a-z]+", rest.casefold()) if (one := _KINDS.fullmatch(word))]
+        kind = next((one for one in kinds if one["male"] or one["female"]), kinds[0] if kinds else None)
         without = re.sub(rf"\b(?:{_KINDS.pattern})\b", " ", rest, flags=re.I)
         rest = " ".join(re.sub(_FILLERS.pattern, " ", without, flags=re.I).split())
     if kind is not None:

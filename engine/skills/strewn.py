@@ -60,7 +60,7 @@ def heed(pose: Pose, things: Iterable[Thing], hull: Footprint, wanted: Sequence[
     points = seen_from(pose, outline(things))
     points = points[np.hypot(points[:, 0], points[:, 1]) < 1.0]
     points = points[gaps(points, hull) > 0.0] if len(points) else points  # what is under it is not there
-    for twist in (*wanted, *_away_from(points, hull)):
+    for twist in (*wanted, *away_from(points, hull)):
         halting = max(math.hypot(twist.vx, twist.vy) / _BRAKING, abs(twist.wz) / _TURN_BRAKING)
         horizon = _REACTION + halting / 2
         if free_time(twist, horizon, points, hull, MARGIN).time >= horizon:
@@ -68,7 +68,7 @@ def heed(pose: Pose, things: Iterable[Thing], hull: Footprint, wanted: Sequence[
     return None
 
 
-def _away_from(points: NDArray[np.float64], hull: Footprint) -> tuple[Twist, ...]:
+def away_from(points: NDArray[np.float64], hull: Footprint) -> tuple[Twist, ...]:
     """Straight away from the nearest of these points (base frame), if it is near."""
     if not len(points):
         return ()

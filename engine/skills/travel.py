@@ -26,7 +26,7 @@ from engine.skills.hand import look
 from engine.skills.lookout import Lookout, lookout
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.sent import send_to
-from engine.skills.strewn import heed, in_the_way, nearest_to, outline, strewn
+from engine.skills.strewn import away_from, heed, in_the_way, nearest_to, outline, seen_from, strewn
 
 SEEN_RANGE = 2.5  # m; what the lidar sees further away does not matter for a detour
 DETOURS = 3  # times that a blocked way is planned anew
@@ -40,6 +40,7 @@ NEARLY = 0.06  # m; a base that cannot go sideways, or is told late, may come no
 
 ASKS = 2  # times that somebody in the way is asked to let the robot pass
 ASIDE_S = 2.5  # s in which they step aside
+BACK_OFF_S = 1.5  # s for which the robot goes straight away from what it stands right beside
 AHEAD, AHEAD_S, ASIDE = 1.2, 6.0, 0.9  # m, s and rad within which they are in the way
 
 HEMMED = 3  # times that something small on the floor may leave no way on before the robot gives up
@@ -97,10 +98,28 @@ async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout, s
         if code != "path_blocked" or detours == DETOURS:
             break
         detours += 1
+        await _back_off(context)
         seen = context.robot.scan().on_map(state.pose, SEEN_RANGE)
     if shut is not None:
         return fail("door_closed", stopped_before(state, goal, name, is_closed(shut)))
     return fail(code, stopped_before(state, goal, name, reason))
+
+
+async def _back_off(context: SkillContext) -> None:
+    """Straight away from what the lidar sees right beside the hull, where there is such a thing: turning there would
+    touch it."""
+    robot, hull = context.robot, context.robot.footprint
+    state = robot.state()
+    end = state.work_t + BACK_OFF_S
+    while state.work_t < end:
+        points = seen_from(state.pose, robot.scan().on_map(state.pose, SEEN_RANGE))
+        points = points[np.hypot(points[:, 0], points[:, 1]) < 1.0]
+        away = away_from(points, hull)
+        if not away:
+            break
+        context.drive(away[0])
+        state = await robot.tick()
+    await settle(context)
 
 
 def _somebody_ahead(context: SkillContext) -> bool:

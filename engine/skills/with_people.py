@@ -8,7 +8,7 @@ from typing import Annotated, Final
 from config.schema import KnownPerson
 from engine.han import is_chinese
 from engine.perception.people import PersonSeen
-from engine.perception.someone import Someone
+from engine.perception.someone import Gender, Someone
 from engine.skills.context import SkillContext
 from engine.skills.meeting import (
     APART,
@@ -125,6 +125,18 @@ async def ask_for_name(context: SkillContext, person: PersonSeen, expected: str)
     return name
 
 
+async def gender_of(context: SkillContext, person: PersonSeen) -> Gender | None:
+    """As it is known, else as they say when they are asked: nobody's looks tell. None where they do not say."""
+    known = context.people.about(person.name).gender if person.name else None
+    if known is not None or context.ask is None:
+        return known
+    if not (await go_up_to(context, person)).ok:
+        return None
+    answer = await context.ask(in_theirs(context, person, "Excuse me, are you a man or a woman?")) or ""
+    male, female = _MALE.search(answer.casefold()), _FEMALE.search(answer.casefold())
+    return None if bool(male) == bool(female) else "male" if male else "female"
+
+
 def name_told(answer: str, expected: str) -> str:
     """The name in an answer: "I am Robin", "yes" to a name that was asked about; empty where there is none."""
     plain = answer.strip(" .!。！")
@@ -178,5 +190,7 @@ _NAME_TOLD: Final = re.compile(
     r"(?:\b(?:[Ii] am|[Ii]'m|[Mm]y name is|[Cc]all me|[Ii]t is|[Ii]t's|[Tt]his is) (?:called )?)"
     r"(?P<en>[A-Z][\w'-]*(?: [A-Z][\w'-]*)?)|(?:我叫|我是|我的名字是|叫我)(?P<zh>[\u3400-\u9fff\w]{1,6})"
 )
+_MALE: Final = re.compile(r"\b(?:man|boy|male|gentleman|he)\b|男|先生")
+_FEMALE: Final = re.compile(r"\b(?:woman|girl|female|lady|she)\b|女")
 _YES: Final = re.compile(r"(?:yes|yeah|yep|sure|right|that's me|i am)\b|是|对|没错|嗯")
 _NO: Final = re.compile(r"(?:no|nope|not|nobody|sorry|i)\b|不|没")

@@ -122,7 +122,7 @@ class People:
             one.stay()
             self._tell_of(one, "stays")
         elif wish == "lead":
-            one.way = Leading(one.person.leads, one.person.speed or 0.4)
+            one.way = Leading(one.person.leads, one.person.speed or 0.4, self._floor)
             self._tell_of(one, "leads")
         elif wish == "pass":
             aside = SteppingAside(one.pose, self._robot, self._floor, t)

@@ -37,6 +37,7 @@ _NARROW = 0.1  # m of room that somebody needs at least
 _FEW = 40  # points of the trail that are looked at for a short cut
 _ASIDE_SPEED = 0.5  # m/s
 _PASSED = 1.3  # m from the robot at which it has passed
+_GOES_ROUND_S = 3.0  # that somebody waits for a robot in the way before they go round it
 _PATIENCE_S = 12.0  # that who has stepped aside waits for it
 
 
@@ -155,10 +156,12 @@ class Following:
 
 
 class Leading:
-    """Along some points, once, waiting for a robot that stays behind."""
+    """Along some points, once, waiting for a robot that stays behind, and round one that stays in the way."""
 
-    def __init__(self, points: Sequence[Point], speed: float) -> None:
-        self._points, self._speed = deque(points), speed
+    def __init__(self, points: Sequence[Point], speed: float, floor: FreeFloor) -> None:
+        self._points, self._speed, self._floor = deque(points), speed, floor
+        self._stopped_t = math.inf  # since when the robot is in the way
+        self._round: SteppingAside | None = None
 
     @property
     def ended(self) -> bool:
@@ -168,9 +171,18 @@ class Leading:
         at = (here.x, here.y)
         if self._points and math.dist(at, self._points[0]) < _ARRIVED:
             self._points.popleft()
-        if not self._points or math.dist(at, (robot.x, robot.y)) > WAITS_AT or in_the_way(here, robot):
+        if not self._points or math.dist(at, (robot.x, robot.y)) > WAITS_AT:
             return None
-        return Walk(self._points[0], self._speed)
+        if self._round is not None and (step := self._round.next(here, robot, t)) is not None:
+            return step
+        self._round = None
+        if not in_the_way(here, robot):
+            self._stopped_t = math.inf
+            return Walk(self._points[0], self._speed)
+        self._stopped_t = min(self._stopped_t, t)
+        if t - self._stopped_t > _GOES_ROUND_S:
+            self._round, self._stopped_t = SteppingAside(here, robot, self._floor, t), math.inf
+        return None
 
 
 class SteppingAside:

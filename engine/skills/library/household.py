@@ -12,6 +12,7 @@ from engine.perception.naming import Wanted, wanted
 from engine.robot.floor_map import Furniture, Room
 from engine.skills.context import SkillContext
 from engine.skills.find import (
+    NO_WAY,
     by_distance,
     find,
     furniture_called,
@@ -69,12 +70,13 @@ async def carry(
         if (held := context.world.held) is None:
             return fail("dropped", f"I have lost the {object}.")
     await grip_again(context)
+    piece = furniture_called(context, name.removeprefix("the "))
     went = await go_to(context, goal, name)
     if not still_held(context):
         return lost(context, held)
-    if not went.ok:
+    if not went.ok and (piece is None or went.error_code not in NO_WAY):  # furniture can be stood at elsewhere
         return fail(went.error_code or "path_blocked", f"{went.message} I still hold the {held.name}.")
-    put = await _put_down(context, furniture_called(context, name.removeprefix("the ")))
+    put = await _put_down(context, piece)
     return ok(f"I brought the {held.name} to {name}.{elsewhere}") if put.ok else put
 
 

@@ -24,6 +24,7 @@ from engine.skills.with_people import (
     Who,
     ask_for_name,
     data_of,
+    gender_of,
     in_theirs,
     know,
     look_for_beside,
@@ -94,8 +95,17 @@ async def count_people(context: SkillContext, who: Who = ANYBODY, where: Where =
     if isinstance(everybody, Result):
         return everybody
     fit = fits(context, meant)
-    count = sum(fit(person) for person in everybody)
-    return ok(f"In the {room.name} I see {_counted(count, meant)}.", people=count)
+    found = [person for person in everybody if fit(person)]
+    if meant.gender is None:
+        return ok(f"In the {room.name} I see {_counted(len(found), meant)}.", people=len(found))
+    genders = [await gender_of(context, person) for person in found]
+    count, untold = genders.count(meant.gender), genders.count(None)
+    if not untold:
+        return ok(f"In the {room.name} I see {_counted(count, meant)}.", people=count)
+    sure = _counted(count, meant)
+    return ok(
+        f"In the {room.name} I see {sure}, and {_counted(untold, Someone())} of whom I cannot tell.", people=count
+    )
 
 
 async def people_in(context: SkillContext, room_name: str) -> tuple[PersonSeen, ...] | Result:
@@ -129,7 +139,6 @@ async def describe_person(context: SkillContext, who: Who = ANYBODY, what: Sente
     person = await with_somebody(context, who)
     if isinstance(person, Result):
         return person
-    gender = context.people.about(person.name).gender if person.name else None
     match what:
         case "name":
             if person.name is None:
@@ -139,6 +148,7 @@ async def describe_person(context: SkillContext, who: Who = ANYBODY, what: Sente
                 return ok(f"The person is {name}.", name=name)
             return ok(f"The person is {person.name}.", name=person.name)
         case "gender":
+            gender = await gender_of(context, person)
             if gender is None:
                 return fail("not_supported", f"I cannot tell whether {called(person)} is a man or a woman.")
             return ok(f"{name_of(person)} is a {'woman' if gender == 'female' else 'man'}.", gender=gender)
