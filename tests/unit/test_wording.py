@@ -63,7 +63,7 @@ SHOWN: Final = (
 """Where something is written that a console shows: what the doctor finds, how parts are doing, lines of the log."""
 SHOWS: Final = frozenset(
     {"Finding", "Log", "_tell_log", "_tell", "_warn", "warn", "Remark", "Opened", "SaysoError", "ErrorRaised"}
-    | {"_complain", "UsageError"}
+    | {"_complain", "UsageError", "_ack"}
 )
 """What is called with it."""
 
