@@ -217,6 +217,18 @@ class RequestEnded(Body, frozen=True):
     sent_as: str | None = None  # the id that its sender gave to the command
 
 
+@kind("offers.made")
+class OffersMade(Body, frozen=True):
+    """What may be asked about the past in a word; told whenever that changes. Each is the turn that it is about, by its
+    id, or None where it is not offered. "Continue" does what a stop cut off, "undo" goes back from what was done, and
+    "again" does the plan once more."""
+
+    resume: str | None = None
+    undo: str | None = None
+    again: str | None = None
+    no_undo: str = ""  # why what was done last cannot be undone, for people
+
+
 # Hearing
 
 

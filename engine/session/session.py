@@ -15,8 +15,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import math
-from collections import deque
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
@@ -49,13 +48,15 @@ from engine.commands import (
 from engine.epoch import Epoch
 from engine.errors import ExitCode, RobotError, SaysoError
 from engine.events import Scope, State, TurnResult
+from engine.planner.about_itself import cannot_continue
 from engine.planner.text.language import language_of
 from engine.robot.geometry import Pose, Twist, wrap
 from engine.robot.robot import EMERGENCY_STOP
 from engine.session.by_hand import ByHand
 from engine.session.history import Interrupted, TaskCycle
 from engine.session.inbox import Inbox, Request
-from engine.session.turn import PRESSED, Needs, Overtaken, Turn
+from engine.session.turn import PRESSED, Needs, Overtaken, Turn, way_back
+from engine.session.waiting import Waiting, seen
 from engine.skills.outcome import ErrorCode
 from engine.states import EFFECTS, EXPRESSING, NEXT, REST
 
@@ -104,8 +105,8 @@ class Session:
         self._cycle = TaskCycle(1)
         self._turn: Turn | None = None
         self._turns: asyncio.TaskGroup | None = None  # of the present cycle
-        self._waiting: deque[Request] = deque()  # what waits for the running turn to end, in the order it was asked in
-        self._told_waiting: tuple[events.WaitingRequest, ...] = ()  # how much of that has been told
+        self._waiting = Waiting(self._tell_waiting)
+        self._offers = events.OffersMade()  # what has been offered
         self._begun: Request | None = None  # what the running turn was asked for in words
         self._postponed: Request | None = None  # what the next cycle begins with
         self._again = False  # the wake that is being handled came while listening…
@@ -157,9 +158,7 @@ class Session:
                 self._carry_out(postponed)
             while self._cycle is cycle and self._quit is None:
                 if self._turn is None and self._waiting and self._inbox.is_empty():  # nobody has anything against it
-                    following = self._waiting.popleft()
-                    self._tell_waiting()
-                    self._carry_out(following)
+                    self._carry_out(self._waiting.take())
                     continue
                 match await self._inbox.get():
                     case TurnOver(turn):
@@ -171,7 +170,7 @@ class Session:
                         if not await self._admit(request):
                             continue
                         first, *others = request.one_by_one()
-                        self._wait(others)
+                        self._waiting.add(others)
                         if self._cycle is cycle:
                             self._carry_out(first)
                         else:  # the turn that it interrupted had finished the dialogue
@@ -198,7 +197,7 @@ class Session:
             self._turn.answer(command.text)
             self._ack(request)
             self._end(answer, "answer")
-            self._wait(others)
+            self._waiting.add(others)
             return False
         elif self._turn is not None and isinstance(command, Say) and self._rejects(command):
             self._ack(request, "Busy: the command was not taken (session.busy is reject).", ok=False)
@@ -206,7 +205,7 @@ class Session:
                 self._end(one, "rejected")
             return False
         elif (self._turn is not None or self._waiting) and isinstance(command, Say | Quit | Added):
-            self._wait(request.one_by_one())
+            self._waiting.add(request.one_by_one())
             if isinstance(command, Added):
                 self._log("info", f"After this: “{command.heard.text}”.")
             return False
@@ -215,17 +214,9 @@ class Session:
     def _rejects(self, command: Say) -> bool:
         return self._settings.busy == "reject" and not command.wait
 
-    def _wait(self, requests: Iterable[Request]) -> None:
-        """Let them wait until the turn has ended that runs by then."""
-        self._waiting.extend(requests)
-        self._tell_waiting()
-
-    def _tell_waiting(self) -> None:
-        """What waits is another thing now, unless only a command to end the session came or went."""
-        if (waiting := _told(self._waiting)) != self._told_waiting:
-            self._told_waiting = waiting
-            told = events.RequestsWaiting(tuple(one.text for one in waiting), waiting)
-            self._bus.publish(told, epoch=self._epoch.current)
+    def _tell_waiting(self, waiting: tuple[events.WaitingRequest, ...]) -> None:
+        told = events.RequestsWaiting(tuple(one.text for one in waiting), waiting)
+        self._bus.publish(told, epoch=self._epoch.current)
 
     def _carry_out(self, request: Request) -> None:
         """Do what a request asks for; nothing is running that it has to wait for."""
@@ -304,6 +295,7 @@ class Session:
     def _new_cycle(self, reason: str) -> None:
         self._bus.publish(events.TaskEnded(reason), epoch=self._epoch.current)
         self._cycle = TaskCycle(self._cycle.number + 1)
+        self._offer()
 
     # Turns
 
@@ -395,6 +387,7 @@ class Session:
             result = turn.task.result()
         self._undone = turn.id if result.outcome != "done" else ""
         self._enter("WAITING" if self._cycle.entries else "IDLE", result.outcome, turn, result)
+        self._offer()
         self._leave_what_follows(self._undone)
         request, self._begun = self._begun, None
         if request is not None and request.text is not None:
@@ -418,18 +411,17 @@ class Session:
         dropped = [request for request in self._waiting if not isinstance(request.command, Quit)]
         if not dropped:
             return
-        self._bus.publish(events.RequestsDropped(tuple(one.text for one in _told(dropped))), epoch=self._epoch.current)
+        self._bus.publish(events.RequestsDropped(tuple(one.text for one in seen(dropped))), epoch=self._epoch.current)
         for request in dropped:
-            self._waiting.remove(request)
             self._ack(request, "Interrupted before it started.", ok=False)
             if isinstance(request.command, Added):
                 self._warn_left(request.command)
             self._end(request, "replaced" if scope == "replaced" else "interrupted", scope)
-        self._tell_waiting()
+        self._waiting.remove(dropped)
 
     def _withdraw(self, id: str) -> None:
         """Whoever asked for it has thought better of it."""
-        for request in tuple(self._waiting):
+        for request in self._waiting:
             if isinstance(request.command, Say) and request.command.id == id:
                 self._take_out(request, "Withdrawn before it started.")
 
@@ -440,40 +432,45 @@ class Session:
             self._ack(request)
 
     def _take_out(self, request: Request, why: str) -> None:
-        self._waiting.remove(request)
+        self._waiting.remove([request])
         self._ack(request, why, ok=False)
         self._end(request, "dropped")
-        self._tell_waiting()
 
     def _move(self, request: Request, id: str, before: str | None) -> None:
-        """Somebody wants another order. What is to end the session keeps its place among them."""
+        """Somebody wants another order."""
         moved = self._waits(request, id)
         following = None if before is None or moved is None else self._waits(request, before)
-        if moved is None or (before is not None and following is None):
-            return
-        places = [at for at, one in enumerate(self._waiting) if one.text is not None]
-        order = [self._waiting[at] for at in places if self._waiting[at] is not moved]
-        if following is not moved:
-            order.insert(len(order) if following is None else order.index(following), moved)
-            for at, one in zip(places, order, strict=True):
-                self._waiting[at] = one
-        self._ack(request)
-        self._tell_waiting()
+        if moved is not None and (before is None or following is not None):
+            self._waiting.move(moved, following)
+            self._ack(request)
 
     def _waits(self, request: Request, id: str) -> Request | None:
         """The one of this id among those that wait; where there is none, ``request`` is told so."""
-        found = next((one for one in self._waiting if one.id == id and one.text is not None), None)
-        if found is None:
+        if (found := self._waiting.find(id)) is None:
             self._ack(request, f"No request with the id {id!r} waits: it has begun, or ended, or never was.", ok=False)
         return found
 
     def _leave_what_follows(self, undone: str) -> None:
         """What waits to follow a turn that was not done is left, wherever it has been moved to."""
-        for request in tuple(self._waiting):
-            if isinstance(request.command, Added) and request.command.turn == undone:
-                self._waiting.remove(request)
-                self._leave(request)
-        self._tell_waiting()
+        left = [one for one in self._waiting if isinstance(one.command, Added) and one.command.turn == undone]
+        self._waiting.remove(left)
+        for request in left:
+            self._leave(request)
+
+    def _offer(self) -> None:
+        """What may be asked about the past is another thing now, perhaps."""
+        turn, _ = self._cycle.acted_last()
+        record, back = self._cycle.on_record(), way_back(self._needs, self._cycle)
+        goes_on = record.stopped is not None and not cannot_continue(record, "en")
+        offers = events.OffersMade(
+            resume=turn if turn and goes_on else None,
+            undo=turn if turn and back.calls else None,
+            again=self._cycle.planned_last() or None,
+            no_undo=back.why_not if turn and not back.calls else "",
+        )
+        if offers != self._offers:
+            self._offers = offers
+            self._bus.publish(offers, epoch=self._epoch.current)
 
     def _leave(self, request: Request) -> None:
         """What it was to follow was not done."""
@@ -510,6 +507,8 @@ class Session:
             robot.relocate(believed, Pose(here.x, here.y, wrap(believed.yaw if here.yaw is None else here.yaw)))
         except RobotError as error:
             return error.message
+        self._cycle.put_after, _ = self._cycle.acted_last()
+        self._offer()
         return ""
 
     # What others see
@@ -549,19 +548,11 @@ class Session:
             "cycle": self._cycle.number,
             "history": self._cycle.as_json(),
             "robot": state,
-            "waiting": [request.text for request in _told(self._waiting)],
-            "requests": [to_builtins(request) for request in _told(self._waiting)],
+            "offers": to_builtins(self._offers),
+            "waiting": [request.text for request in self._waiting.seen],
+            "requests": [to_builtins(request) for request in self._waiting.seen],
         }
 
 
 def _told_stop(scope: Scope) -> Callable[[Turn], Awaitable[TurnResult]]:
     return (lambda turn: turn.stopped(PRESSED)) if scope == "estop" else Turn.stopped
-
-
-def _told(requests: Iterable[Request]) -> tuple[events.WaitingRequest, ...]:
-    """Those that are requests in words, for others."""
-    return tuple(
-        events.WaitingRequest(request.id, text, request.sent_as)
-        for request in requests
-        if (text := request.text) is not None
-    )

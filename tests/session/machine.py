@@ -211,8 +211,8 @@ class SessionMachine(RuleBasedStateMachine):
     @rule(
         first=st.booleans(),
         then=st.lists(st.sampled_from(REQUESTS), min_size=1, max_size=3),
-        which=st.integers(0, 3),
-        before=st.none() | st.integers(0, 3),
+        which=st.integers(0, 8),
+        before=st.none() | st.integers(0, 8),
         move=st.booleans(),
         after=AFTER,
     )
@@ -416,8 +416,10 @@ class SessionMachine(RuleBasedStateMachine):
         return self.talk
 
     def _one_listed(self, which: int) -> str:
-        """The id of one that waits; of one that does not where there are fewer."""
-        return self._listed[which].request if which < len(self._listed) else next(iter(self._ended), "nobody's")
+        """The id of one that waits; for 0, and where none does, of one that has ended."""
+        if self._listed and which:
+            return self._listed[which % len(self._listed)].request
+        return next(iter(self._ended), "nobody's")
 
     def _every_request_has_ended(self) -> None:
         """Once each: a second end is found when it is told."""

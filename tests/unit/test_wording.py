@@ -40,7 +40,7 @@ ALL_TEXT: Final = (
     "robot/sim/camera.py", "robot/sim/camera_process.py", "robot/host/process.py",
     "parts/keeper.py", "parts/camera.py", "asr/isolated.py", "llm/service.py", "llm/openai.py", "llm/dify.py",
     "llm/llama.py", "llm/local.py", "session/turn.py", "session/session.py", "hearing/hearing.py",
-    "hearing/intake.py", "session/dispatch.py",
+    "hearing/intake.py", "session/dispatch.py", "session/way_back.py",
 )  # fmt: skip
 """Where every text may be said."""
 ENDS_ONLY: Final = (
