@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import Annotated
 
-from engine.robot.geometry import Pose, wrap
+from engine.robot.geometry import Pose, heading_in_degrees, wrap
 from engine.skills.context import SkillContext
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.places import ZERO_SYMBOL, place_at
@@ -67,4 +67,4 @@ async def report_pose(context: SkillContext) -> Result:
 
 
 def _words(pose: Pose) -> str:
-    return f"x {pose.x:.2f} m, y {pose.y:.2f} m, facing {math.degrees(pose.yaw):.0f}°."
+    return f"x {pose.x:.2f} m, y {pose.y:.2f} m, facing {heading_in_degrees(pose.yaw):.0f}°."
