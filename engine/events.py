@@ -226,7 +226,8 @@ class OffersMade(Body, frozen=True):
     resume: str | None = None
     undo: str | None = None
     again: str | None = None
-    no_undo: str = ""  # why what was done last cannot be undone, for people
+    acted: str | None = None  # the turn in which something was done last
+    no_undo: str = ""  # why that cannot be undone, for people
 
 
 # Hearing

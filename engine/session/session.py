@@ -466,6 +466,7 @@ class Session:
             resume=turn if turn and goes_on else None,
             undo=turn if turn and back.calls else None,
             again=self._cycle.planned_last() or None,
+            acted=turn or None,
             no_undo=back.why_not if turn and not back.calls else "",
         )
         if offers != self._offers:
