@@ -98,9 +98,11 @@ class TurnScreen(Screen[None]):
         title = strings.TURN_TITLE.format(number=number, count=model.turns.count) if turn else ""
         self._title(f"{title} · {strings.NEW_TURNS.format(view.fresh)}" if view.fresh else title)
         nothing = [Row("", ((strings.NO_TURN, _DIM),))]
-        offers = list(_parts(strings.PART_OFFERS, _offers(model, turn, self._keys))) if turn else []
-        told_of = [*rows(turn, view.now, unfolded=self._unfolded), *offers] if turn else nothing
-        self._page.show(told_of, matters=0)
+        if turn is None:
+            self._page.show(nothing, matters=0)
+            return
+        first, *others = rows(turn, view.now, unfolded=self._unfolded)
+        self._page.show([first, *_offers(model, turn, self._keys), *others], matters=0)
 
     def _title(self, title: str) -> None:
         """The border draws itself anew whenever it is told a title, and all the page with it."""

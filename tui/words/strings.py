@@ -383,7 +383,6 @@ PART_THOUGHTS: Final = "Thought"
 PART_ACTIONS: Final = "Done"
 PART_ANSWERS: Final = "Said"
 PART_END: Final = "End"
-PART_OFFERS: Final = "Offers"
 PART_REMARKS: Final = "Remarks"
 THOUGHTS: Final = {
     "decision": "decided",

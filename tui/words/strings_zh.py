@@ -371,7 +371,6 @@ PART_THOUGHTS: Final = "思考"
 PART_ACTIONS: Final = "动作"
 PART_ANSWERS: Final = "回答"
 PART_END: Final = "结果"
-PART_OFFERS: Final = "可以"
 PART_REMARKS: Final = "备注"
 THOUGHTS: Final = {
     "decision": "决定",
