@@ -121,7 +121,7 @@ async def test_the_actions_list_what_waits_and_name_the_keys_while_they_have_the
 ) -> None:
     async with waiting(size) as desk:
         assert listed(desk) == [("beep", True), ("nod", False), ("go home", False)]
-        assert "▸ 1 beep" in desk.text
+        assert "› 1 beep" in desk.text
         assert "esc stops" in desk.text
         assert "choose" in desk.text
         await desk.press("1")

@@ -178,7 +178,7 @@ _CALL_STYLES: Final[dict[Phase, str]] = {"queued": "$foreground 60%", "running":
 
 
 def _drawn_waiting(item: Waits) -> Drawn:
-    sign = ("▸ ", "$text-accent bold") if item.chosen else ("○ ", "$foreground 60%")
+    sign = ("› ", "$text-accent bold") if item.chosen else ("○ ", "$foreground 60%")
     gutter = Content.assemble(sign, (f"{item.number} ", _DIM))
     body = Content.styled(item.text, "bold $foreground" if item.chosen else "$foreground")
     return Drawn(gutter, body, Content.styled(strings.WAITS, _DIM), nowrap=True)
