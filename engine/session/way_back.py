@@ -94,7 +94,7 @@ def _back(
         yield from _things(moved, began.world, now.world, floor)
     elif (held := began.world.held) is not None and now.world.held is None:
         raise NoWayBack(f"I do not hold the {held.name} any more, so I cannot undo that.")
-    if "arm" in changes and (moved or not _same(began.state.joint_targets, now.state.joint_targets)):
+    if "arm" in changes and not _same(began.state.joint_targets, now.state.joint_targets):
         yield _arm(began.state.joint_targets, now.state.joint_targets, rest)
     if "light" in changes and began.state.light != now.state.light:
         yield ActionCall("light", (_colour(began.state.light),))

@@ -54,7 +54,8 @@ TurnSpeed = Annotated[float, Measure("rad/s", 0.05, 5.0)]
 Duration = Annotated[float, Measure("s", 0, 600)]
 
 Change = Literal["pose", "arm", "light", "things"]
-"""What a skill may leave changed, and what can be put back."""
+"""What a skill may leave changed, and what can be put back. An arm that is only used to look or to grasp changes
+nothing that anybody asked for."""
 
 NOT_SAID = "not said"
 """Stands for an argument that nobody has told."""

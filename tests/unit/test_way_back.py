@@ -57,7 +57,7 @@ def named(found: WayBack) -> list[tuple[str, str]]:
 def test_a_thing_that_stood_on_a_table_goes_back_there_and_then_the_robot() -> None:
     found = back(ran("carry", moment(0, BOX), object="red box", place="A", source=""), now=ELSEWHERE)
     assert named(found) == [
-        ("pick_object", "red box"), ("place_object", "coffee table"), ("arm_down", ""), ("return_to", "")
+        ("pick_object", "red box"), ("place_object", "coffee table"), ("return_to", "")
     ]  # fmt: skip
 
 

@@ -43,7 +43,7 @@ _HOPELESS: Final[frozenset[ErrorCode]] = frozenset({"robot_lost", "robot_halted"
 PutAway = Callable[[], Awaitable[Result]]
 
 
-@skill(occupies=["base", "arm", "camera"], changes=["pose", "arm", "things"])
+@skill(occupies=["base", "arm", "camera"], changes=["pose", "things"])
 async def carry(
     context: SkillContext, object: ObjectName, place: PlaceName, source: Annotated[str, Word("surface")] = ""
 ) -> Result:

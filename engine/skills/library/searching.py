@@ -48,7 +48,7 @@ async def _shown(context: SkillContext, sight: Sight) -> str:
         return ""  # what perception saw is an answer too
 
 
-@skill(occupies=["base", "arm", "camera"], changes=["pose", "arm"], lasting=True)
+@skill(occupies=["base", "arm", "camera"], changes=["pose"], lasting=True)
 async def scan_room(context: SkillContext, room: RoomName = "") -> Result:
     """Look through a room, the one that the robot is in unless another is named, and say what lies about there."""
     place = room_called(context, room)
@@ -61,7 +61,7 @@ async def scan_room(context: SkillContext, room: RoomName = "") -> Result:
     return ok(f"In the {place.name} I found {listed}.", things=len(things), seen=round(searched.seen, 2))
 
 
-@skill(occupies=["base", "arm", "camera"], changes=["pose", "arm"])
+@skill(occupies=["base", "arm", "camera"], changes=["pose"])
 async def locate(context: SkillContext, object: ObjectName) -> Result:
     """Find out where something is: from memory if it was seen lately, else by looking for it, room by room."""
     held = context.world.held
@@ -75,7 +75,7 @@ async def locate(context: SkillContext, object: ObjectName) -> Result:
     return ok(f"The {found.name} is {where}.", x=round(x, 3), y=round(y, 3), z=round(z, 3), sigma=round(found.sigma, 3))
 
 
-@skill(occupies=["base", "arm", "camera"], changes=["pose", "arm"])
+@skill(occupies=["base", "arm", "camera"], changes=["pose"])
 async def navigate_to_object(context: SkillContext, object: ObjectName) -> Result:
     """Drive to something and stand before it, looking for it first where it is not known."""
     found = await find(context, wanted(object))
