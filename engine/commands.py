@@ -117,6 +117,24 @@ class Snapshot(Command, frozen=True):
     id: str | None = None
 
 
+class Drop(Command, frozen=True):
+    """Drop a request that waits: the one of this id, as ``requests.waiting`` tells it."""
+
+    do: ClassVar[str] = "drop"
+    request: str
+    id: str | None = None
+
+
+class Move(Command, frozen=True):
+    """Have a request that waits begin before another one that waits, or (without ``before``) after all of them. Both
+    are ids, as ``requests.waiting`` tells them."""
+
+    do: ClassVar[str] = "move"
+    request: str
+    before: str | None = None
+    id: str | None = None
+
+
 class Quit(Command, frozen=True):
     """End the session: stop everything at once, or, with ``drain``, when what was asked for before is done."""
 
@@ -164,7 +182,8 @@ class Halted(Command, frozen=True):
 
 
 COMMANDS: dict[str, type[Command]] = {
-    cls.do: cls for cls in (Say, Wake, Interrupt, EndTask, EStop, Release, Drive, Here, Audio, Snapshot, Quit)
+    cls.do: cls
+    for cls in (Say, Wake, Interrupt, EndTask, EStop, Release, Drive, Here, Audio, Drop, Move, Snapshot, Quit)
 }
 
 

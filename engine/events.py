@@ -39,6 +39,20 @@ Scope = Literal["stop", "estop", "interrupt", "wake", "end_task", "replaced", "b
 WakeSource = Literal["key", "serial", "word", "speech", "command", "demo", "file"]
 """``speech``: somebody goes on whose turn was ended in the middle of a sentence, or begins where no wake is needed."""
 PlanSource = Literal["phrases", "reader", "local", "openai", "dify", "direct"]
+RequestOutcome = Literal[
+    "done",
+    "failed",
+    "clarify",
+    "refused",
+    "interrupted",
+    "timeout",
+    "replaced",
+    "dropped",
+    "rejected",
+    "left",
+    "answer",
+]
+"""How a request in words ends; :class:`RequestEnded` says what each of them means."""
 Layer = Literal["decision", "execution", "vision"]
 """What a large model is asked for: steps in words, actions, or what a picture shows."""
 
@@ -118,6 +132,14 @@ class TurnResult(msgspec.Struct, frozen=True):
     message: str
 
 
+class WaitingRequest(msgspec.Struct, frozen=True):
+    """A request that waits until what runs has ended."""
+
+    request: str  # its id, unique in the session: what ``drop`` and ``move`` go by
+    text: str
+    sent_as: str | None = None  # the id that its sender gave to the command
+
+
 # Session
 
 
@@ -169,6 +191,7 @@ class RequestsWaiting(Body, frozen=True):
     """What was asked for and waits until the running turn has ended, next first; told whenever that changes."""
 
     texts: tuple[str, ...]
+    requests: tuple[WaitingRequest, ...] = ()  # the same, with their ids
 
 
 @kind("requests.dropped")
@@ -176,6 +199,35 @@ class RequestsDropped(Body, frozen=True):
     """An interruption came while these waited: none of them was begun, and none will be."""
 
     texts: tuple[str, ...]
+
+
+@kind("request.ended")
+class RequestEnded(Body, frozen=True):
+    """A request in words has come to its end; each one does so exactly once. The envelope's turn is the one that it
+    became, if any, with the outcome of that turn.
+
+    ``replaced``: a newer request came in its place, before or while it was planned or done. ``dropped``: somebody took
+    it out of what waited. ``rejected``: the robot was busy, and ``session.busy`` is ``reject``. ``left``: what it was
+    to follow was not done. ``answer``: the robot had asked something, and took it for the answer."""
+
+    request: str  # its id
+    text: str
+    outcome: RequestOutcome
+    by: Scope | None = None  # what interrupted it
+    sent_as: str | None = None  # the id that its sender gave to the command
+
+
+@kind("offers.made")
+class OffersMade(Body, frozen=True):
+    """What may be asked about the past in a word; told whenever that changes. Each is the turn that it is about, by its
+    id, or None where it is not offered. "Continue" does what a stop cut off, "undo" goes back from what was done, and
+    "again" does the plan once more."""
+
+    resume: str | None = None
+    undo: str | None = None
+    again: str | None = None
+    acted: str | None = None  # the turn in which something was done last
+    no_undo: str = ""  # why that cannot be undone, for people
 
 
 # Hearing

@@ -28,6 +28,7 @@ from textual.widgets import Input
 from config.errors import ConfigError
 from engine.commands import Drive, EndTask, EStop, Here, Interrupt, Quit, Release, Say, Wake
 from engine.errors import ExitCode, SaysoError
+from engine.states import REST
 from tui.keys.bindings import BINDINGS
 from tui.keys.keys import ALL_KEYS
 from tui.looks.themes import CONTRAST, DARK, LIGHT
@@ -53,19 +54,22 @@ from tui.rooms.dressing import Dressing, Rooms
 from tui.rooms.examining import Examining
 from tui.rooms.keeping import Keeping
 from tui.rooms.leaving import Leaving
+from tui.rooms.queueing import Queueing
 from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
 from tui.screens.pages import Paged
 from tui.shown.facts import Problem, printable
+from tui.shown.offers import FollowUp, offered
 from tui.shown.view import View
 from tui.stage import Stage
 from tui.terminal.driver import listening_driver
 from tui.widgets.ask import Ask
 from tui.widgets.by_hand import ByHand
 from tui.widgets.floor_view import FloorView
+from tui.widgets.queue import ActionQueue
 from tui.widgets.timeline import Timeline
 from tui.words import strings
-from tui.words.language import Language, of_environment, speak
+from tui.words.language import Language, of_environment, speak, told
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -115,6 +119,8 @@ class SaysoApp(Stage):
         self.leaving = Leaving(self)
         self.drawing = Drawing(self, self.sending, self.viewing, self.leaving, lambda: self.notice, fps)
         self.keeping = Keeping(self)
+        self.queueing = Queueing(self, self.keeping)
+        self.drawing.on_event = self.queueing.hear
         self.examining = Examining(self, self.keeping)
         self.dressing = Dressing(self, Rooms(self.drawing, self.viewing, self.examining, self.leaving), keys)
         self.dress, self.speak = self.dressing.dress, self.dressing.speak
@@ -298,23 +304,57 @@ class SaysoApp(Stage):
 
     def on_ask_asked(self, message: Ask.Asked) -> None:
         self.dressing.typed(message.text)
-        self._say(*message.requests)
+        self._ask(self.queueing.asked(*message.requests))
+
+    def on_input_changed(self, message: Input.Changed) -> None:
+        if message.input is self.main.line:
+            self.queueing.written(message.value)
+
+    def on_action_queue_dropped(self, message: ActionQueue.Dropped) -> None:
+        self.queueing.drop(message.request)
+
+    def on_action_queue_moved(self, message: ActionQueue.Moved) -> None:
+        self.queueing.move(message.request, message.before)
+
+    def on_action_queue_taken_back(self, message: ActionQueue.TakenBack) -> None:
+        self.queueing.take_back(message.request, message.before)
+
+    def action_resume(self) -> None:
+        self._follow_up("resume")
+
+    def action_undo(self) -> None:
+        self._follow_up("undo")
+
+    def action_again(self) -> None:
+        self._follow_up("again")
+
+    def _follow_up(self, kind: FollowUp) -> None:
+        """Ask for what is offered, in its word; or say why it is not offered."""
+        self.drawing.now()
+        model = self.drawing.model
+        if kind in offered(model):
+            self._ask(Say(strings.FOLLOW_UPS[kind]))
+        elif model.state not in REST:
+            self.keeping.tell(strings.NOT_NOW.format(**self.shown_keys))
+        elif kind == "undo" and model.offers.no_undo:
+            self.keeping.tell(told(model.offers.no_undo))
+        else:
+            self.keeping.tell(strings.NOT_OFFERED[kind])
 
     def on_floor_view_chosen(self, message: FloorView.Chosen) -> None:
-        self._say(message.request)
+        self._ask(Say(message.request))
 
     def on_floor_view_put(self, message: FloorView.Put) -> None:
         self.send(Here(message.x, message.y, message.yaw))
 
-    def _say(self, text: str, *then: str) -> None:
-        """Ask for this, and for what is to be done after it."""
+    def _ask(self, command: Say) -> None:
+        """Ask for this; once the engine is there, where that takes its time."""
         self._follow()
-        command = Say(text, then=then)
         if self.handle is not None:
             self.send(command)
             return
         self._asked_early.append(command)
-        for request in (text, *then):
+        for request in (command.text, *command.then):
             self.note("info", strings.ASKED_EARLY.format(printable(request)))
 
     def _follow(self) -> None:

@@ -154,6 +154,8 @@ class Outcomes:
                 return self._once_more(last * min(count, MOST), heard)
             case "resume":
                 return self._continued(heard)
+            case "undo":
+                return self._undone(heard)
             case "report":
                 return self._reported(act, heard)
             case "answer":
@@ -165,7 +167,7 @@ class Outcomes:
                 return _answer(heard, talk)
             case "fragment" if act.words("place") and len(act.roles) == 1:
                 return self._done((replace(act, act="go"),), heard)
-            case "fragment" | "again" | "undo":
+            case "fragment" | "again":
                 return _question(heard, "no_act", phrases.question("what_do"))
         return None
 
@@ -183,6 +185,13 @@ class Outcomes:
         left = (replace(first, alongside=False), *others)
         told = self._tell(left, heard.language)
         return Plan(heard.text, left, told.response, "reader", told.steps)
+
+    def _undone(self, heard: Heard) -> Plan | NoPlan:
+        """The way back from what was done last."""
+        record = heard.request.on_record
+        if not record.back:
+            return NoPlan(heard.text, "no_way_back", record.no_way_back or SAID[heard.language]["nothing_to_undo"])
+        return self._planned(heard, record.back)
 
     def _reported(self, act: Do, heard: Heard) -> Plan | NoPlan | None:
         """What the robot tells about itself: from what is on record, or with a skill."""

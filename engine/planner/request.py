@@ -100,6 +100,10 @@ class OnRecord:
     """What was cut, or never started; in the order of the plan."""
     cut: bool = False
     """Whether the first one that is left had begun."""
+    back: tuple[ActionCall, ...] = ()
+    """What undoes it."""
+    no_way_back: str = ""
+    """Why nothing does, a sentence."""
     charge: float | None = None
     """About how much the battery holds, 0…1; None: nobody measures it."""
 

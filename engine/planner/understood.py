@@ -20,6 +20,7 @@ from engine.planner.conversation import Conversation
 from engine.planner.entities import Entities
 from engine.planner.not_an_order import marks
 from engine.planner.outcomes import Outcomes, is_no_order
+from engine.planner.phrases.follow_ups import follow_up
 from engine.planner.phrases.phrases import Phrases, Told
 from engine.planner.request import Heard, Language, NoPlan
 from engine.planner.sentences import SAID
@@ -144,6 +145,10 @@ class Understood:
         return self._outcomes.after(chosen[0], heard, heard.request.sees)
 
     def _meanings(self, text: str) -> tuple[Meaning, ...]:
+        if (act := follow_up(text)) is not None:
+            likeliest = next(iter(self._read(text)), None)
+            directed = likeliest.directed if likeliest is not None else 1.0  # in a room, people say "go on" to others
+            return (Meaning(text, (Do(act),), "certain", directed=directed),)
         found = self._read(text) or self._reader.readings(text)  # what it reads with may have come since
         answer = _NO.match(text)
         first = found[0].nodes[0] if answer is not None and found and found[0].nodes else None

@@ -18,6 +18,12 @@ def wrap(angle: float) -> float:
     return math.pi - (math.pi - angle) % (2 * math.pi)
 
 
+def heading_in_degrees(yaw: float) -> float:
+    """A heading (``yaw`` in rad) as people read it everywhere: whole degrees from 0 to 359, 0° east, counter-clockwise.
+    What programs read stays in rad."""
+    return round(math.degrees(yaw), 0) % 360
+
+
 @dataclass(frozen=True, slots=True)
 class Pose:
     """Where the robot stands, map frame."""

@@ -6,6 +6,7 @@ of the map is the lower left pixel. (Source: https://docs.nav2.org, *map_server*
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Literal
 
@@ -53,7 +54,8 @@ def read_map(path: Path) -> FloorMap:
         raise SceneError(f"The map {path} is wrong: {key}: {fault['msg']}.", hint=hint) from error
     x, y, yaw = saved.origin
     if yaw:
-        raise SceneError(f"The map {path} is turned by {yaw:g} rad (origin).", hint="Save it with an origin of yaw 0.")
+        turned = f"The map {path} is turned by {math.degrees(yaw):.3g}° (origin)."
+        raise SceneError(turned, hint="Save it with an origin of yaw 0.")
     if saved.mode == "raw":
         raise SceneError(f"The map {path} is saved raw (mode).", hint="Save it with --mode trinary.")
     grey = _picture(path.parent / saved.image)

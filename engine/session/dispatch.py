@@ -12,9 +12,9 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from ulid import ULID
 
@@ -41,6 +41,8 @@ from engine.robot.geometry import ZERO, Pose
 from engine.robot.robot import Robot
 from engine.robot.watch import view
 from engine.session.holds import Holds
+from engine.session.ran import Moment, Ran
+from engine.session.way_back import WayBack, way_back
 from engine.skills.context import Ask, AskAbout, Progress, Say, See, SkillContext, Worded
 from engine.skills.outcome import ErrorCode, Result, fail
 from engine.skills.people import People
@@ -58,15 +60,6 @@ _MOVING: Final = frozenset({"base", "arm"})
 
 SIGHT_PERIOD_S = 1.0
 """Time between two events about a sight that shows the same things, s of robot time."""
-
-
-@dataclass(frozen=True, slots=True)
-class Ran:
-    """An action and how it ended."""
-
-    action: Action
-    result: Result
-    duration_s: float  # robot time
 
 
 FAR_M: Final = 8.0
@@ -132,6 +125,15 @@ class Run:
         """The books as of now."""
         never = tuple(action for index, action in enumerate(self.plan.actions) if index not in self.started)
         return Report(tuple(self.ran), never, self.failure)
+
+
+class Begun(NamedTuple):
+    """A started action."""
+
+    action: Action
+    key: str
+    t: float  # s, robot time
+    before: Moment | None
 
 
 class _Failed(Exception):
@@ -206,7 +208,7 @@ class Dispatcher:
 
     async def _perform(self, run: Run, action: Action, key: str) -> Result:
         """Run a started action to its end and write that down, whatever it is."""
-        began = self._robot_time()
+        begun = Begun(action, key, self._robot_time(), self._moment())
         context = SkillContext(
             robot=self._robot,
             epoch=run.epoch,
@@ -222,7 +224,7 @@ class Dispatcher:
             worded=run.worded,
         )
         if (refused := self._refused(self._registry[action.name], action)) is not None:
-            self._write(run, action, key, refused, began)
+            self._write(run, begun, refused)
             return refused
         remains: Remains[Result] = Remains(lambda found: self._drop(run, action, found))
         try:
@@ -234,7 +236,7 @@ class Dispatcher:
             if self._epoch.is_current(run.epoch):  # by the failure of one beside it: nobody has stopped the base
                 with contextlib.suppress(RobotError):
                     self._robot.drive(ZERO, run.epoch)
-            self._write(run, action, key, self._cut(run, action, remains), began)
+            self._write(run, begun, self._cut(run, action, remains))
             raise
         except RobotError as error:
             result = Result("uncertain", "robot_lost", f"{error.message} How far {action} got is not known.")
@@ -244,7 +246,7 @@ class Dispatcher:
             result = fail("crashed", f"{action.name} has a fault: {error!r}.")
             message = f"The skill {action.name} has a fault: {error!r}."
             run.emit(ErrorRaised("skill_crashed", message, "Please report it."))
-        self._write(run, action, key, result, began)
+        self._write(run, begun, result)
         return result
 
     def _with_fault(self, result: Result) -> Result:
@@ -253,12 +255,13 @@ class Dispatcher:
             return result
         return replace(result, message=f"{result.message} My arm says: {fault}.")
 
-    def _write(self, run: Run, action: Action, key: str, result: Result, began: float) -> None:
+    def _write(self, run: Run, begun: Begun, result: Result) -> None:
         """The one end of an action, in the books and on the bus, before anybody else can run."""
-        run.running.discard(key)
+        action = begun.action
+        run.running.discard(begun.key)
         self._report_robot(run.emit)
-        duration = max(0.0, self._robot_time() - began)
-        ran = Ran(action, result, duration)
+        duration, ended = max(0.0, self._robot_time() - begun.t), self._moment()
+        ran = Ran(action, result, duration, begun.before, ended.state.pose if ended is not None else None)
         run.ran.append(ran)
         run.record(ran)
         ends = result.outcome in ("failed", "uncertain") or result.error_code == "needs_answer"
@@ -266,7 +269,7 @@ class Dispatcher:
             run.failure = ran
         run.emit(
             ActionFinished(
-                action=key,
+                action=begun.key,
                 name=action.name,
                 args=action.args,
                 outcome=result.outcome,
@@ -389,6 +392,20 @@ class Dispatcher:
         """Where the action left the robot; the periodic reports may come too late for that."""
         with contextlib.suppress(RobotError):  # its loss is the outcome of the action
             emit(view(self._robot.state()))
+
+    def _moment(self) -> Moment | None:
+        """How everything is; None while the robot cannot be asked."""
+        try:
+            return Moment(self._robot.state(), self._eyes.world.snapshot())
+        except RobotError:
+            return None
+
+    def way_back(self, acted: Sequence[Ran], *, relocated: bool) -> WayBack:
+        """From what was done in one turn; ``relocated``: somebody has put the robot elsewhere on the map since."""
+        if (now := self._moment()) is None:
+            return WayBack(why_not="I cannot undo anything while my robot is away.")
+        robot = self._robot
+        return way_back(acted, self._registry, now, robot.floor_map, robot.arm.rest, relocated=relocated)
 
     def _robot_time(self) -> float:
         """Robot time, s; of a lost robot, the last that was known."""

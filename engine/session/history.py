@@ -15,7 +15,7 @@ from engine.events import Scope
 from engine.plan import Action, Plan
 from engine.planner import request
 from engine.planner.request import Happened, NoPlan, Noted, OnRecord
-from engine.session.dispatch import Ran
+from engine.session.ran import Ran, rest_of
 
 MAX_ENTRIES: Final = 500
 """Entries of one task cycle that are kept, the newest: somebody may never end a task."""
@@ -80,6 +80,8 @@ class TaskCycle:
     number: int
     name: str = field(default_factory=lambda: str(ULID()))
     """Unlike that of any other cycle of any session."""
+    put_after: str = ""
+    """The turn that was the last to do something when somebody put the robot elsewhere on the map."""
     entries: deque[Entry] = field(default_factory=lambda: deque(maxlen=MAX_ENTRIES))
 
     @property
@@ -87,25 +89,34 @@ class TaskCycle:
         """What somebody asked for last."""
         return next((entry.text for entry in reversed(self.entries) if isinstance(entry, Said)), "")
 
+    def acted_last(self) -> tuple[str, tuple[Ran, ...]]:
+        """The newest turn in which something was done, by its id, and what was done; both are empty where nothing
+        was."""
+        turn = next((entry.turn for entry in reversed(self.entries) if isinstance(entry, Acted)), "")
+        return turn, tuple(entry.ran for entry in self.entries if isinstance(entry, Acted) and entry.turn == turn)
+
+    def planned_last(self) -> str:
+        """The turn of the newest plan with actions, by its id; empty where there was none."""
+        plans = (entry for entry in reversed(self.entries) if isinstance(entry, Planned))
+        return next((plan.turn for plan in plans if isinstance(plan.answer, Plan) and plan.answer.actions), "")
+
     def on_record(self) -> OnRecord:
         """What came of the last plan that was begun, for questions about it."""
-        entries = list(self.entries)
-        begun = next((at for at in range(len(entries) - 1, -1, -1) if isinstance(entries[at], Acted)), None)
-        if begun is None:
+        turn, acted = self.acted_last()
+        if not turn:
             return OnRecord()
-        turn = entries[begun].turn
-        acted = [entry.ran for entry in entries if isinstance(entry, Acted) and entry.turn == turn]
-        cut = [ran.action for ran in acted if ran.result.outcome == "interrupted"]
-        never = [
-            a for entry in entries if isinstance(entry, NeverStarted) and entry.turn == turn for a in entry.actions
-        ]
-        stopped = (e.scope for e in reversed(entries) if isinstance(e, Interrupted) and e.turn == turn)
+        mine = [entry for entry in self.entries if entry.turn == turn]
+        cut = [ran for ran in acted if ran.result.outcome == "interrupted"]
+        rests = [rest_of(ran) for ran in cut]
+        left = [rest or ran.action for ran, rest in zip(cut, rests, strict=True) if rest is None or _is_worth(rest)]
+        never = [action for entry in mine if isinstance(entry, NeverStarted) for action in entry.actions]
+        stopped = (entry.scope for entry in reversed(mine) if isinstance(entry, Interrupted))
         return OnRecord(
             stopped=next(stopped, None),
             failure=next((ran.result.message for ran in reversed(acted) if ran.result.outcome == "failed"), ""),
             done=tuple(ran.result.message for ran in acted if ran.result.message),
-            left=(*cut, *never),
-            cut=bool(cut),
+            left=(*left, *never),
+            cut=bool(rests) and rests[0] is None,
         )
 
     def as_json(self) -> list[dict[str, Any]]:
@@ -116,6 +127,11 @@ class TaskCycle:
         """For a planner: what was said, what was planned, what was done and how it ended, what was cut and where that
         left the robot, and what never started; oldest first."""
         return tuple(filter(None, map(_happened, self.entries)))
+
+
+def _is_worth(rest: Action) -> bool:
+    """Whether anything is left of an action."""
+    return all(value for name, value in rest.args.items() if name in ("distance", "angle", "seconds", "duration"))
 
 
 def _as_json(entry: Entry) -> dict[str, Any]:

@@ -12,8 +12,10 @@ import asyncio
 import contextlib
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final, Generic, Literal, TypeVar
+
+from ulid import ULID
 
 from engine.commands import Added, Command, Drive, EndTask, EStop, Halted, Heard, Interrupt, Quit, Release, Say, Wake
 from engine.epoch import Epoch
@@ -34,6 +36,23 @@ class Request:
     command: Command
     epoch: int
     scope: Scope | None
+    id: str = field(default_factory=lambda: str(ULID()))
+    """By which others call it while it waits."""
+
+    @property
+    def text(self) -> str | None:
+        """What it asks for in words; None where it is not a request in words."""
+        match self.command:
+            case Say(text):
+                return text
+            case Added(heard):
+                return heard.text
+        return None
+
+    @property
+    def sent_as(self) -> str | None:
+        """The id that its sender gave to the command."""
+        return getattr(self.command, "id", None)
 
     def one_by_one(self) -> Iterator[Request]:
         """The same, with what is to be done after it as requests of their own. Those interrupt nothing: when it is

@@ -15,10 +15,11 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import math
-from collections import deque
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
+
+from msgspec import to_builtins
 
 from config.schema import Session as SessionSettings
 from engine import events
@@ -29,12 +30,14 @@ from engine.commands import (
     Audio,
     Command,
     Drive,
+    Drop,
     EndTask,
     EStop,
     Halted,
     Heard,
     Here,
     Interrupt,
+    Move,
     Quit,
     Release,
     Say,
@@ -45,13 +48,15 @@ from engine.commands import (
 from engine.epoch import Epoch
 from engine.errors import ExitCode, RobotError, SaysoError
 from engine.events import Scope, State, TurnResult
+from engine.planner.about_itself import cannot_continue
 from engine.planner.text.language import language_of
 from engine.robot.geometry import Pose, Twist, wrap
 from engine.robot.robot import EMERGENCY_STOP
 from engine.session.by_hand import ByHand
 from engine.session.history import Interrupted, TaskCycle
 from engine.session.inbox import Inbox, Request
-from engine.session.turn import PRESSED, Needs, Overtaken, Turn
+from engine.session.turn import PRESSED, Needs, Overtaken, Turn, way_back
+from engine.session.waiting import Waiting, seen
 from engine.skills.outcome import ErrorCode
 from engine.states import EFFECTS, EXPRESSING, NEXT, REST
 
@@ -100,8 +105,9 @@ class Session:
         self._cycle = TaskCycle(1)
         self._turn: Turn | None = None
         self._turns: asyncio.TaskGroup | None = None  # of the present cycle
-        self._waiting: deque[Request] = deque()  # what waits for the running turn to end, in the order it was asked in
-        self._told_waiting: tuple[str, ...] = ()  # how much of that has been told, in words
+        self._waiting = Waiting(self._tell_waiting)
+        self._offers = events.OffersMade()  # what has been offered
+        self._begun: Request | None = None  # what the running turn was asked for in words
         self._postponed: Request | None = None  # what the next cycle begins with
         self._again = False  # the wake that is being handled came while listening…
         self._broke_off = False  # …or while the robot moved or spoke
@@ -136,6 +142,7 @@ class Session:
         try:
             while self._quit is None:
                 await self._run_cycle(self._cycle)
+            self._drop_waiting("shutdown")  # what was asked for after it
             self._ack(self._quit, "The session ends.")
         except BaseExceptionGroup as group:
             raise group.exceptions[0] from None  # the scope of a cycle wraps what went wrong in it
@@ -151,9 +158,7 @@ class Session:
                 self._carry_out(postponed)
             while self._cycle is cycle and self._quit is None:
                 if self._turn is None and self._waiting and self._inbox.is_empty():  # nobody has anything against it
-                    following = self._waiting.popleft()
-                    self._tell_waiting()
-                    self._carry_out(following)
+                    self._carry_out(self._waiting.take())
                     continue
                 match await self._inbox.get():
                     case TurnOver(turn):
@@ -165,7 +170,7 @@ class Session:
                         if not await self._admit(request):
                             continue
                         first, *others = request.one_by_one()
-                        self._wait(others)
+                        self._waiting.add(others)
                         if self._cycle is cycle:
                             self._carry_out(first)
                         else:  # the turn that it interrupted had finished the dialogue
@@ -177,6 +182,8 @@ class Session:
         if self._inbox.is_overtaken(request):
             stopped = scope == "interrupt"  # which is all it was to do
             self._ack(request, "A newer request replaced this one.", ok=stopped)
+            for one in request.one_by_one():
+                self._end(one, "replaced")
             return False
         if isinstance(command, Wake):
             self._bus.publish(events.WakeHeard(command.source, command.phrase, command.angle_deg), epoch=request.epoch)
@@ -186,14 +193,19 @@ class Session:
         elif scope is not None:
             await self._interrupt(scope, request)
         elif self._turn is not None and isinstance(command, Say) and self._turn.asks and not command.wait:
+            answer, *others = request.one_by_one()
             self._turn.answer(command.text)
             self._ack(request)
+            self._end(answer, "answer")
+            self._waiting.add(others)
             return False
         elif self._turn is not None and isinstance(command, Say) and self._rejects(command):
             self._ack(request, "Busy: the command was not taken (session.busy is reject).", ok=False)
+            for one in request.one_by_one():
+                self._end(one, "rejected")
             return False
         elif (self._turn is not None or self._waiting) and isinstance(command, Say | Quit | Added):
-            self._wait(request.one_by_one())
+            self._waiting.add(request.one_by_one())
             if isinstance(command, Added):
                 self._log("info", f"After this: “{command.heard.text}”.")
             return False
@@ -202,16 +214,9 @@ class Session:
     def _rejects(self, command: Say) -> bool:
         return self._settings.busy == "reject" and not command.wait
 
-    def _wait(self, requests: Iterable[Request]) -> None:
-        """Let them wait until the turn has ended that runs by then."""
-        self._waiting.extend(requests)
-        self._tell_waiting()
-
-    def _tell_waiting(self) -> None:
-        """What waits is another thing now, unless only a command to end the session came or went."""
-        if (texts := _texts(self._waiting)) != self._told_waiting:
-            self._told_waiting = texts
-            self._bus.publish(events.RequestsWaiting(texts), epoch=self._epoch.current)
+    def _tell_waiting(self, waiting: tuple[events.WaitingRequest, ...]) -> None:
+        told = events.RequestsWaiting(tuple(one.text for one in waiting), waiting)
+        self._bus.publish(told, epoch=self._epoch.current)
 
     def _carry_out(self, request: Request) -> None:
         """Do what a request asks for; nothing is running that it has to wait for."""
@@ -225,6 +230,10 @@ class Session:
                 self._ack(request)
             case Withdraw(id):
                 self._withdraw(id)
+            case Drop(id):
+                self._drop(request, id)
+            case Move(id, before):
+                self._move(request, id, before)
             case EStop():
                 self._ack(request, PRESSED)
             case Release():
@@ -245,6 +254,7 @@ class Session:
                 self._start(request, _told_stop(request.scope)).take(text, "overheard")
             case Say() | EndTask() if request.scope == "end_task":
                 self._ack(request)
+                self._end(request, "done")
                 said = request.command.text if isinstance(request.command, Say) else self._cycle.last_said
                 self._new_cycle("asked")
                 self._arm_home(request.epoch)
@@ -253,8 +263,8 @@ class Session:
                 self._enter("IDLE", "the task was ended", None, result)
             case Say(text):
                 self._start(request, Turn.do).take(text, "text")
-            case Added(adds=True, turn=first) as added if first == self._undone:
-                self._leave(added)
+            case Added(adds=True, turn=first) if first == self._undone:
+                self._leave(request)
             case Added(heard):
                 self._start(request, Turn.do).hear(heard)
             case Quit():
@@ -285,6 +295,7 @@ class Session:
     def _new_cycle(self, reason: str) -> None:
         self._bus.publish(events.TaskEnded(reason), epoch=self._epoch.current)
         self._cycle = TaskCycle(self._cycle.number + 1)
+        self._offer()
 
     # Turns
 
@@ -299,6 +310,7 @@ class Session:
         number = self._inbox.epoch_for(request.epoch)
         turn = Turn(number, self._epoch, self._bus, self._needs, self._cycle, enter)
         self._turn = turn
+        self._begun = request
         self._ack(request, turn=turn)
         turn.task = self._turns.create_task(self._run_turn(turn, work), name=f"turn {turn.id}")
         turn.task.add_done_callback(lambda task: self._inbox.put(TurnOver(turn)))
@@ -340,7 +352,7 @@ class Session:
         if turn is not None or scope in ("interrupt", "estop"):
             raised = events.InterruptRaised(scope, request.command.do, state)
             self._bus.publish(raised, turn=turn.id if turn else None, epoch=request.epoch)
-        self._drop_waiting()
+        self._drop_waiting(scope)
         if turn is None:
             return
         if turn.asked:  # else nobody has said anything yet
@@ -348,7 +360,7 @@ class Session:
         self._cancel(turn, result or TurnResult(ExitCode.INTERRUPTED, "interrupted", EFFECTS[scope].message), code)
         assert turn.task is not None
         await asyncio.wait([turn.task])
-        self._close(turn)
+        self._close(turn, scope)
         goes_on = isinstance(request.command, Wake) and request.command.source == "speech"  # nobody called
         if state in EFFECTS[scope].arm_home_from and not goes_on:
             self._arm_home()
@@ -362,8 +374,8 @@ class Session:
             turn.cut_by = code
             turn.task.cancel()
 
-    def _close(self, turn: Turn) -> None:
-        """The running turn has ended: say how."""
+    def _close(self, turn: Turn, scope: Scope | None = None) -> None:
+        """The running turn has ended, by an interruption of this ``scope`` if any: say how."""
         assert turn.task is not None
         self._turn = None
         if turn.ends_cycle:
@@ -375,28 +387,99 @@ class Session:
             result = turn.task.result()
         self._undone = turn.id if result.outcome != "done" else ""
         self._enter("WAITING" if self._cycle.entries else "IDLE", result.outcome, turn, result)
+        self._offer()
+        self._leave_what_follows(self._undone)
+        request, self._begun = self._begun, None
+        if request is not None and request.text is not None:
+            assert result.outcome != "unheard", "only who listens hears nothing"
+            replaced = result.outcome == "interrupted" and scope == "replaced"
+            self._end(request, "replaced" if replaced else result.outcome, scope, turn)
 
-    def _drop_waiting(self) -> None:
+    # What waits
+
+    def _end(
+        self, request: Request, outcome: events.RequestOutcome, scope: Scope | None = None, turn: Turn | None = None
+    ) -> None:
+        """The one end of a request in words; ``turn`` is what it became, if anything."""
+        if (text := request.text) is not None:
+            ended = events.RequestEnded(request.id, text, outcome, scope, request.sent_as)
+            epoch = turn.epoch if turn else self._epoch.current
+            self._bus.publish(ended, turn=turn.id if turn else None, epoch=epoch)
+
+    def _drop_waiting(self, scope: Scope) -> None:
         """An interruption concerns what waits, too; what was asked to end the session stays asked."""
-        if texts := _texts(self._waiting):
-            self._bus.publish(events.RequestsDropped(texts), epoch=self._epoch.current)
-        for request in tuple(self._waiting):
-            if not isinstance(request.command, Quit):
-                self._waiting.remove(request)
-                self._ack(request, "Interrupted before it started.", ok=False)
+        dropped = [request for request in self._waiting if not isinstance(request.command, Quit)]
+        if not dropped:
+            return
+        self._bus.publish(events.RequestsDropped(tuple(one.text for one in seen(dropped))), epoch=self._epoch.current)
+        for request in dropped:
+            self._ack(request, "Interrupted before it started.", ok=False)
             if isinstance(request.command, Added):
-                self._leave(request.command)
-        self._tell_waiting()
+                self._warn_left(request.command)
+            self._end(request, "replaced" if scope == "replaced" else "interrupted", scope)
+        self._waiting.remove(dropped)
 
     def _withdraw(self, id: str) -> None:
         """Whoever asked for it has thought better of it."""
-        for request in tuple(self._waiting):
+        for request in self._waiting:
             if isinstance(request.command, Say) and request.command.id == id:
-                self._waiting.remove(request)
-                self._ack(request, "Withdrawn before it started.", ok=False)
-        self._tell_waiting()
+                self._take_out(request, "Withdrawn before it started.")
 
-    def _leave(self, added: Added) -> None:
+    def _drop(self, request: Request, id: str) -> None:
+        """Somebody does not want one of those that wait."""
+        if (dropped := self._waits(request, id)) is not None:
+            self._take_out(dropped, "Dropped before it started.")
+            self._ack(request)
+
+    def _take_out(self, request: Request, why: str) -> None:
+        self._waiting.remove([request])
+        self._ack(request, why, ok=False)
+        self._end(request, "dropped")
+
+    def _move(self, request: Request, id: str, before: str | None) -> None:
+        """Somebody wants another order."""
+        moved = self._waits(request, id)
+        following = None if before is None or moved is None else self._waits(request, before)
+        if moved is not None and (before is None or following is not None):
+            self._waiting.move(moved, following)
+            self._ack(request)
+
+    def _waits(self, request: Request, id: str) -> Request | None:
+        """The one of this id among those that wait; where there is none, ``request`` is told so."""
+        if (found := self._waiting.find(id)) is None:
+            self._ack(request, f"No request with the id {id!r} waits: it has begun, or ended, or never was.", ok=False)
+        return found
+
+    def _leave_what_follows(self, undone: str) -> None:
+        """What waits to follow a turn that was not done is left, wherever it has been moved to."""
+        left = [one for one in self._waiting if isinstance(one.command, Added) and one.command.turn == undone]
+        self._waiting.remove(left)
+        for request in left:
+            self._leave(request)
+
+    def _offer(self) -> None:
+        """What may be asked about the past is another thing now, perhaps."""
+        turn, _ = self._cycle.acted_last()
+        record, back = self._cycle.on_record(), way_back(self._needs, self._cycle)
+        goes_on = record.stopped is not None and not cannot_continue(record, "en")
+        offers = events.OffersMade(
+            resume=turn if turn and goes_on else None,
+            undo=turn if turn and back.calls else None,
+            again=self._cycle.planned_last() or None,
+            acted=turn or None,
+            no_undo=back.why_not if turn and not back.calls else "",
+        )
+        if offers != self._offers:
+            self._offers = offers
+            self._bus.publish(offers, epoch=self._epoch.current)
+
+    def _leave(self, request: Request) -> None:
+        """What it was to follow was not done."""
+        assert isinstance(request.command, Added), "nothing else follows a turn"
+        self._warn_left(request.command)
+        self._end(request, "left")
+
+    def _warn_left(self, added: Added) -> None:
         self._log("warning", f"“{added.heard.text}” is left: what it was to follow was not done.")
 
     def _log(self, level: Literal["info", "warning"], message: str) -> None:
@@ -425,6 +508,8 @@ class Session:
             robot.relocate(believed, Pose(here.x, here.y, wrap(believed.yaw if here.yaw is None else here.yaw)))
         except RobotError as error:
             return error.message
+        self._cycle.put_after, _ = self._cycle.acted_last()
+        self._offer()
         return ""
 
     # What others see
@@ -449,8 +534,7 @@ class Session:
     ) -> None:
         if request.command.do not in COMMANDS:  # from a part of the engine, which waits for no answer
             return
-        key: str | None = getattr(request.command, "id", None)
-        ack = events.Ack(request.command.do, ok, message, key, snapshot)
+        ack = events.Ack(request.command.do, ok, message, request.sent_as, snapshot)
         self._bus.publish(ack, turn=turn.id if turn else None, epoch=request.epoch)
 
     def _snapshot(self) -> dict[str, Any]:
@@ -465,19 +549,11 @@ class Session:
             "cycle": self._cycle.number,
             "history": self._cycle.as_json(),
             "robot": state,
-            "waiting": list(_texts(self._waiting)),
+            "offers": to_builtins(self._offers),
+            "waiting": [request.text for request in self._waiting.seen],
+            "requests": [to_builtins(request) for request in self._waiting.seen],
         }
 
 
 def _told_stop(scope: Scope) -> Callable[[Turn], Awaitable[TurnResult]]:
     return (lambda turn: turn.stopped(PRESSED)) if scope == "estop" else Turn.stopped
-
-
-def _texts(requests: Iterable[Request]) -> tuple[str, ...]:
-    """What was asked for, in words."""
-    commands = [request.command for request in requests]
-    return tuple(
-        command.text if isinstance(command, Say) else command.heard.text
-        for command in commands
-        if isinstance(command, Say | Added)
-    )

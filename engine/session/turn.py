@@ -35,9 +35,11 @@ from engine.planner.request import Happened, Language, NoPlan, PlanRequest, Plan
 from engine.planner.text.language import language_of
 from engine.robot.robot import Robot
 from engine.session.around import Around
-from engine.session.dispatch import Dispatcher, Ran, Report, Run
+from engine.session.dispatch import Dispatcher, Report, Run
 from engine.session.history import Acted, Answered, NeverStarted, Planned, Said, TaskCycle
+from engine.session.ran import Ran
 from engine.session.recall import Recall
+from engine.session.way_back import WayBack
 from engine.skills.outcome import ErrorCode
 from engine.tts.voice import Voice
 from engine.wording import Wording
@@ -105,6 +107,14 @@ def _charge(robot: Robot) -> float | None:
         battery = robot.state().battery
         return battery.charge if battery is not None else None
     return None
+
+
+def way_back(needs: Needs, cycle: TaskCycle) -> WayBack:
+    """From what was done last in a task."""
+    if (robot := needs.robot.value) is None:
+        return WayBack(why_not="I cannot undo anything while my robot is away.")
+    turn, acted = cycle.acted_last()
+    return needs.dispatcher(robot).way_back(acted, relocated=bool(turn) and turn == cycle.put_after)
 
 
 class Overtaken(Exception):
@@ -286,7 +296,9 @@ class Turn:
         )
         if (robot := self._needs.robot.value) is not None:
             recall = self._needs.recall(robot)
-            request = replace(request, on_record=replace(request.on_record, charge=_charge(robot)))
+            back = way_back(self._needs, self._cycle)
+            record = replace(request.on_record, charge=_charge(robot), back=back.calls, no_way_back=back.why_not)
+            request = replace(request, on_record=record)
             if text:
                 self._asked_at = recall.now()
             picture = await recall.picture() if not text and self._looked() else None

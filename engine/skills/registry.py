@@ -53,6 +53,10 @@ Speed = Annotated[float, Measure("m/s", 0.02, 1.0)]
 TurnSpeed = Annotated[float, Measure("rad/s", 0.05, 5.0)]
 Duration = Annotated[float, Measure("s", 0, 600)]
 
+Change = Literal["pose", "arm", "light", "things"]
+"""What a skill may leave changed, and what can be put back. An arm that is only used to look or to grasp changes
+nothing that anybody asked for."""
+
 NOT_SAID = "not said"
 """Stands for an argument that nobody has told."""
 
@@ -116,6 +120,8 @@ class Skill:
     """Of an external skill."""
     flat: bool = False
     """It sees, and can do without depth: what it looks for lies on the floor, or has a known size."""
+    changes: frozenset[Change] | None = None
+    """What it may leave changed, where all of that can be put back; None: something cannot."""
 
     @property
     def words(self) -> SkillRecord:
@@ -150,11 +156,16 @@ class Skill:
 
 
 def skill(
-    *, occupies: Iterable[Capability] = (), endless: bool = False, lasting: bool = False, flat: bool = False
+    *,
+    occupies: Iterable[Capability] = (),
+    changes: Iterable[Change] | None = None,
+    endless: bool = False,
+    lasting: bool = False,
+    flat: bool = False,
 ) -> Callable[[Run], Skill]:
     """Make a coroutine function ``(context, …parameters) -> Result`` a skill that occupies these capabilities; an
     ``endless`` one goes on until told otherwise, a ``lasting`` one for many minutes, a ``flat`` one sees without
-    depth."""
+    depth. ``changes`` is what it may leave changed, where all of that can be put back."""
 
     def register(function: Run) -> Skill:
         hints = get_type_hints(function, include_extras=True)
@@ -165,7 +176,18 @@ def skill(
         if not doc:
             raise TypeError(f"skill {function.__name__} needs a docstring: planners read it")
         parameters = tuple(_parameter(p, hints[p.name]) for p in names[1:])
-        return Skill(function.__name__, doc, parameters, frozenset(occupies), function, endless, lasting, flat=flat)
+        leaves = None if changes is None else frozenset(changes)
+        return Skill(
+            function.__name__,
+            doc,
+            parameters,
+            frozenset(occupies),
+            function,
+            endless,
+            lasting,
+            flat=flat,
+            changes=leaves,
+        )
 
     return register
 

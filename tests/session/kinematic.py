@@ -52,6 +52,7 @@ class KinematicRobot:
         self._twist = ZERO
         self._dies = 0.0
         self._joints: Joints = ARM_INITIAL
+        self._light = (0, 0, 0)
         self._pauses = 0
         self._paused: asyncio.TimerHandle | None = None
         self.on_halt: Callable[[str, int], None] = lambda reason, epoch: None
@@ -107,7 +108,7 @@ class KinematicRobot:
         self._advance()
         return RobotState(
             t=self._at, epoch=self._epoch, pose=self._pose, twist=self._twist, command=self._twist,
-            joints=self._joints, joint_targets=self._joints, gripper=1.0, light=(0, 0, 0), blocked=None, halted=None,
+            joints=self._joints, joint_targets=self._joints, gripper=1.0, light=self._light, blocked=None, halted=None,
             paused=self.paused, estop=self.estop, battery=self.battery,
         )  # fmt: skip
 
@@ -136,7 +137,9 @@ class KinematicRobot:
 
     def set_gripper(self, opening: float, epoch: int) -> None: ...
 
-    def set_light(self, rgb: tuple[int, int, int], epoch: int) -> None: ...
+    def set_light(self, rgb: tuple[int, int, int], epoch: int) -> None:
+        if epoch == self._epoch:
+            self._light = rgb
 
     def beep(self, seconds: float, epoch: int) -> None: ...
 

@@ -21,7 +21,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 from config import load
 from config.schema import Settings
 from engine import events
-from engine.commands import Command, EndTask, Halted, Heard, Interrupt, Quit, Say, Snapshot, Wake
+from engine.commands import Command, Drop, EndTask, Halted, Heard, Interrupt, Move, Quit, Say, Snapshot, Wake
 from engine.errors import RobotError
 from engine.events import Event
 from engine.plan import Plan, parse_calls
@@ -181,6 +181,10 @@ class SessionMachine(RuleBasedStateMachine):
         self._history: list[object] = []  # of the present cycle, put together from events
         self._waiting: dict[str, dict[str, str]] = {}  # turn -> actions that are queued and have not started
         self._words: dict[str, set[str]] = {}  # turn -> what somebody said or typed
+        self._asked = 0  # requests in words that were sent
+        self._ended: dict[str, str] = {}  # requests in words that have ended: id -> how
+        self._listed: tuple[events.WaitingRequest, ...] = ()  # what waits, as it was told last
+        self._ever_listed: set[str] = set()
         self._faults: list[str] = []
         self.talk: Conversation | None = None
 
@@ -199,6 +203,28 @@ class SessionMachine(RuleBasedStateMachine):
     @rule(text=st.sampled_from(REQUESTS), seconds=st.sampled_from([1.0, 3.0, 8.0, 30.0]))
     def types_and_waits(self, text: str, seconds: float) -> None:
         self._ask(Say(text), seconds)
+
+    @rule(text=st.sampled_from(REQUESTS), then=st.lists(st.sampled_from(REQUESTS), min_size=1, max_size=3), after=AFTER)
+    def types_several(self, text: str, then: list[str], after: float) -> None:
+        self._ask(Say(text, then=tuple(then)), after)
+
+    @rule(
+        first=st.booleans(),
+        then=st.lists(st.sampled_from(REQUESTS), min_size=1, max_size=3),
+        which=st.integers(0, 8),
+        before=st.none() | st.integers(0, 8),
+        move=st.booleans(),
+        after=AFTER,
+    )
+    def changes_what_waits(
+        self, first: bool, then: list[str], which: int, before: int | None, move: bool, after: float
+    ) -> None:
+        """Drops one of those that wait, or moves it: those of now, or some that are asked for to begin with."""
+        if first:
+            self._ask(Say("go forward 2 metres", then=tuple(then)), 0.4)
+        there = None if before is None else self._one_listed(before)
+        one = self._one_listed(which)
+        self._ask(Move(one, there, id="move") if move else Drop(one, id="drop"), after)
 
     @rule(text=st.sampled_from([None, "", *REQUESTS]), pause=AFTER, after=AFTER)
     def wakes_and_speaks(self, text: str | None, pause: float, after: float) -> None:
@@ -228,7 +254,9 @@ class SessionMachine(RuleBasedStateMachine):
             self._ask(Wake("key"), SETTLED_S)
             counts["heard"] += self._talk.hearing.speak(first)
             self._let_pass(pause)
-        counts["added"] += self._talk.hearing.go_on(text, adds=adds)
+        told = self._talk.hearing.go_on(text, adds=adds)
+        counts["added"] += told
+        self._asked += told
         self._let_pass(after)
 
     @rule(command=st.sampled_from([Interrupt(), EndTask(), Snapshot("s"), Say("stop")]), after=AFTER)
@@ -318,6 +346,7 @@ class SessionMachine(RuleBasedStateMachine):
         assert self._talk.session.state in REST
         assert not self._open, f"actions without an end: {self._open}"
         assert not self._turns, f"turns without a result: {self._turns}"
+        self._every_request_has_ended()
         moved = len(self._talk.robot.moved)
         self._let_pass(5.0)
         assert len(self._talk.robot.moved) == moved, "it moved after an interrupt"
@@ -369,6 +398,7 @@ class SessionMachine(RuleBasedStateMachine):
         self._run(asyncio.wait_for(self._session, SETTLED_S))
         assert not self._open, f"actions without an end: {self._open}"
         assert not self._turns, f"turns without a result: {self._turns}"
+        self._every_request_has_ended()
         self._run(asyncio.sleep(2 * NEVER))  # even the most stubborn one comes to its end
         left = asyncio.all_tasks(self._loop)
         assert not left, f"tasks left over: {left}"
@@ -385,8 +415,22 @@ class SessionMachine(RuleBasedStateMachine):
         assert self.talk is not None
         return self.talk
 
+    def _one_listed(self, which: int) -> str:
+        """The id of one that waits; for 0, and where none does, of one that has ended."""
+        if self._listed and which:
+            return self._listed[which % len(self._listed)].request
+        return next(iter(self._ended), "nobody's")
+
+    def _every_request_has_ended(self) -> None:
+        """Once each: a second end is found when it is told."""
+        assert not self._listed, "something waits in a session at rest"
+        assert self._ever_listed <= self._ended.keys(), "what waited has no end"
+        assert len(self._ended) == self._asked, f"{self._asked} requests, {len(self._ended)} ends"
+
     def _ask(self, command: Command, after: float) -> None:
         """Ask between two iterations of the loop, as another thread would, and let something pass."""
+        if isinstance(command, Say):
+            self._asked += 1 + len(command.then)
         before = self._talk.epoch.current
         self._talk.send(command)
         if self._talk.epoch.current != before:
@@ -433,6 +477,19 @@ class SessionMachine(RuleBasedStateMachine):
                 if turn not in self._words:  # overheard, or added: nobody asked, so nobody is answered
                     self._turns.add(turn)
                 self._words.setdefault(turn, set()).add(body.text)
+            case events.RequestsWaiting():
+                assert body.texts == tuple(one.text for one in body.requests)
+                assert not {one.request for one in body.requests} & self._ended.keys(), "it waits and has ended"
+                self._listed = body.requests
+                self._ever_listed |= {one.request for one in body.requests}
+                counts["waited"] += len(body.requests)
+            case events.RequestEnded():
+                assert body.request not in self._ended, "a request ended twice"
+                assert turn not in self._turns, "a request ended before its turn"
+                self._ended[body.request] = body.outcome
+                counts[f"requests {body.outcome}"] += 1
+            case events.Ack(do="drop" | "move", ok=True):
+                counts[f"{body.do} taken"] += 1
             case events.PlanMade():
                 self._planned.add(event.epoch)
             case events.ActionQueued():

@@ -31,27 +31,47 @@ def test_it_knows_why_it_stopped_and_what_it_did() -> None:
     converse(test)
 
 
-def test_continue_goes_on_with_what_never_started_and_asks_about_a_motion_that_was_cut() -> None:
+def test_continue_does_what_is_left_of_a_motion_that_was_cut_and_what_never_started() -> None:
     async def test(talk: Conversation) -> None:
         assert "nothing that I could go on with" in await told(talk, "continue", 1)
-        talk.send(Say("go forward 10 metres, then wave"))
+        talk.send(Say("go forward 2 metres, then wave"))
         await talk.until(events.ActionStarted)
-        await talk.pass_time(1.0)
+        await talk.pass_time(2.0)
         talk.send(Interrupt())
         await talk.result(2)
-        talk.send(Say("carry on please"))
-        asked = await talk.result(3)
-        assert asked.exit_code == ExitCode.CLARIFY
-        assert "in the middle of move_forward" in asked.message
-        assert talk.robot.state().twist.is_zero
+        assert 0.3 < talk.robot.state().pose.x < 1.0
+        assert (await told(talk, "carry on please", 3)).startswith("Moved 1.4")
+        assert abs(talk.robot.state().pose.x - 2.0) < 0.02
+
+    converse(test)
+
+
+def test_continue_begins_what_was_cut_anew_where_it_is_no_matter_of_how_much() -> None:
+    async def test(talk: Conversation) -> None:
         talk.send(Say("wait 20 seconds, then wave and beep"))
         await talk.until(events.ActionFinished, lambda body: body.name == "wait")
         await talk.until(events.ActionStarted, lambda body: body.name == "arm_shake")
         talk.send(Interrupt())
-        await talk.result(4)
+        await talk.result(1)
         talk.send(Say("continue"))
-        assert (await talk.result(5)).exit_code == ExitCode.DONE
+        assert (await talk.result(2)).exit_code == ExitCode.DONE
         names = [body.name for body in talk.bodies(events.ActionFinished)]
         assert names[-3:] == ["arm_shake", "arm_shake", "beep"]
+
+    converse(test)
+
+
+def test_continue_asks_about_a_motion_of_which_nobody_knows_how_much_is_left() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("drift, then wave"))
+        await talk.until(events.ActionStarted)
+        await talk.pass_time(1.0)
+        talk.send(Interrupt())
+        await talk.result(1)
+        talk.send(Say("continue"))
+        asked = await talk.result(2)
+        assert asked.exit_code == ExitCode.CLARIFY
+        assert "in the middle of drift" in asked.message
+        assert talk.robot.state().twist.is_zero
 
     converse(test)

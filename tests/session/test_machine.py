@@ -39,5 +39,16 @@ def test_thousands_of_random_steps_break_no_rule_of_interruption() -> None:
             ),
         )
     assert counts["interruptions"] > STEPS / 10, counts
-    for met in ("pauses", "added", "actions ok", "actions failed", "actions interrupted", "actions uncertain"):
+    for ended in ("done", "interrupted", "replaced", "dropped", "rejected"):
+        assert counts[f"requests {ended}"] > 8, counts
+    for met in (
+        "drop taken",
+        "move taken",
+        "pauses",
+        "added",
+        "actions ok",
+        "actions failed",
+        "actions interrupted",
+        "actions uncertain",
+    ):
         assert counts[met] > 8, counts

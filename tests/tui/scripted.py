@@ -339,6 +339,27 @@ def _moved(x: float, y: float) -> ev.RobotStateView:
     return ev.RobotStateView(200.0, ev.PoseView(x, y, 0.4), ev.TwistView(0.5, 0, 0), ARM_INITIAL, 1.0, True, None)
 
 
+def waiting() -> list[Step]:
+    """While it is on its way, three requests wait."""
+    texts = ("bring me the red box", "turn around", "go to the charging dock")
+    requests = tuple(ev.WaitingRequest(f"R{number}", text) for number, text in enumerate(texts, 1))
+    return [*acting(), Step(0.0, ev.RequestsWaiting(texts, requests))]
+
+
+def stopped() -> list[Step]:
+    """It was stopped on its way, and all that can be offered is."""
+    args = {"place": "A"}
+    return [
+        *acting(),
+        Step(0.5, ev.InterruptRaised("interrupt", "interrupt", "ACTING")),
+        Step(0.0, ev.ActionFinished("a2", "navigation", args, "interrupted", "cancelled", "", 5.1)),
+        Step(
+            0.0, ev.StateChanged("ACTING", "WAITING", "interrupted", ev.TurnResult(130, "interrupted", "Interrupted."))
+        ),
+        Step(0.0, ev.OffersMade("T1", "T1", "T1", "T1")),
+    ]
+
+
 def queueing() -> list[Step]:
     """Of a long plan one action is done, one has failed, one was cut off, one runs, and two wait."""
     calls = (

@@ -40,6 +40,7 @@ LOOKS = {
     "map_near": ("m", "tab", "plus", "plus", "enter"),
     "camera": ("c",),
     "queue": (),
+    "waiting": ("3", "down"),
 }
 """What is pressed before the picture is taken."""
 SCENES = {
@@ -66,6 +67,8 @@ SCENES = {
         scripted.driving(),
     ),
     "queue": (ScriptedEngine(robot=UNDER_WAY, floor=flat()), scripted.queueing()),
+    "waiting": (ScriptedEngine(robot=UNDER_WAY, floor=flat()), scripted.waiting()),
+    "stopped": (ScriptedEngine(robot=HOME, floor=flat()), scripted.stopped()),
     "error": (
         ScriptedEngine(
             parts=(PartStatus("robot", "failed", "The robot process does not answer."), *PARTS_READY[1:]),

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
 import pytest
 
 from engine import events as ev
-from engine.commands import Interrupt
+from engine.commands import Command, Drop, Interrupt, Move, Say
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
-from tui.widgets.queue import ActionQueue
+from tui.widgets.queue import ActionQueue, Waits
 
 
 def queue_of(desk: Desk) -> ActionQueue:
@@ -90,15 +93,145 @@ async def test_of_many_requests_that_wait_the_next_ones_are_shown_and_the_others
         assert "9 waiting" in desk.text
 
 
-async def test_what_an_interruption_drops_is_told() -> None:
-    async with console() as desk:
+WAITING = tuple(ev.WaitingRequest(f"R{number}", text) for number, text in enumerate(("beep", "nod", "go home"), 1))
+
+
+def waits(*requests: ev.WaitingRequest) -> ev.RequestsWaiting:
+    return ev.RequestsWaiting(tuple(one.text for one in requests), requests)
+
+
+def listed(desk: Desk) -> list[tuple[str, bool]]:
+    """What waits, as the pane lists it, and whether it is chosen."""
+    return [(item.text, item.chosen) for item in queue_of(desk).items if isinstance(item, Waits)]
+
+
+@asynccontextmanager
+async def waiting(size: tuple[int, int] = (120, 40)) -> AsyncIterator[Desk]:
+    """A console at whose actions somebody is, while three requests wait."""
+    async with console(size=size) as desk:
         desk.engine.play(scripted.acting())
-        desk.engine.publish(ev.RequestsWaiting(("turn left", "come back")))
-        desk.engine.publish(ev.RequestsDropped(("turn left", "come back")))
-        desk.engine.publish(ev.RequestsWaiting(()))
+        desk.engine.publish(waits(*WAITING), turn=None)
+        await desk.press("3")
+        yield desk
+
+
+@pytest.mark.parametrize("size", [(120, 40), (80, 24), (60, 20)])
+async def test_the_actions_list_what_waits_and_name_the_keys_while_they_have_the_keyboard(
+    size: tuple[int, int],
+) -> None:
+    async with waiting(size) as desk:
+        assert listed(desk) == [("beep", True), ("nod", False), ("go home", False)]
+        assert "› 1 beep" in desk.text
+        assert "esc stops" in desk.text
+        assert "choose" in desk.text
+        await desk.press("1")
+        assert [chosen for _, chosen in listed(desk)] == [False, False, False]
+        assert "choose" not in desk.text
+
+
+async def test_one_that_waits_is_chosen_and_dropped() -> None:
+    async with waiting() as desk:
+        await desk.press("down", "x")
+        assert desk.engine.sent == [Drop("R2")]
+        desk.engine.publish(ev.RequestEnded("R2", "nod", "dropped"), turn=None)
+        desk.engine.publish(waits(WAITING[0], WAITING[2]), turn=None)
         await desk.settled()
-        assert "■  2 waiting requests dropped: turn left; come back" in desk.text
-        assert "2 waiting ·" not in desk.text
-        desk.engine.publish(ev.RequestsDropped(("beep",)))
+        assert "■  nod  dropped" in desk.text
+        assert listed(desk) == [("beep", False), ("go home", True)], "its neighbour is chosen then"
+
+
+@pytest.mark.parametrize(
+    ("keys", "sent"),
+    [
+        (("shift+down",), [Move("R1", "R3")]),
+        (("down", "shift+down"), [Move("R2", None)]),
+        (("down", "down", "shift+up"), [Move("R3", "R2")]),
+        (("shift+up",), []),
+        (("down", "down", "down", "shift+down"), []),
+    ],
+)
+async def test_one_that_waits_is_moved_by_one_place(keys: tuple[str, ...], sent: list[Command]) -> None:
+    async with waiting() as desk:
+        await desk.press(*keys)
+        assert desk.engine.sent == sent
+
+
+async def test_one_that_waits_is_taken_back_into_the_line_and_waits_in_its_old_place_again() -> None:
+    async with waiting() as desk:
+        await desk.press("down", "enter")
+        assert desk.engine.sent == [Drop("R2")]
+        line = desk.app.main.line
+        assert line.value == "", "it may have begun in this moment"
+        desk.engine.publish(ev.RequestEnded("R2", "nod", "dropped"), turn=None)
+        desk.engine.publish(waits(WAITING[0], WAITING[2]), turn=None)
+        await desk.until(lambda: line.value == "nod")
+        await desk.press(*" twice", "enter")
+        said = desk.engine.sent[-1]
+        assert isinstance(said, Say)
+        assert (said.text, said.wait) == ("nod twice", True), "what runs goes on"
+        again = ev.WaitingRequest("R4", "nod twice", said.id)
+        desk.engine.publish(waits(WAITING[0], WAITING[2], again), turn=None)
+        await desk.until(lambda: desk.engine.sent[-1] == Move("R4", "R3"))
+        await desk.press(*"beep", "enter")
+        assert desk.engine.sent[-1] == Say("beep"), "what is asked then is a request as usual"
+
+
+async def test_who_empties_the_line_and_begins_anew_asks_for_something_else() -> None:
+    async with waiting() as desk:
+        await desk.press("enter")
+        desk.engine.publish(ev.RequestEnded("R1", "beep", "dropped"), turn=None)
+        await desk.until(lambda: desk.app.main.line.value == "beep")
+        await desk.press(*["backspace"] * 4, *"nod", "enter")
+        assert desk.engine.sent == [Drop("R1"), Say("nod")]
+
+
+async def test_one_that_has_begun_meanwhile_is_not_taken_back() -> None:
+    async with waiting() as desk:
+        await desk.press("enter")
+        assert isinstance(desk.engine.sent[-1], Drop)
+        desk.engine.publish(ev.Ack("drop", False, "It has begun."), turn=None)
         await desk.settled()
-        assert "1 waiting request dropped: beep" in desk.text
+        assert desk.app.main.line.value == ""
+        assert "It has begun already" in desk.text
+        desk.engine.publish(ev.RequestEnded("R1", "beep", "done"), turn="T2")
+        await desk.settled()
+        assert desk.app.main.line.value == ""
+
+
+async def test_where_nothing_waits_the_keys_do_what_they_do_everywhere() -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.done())
+        await desk.press("3", "enter")
+        assert desk.app.screen is not desk.app.main, "the page of the turn"
+
+
+@pytest.mark.parametrize(
+    ("ended", "told"),
+    [
+        (ev.RequestEnded("R1", "beep", "interrupted", "stop"), "beep  never begun: stop"),
+        (ev.RequestEnded("R1", "beep", "interrupted", "by_hand"), "beep  never begun: driving by hand"),
+        (ev.RequestEnded("R1", "beep", "replaced", "replaced"), "beep  replaced before it began"),
+        (ev.RequestEnded("R1", "beep", "rejected"), "beep  not taken: the robot was busy"),
+        (ev.RequestEnded("R1", "beep", "left"), "beep  left: what it was to follow was not done"),
+    ],
+)
+async def test_every_request_that_came_to_nothing_leaves_a_row_that_says_why(ended: ev.RequestEnded, told: str) -> None:
+    async with console() as desk:
+        desk.engine.publish(ended, turn=None)
+        await desk.settled()
+        assert f"■  {told}" in desk.text
+
+
+@pytest.mark.parametrize(
+    ("state", "told"), [("PLANNING", "replaced while it was planned"), ("ACTING", "replaced by a newer request")]
+)
+async def test_a_turn_that_was_replaced_leaves_a_row_as_well(state: ev.State, told: str) -> None:
+    async with console() as desk:
+        desk.engine.publish(ev.TranscriptFinal("go home", "text", "", 1.0, 0.0, 0.0, 0.0, 0.0))
+        desk.engine.publish(ev.InterruptRaised("replaced", "say", state))
+        result = ev.TurnResult(130, "interrupted", "A newer command replaced this one.")
+        desk.engine.publish(ev.StateChanged(state, "WAITING", "interrupted", result))
+        desk.engine.publish(ev.RequestEnded("R1", "go home", "replaced", "replaced"))
+        await desk.settled()
+        assert desk.text.count(told) == 1
+        assert f"■  go home  {told}" in desk.text

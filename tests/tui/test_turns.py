@@ -368,3 +368,10 @@ def test_the_turns_of_a_real_session_are_told_from_its_log() -> None:
     ]
     waits = [turn.to_motion for turn in model.turns.kept if turn.heard is not None and turn.heard.source == "speech"]
     assert waits == [pytest.approx(0.99, abs=0.1), pytest.approx(0.87, abs=0.1), pytest.approx(0.91, abs=0.1)]
+
+
+def test_a_heading_that_an_action_has_found_is_told_in_degrees() -> None:
+    pose = {"x": 1.5, "y": -2.0, "yaw": -1.5707963}
+    ended = ev.ActionFinished("a1", "navigation", talk.KITCHEN, "ok", None, "I am there.", 3.0, pose)
+    turn = turn_of(*until_acting(), Step(1.0, ended))
+    assert turn.actions[0].data == "x 1.5, y -2, heading 270°"

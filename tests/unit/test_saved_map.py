@@ -65,7 +65,7 @@ def test_a_map_is_for_real_robots(tmp_path: Path) -> None:
     ("text", "told"),
     [
         (YAML.replace("0.05", "-1"), "resolution"),
-        (YAML.replace("-2.0, 0.0", "-2.0, 0.3"), "turned by 0.3 rad"),
+        (YAML.replace("-2.0, 0.0", "-2.0, 0.3"), "turned by 17.2°"),
         (YAML.replace("map.pgm", "none.pgm"), "none.pgm, cannot be read: there is none"),
         (YAML.replace("map.pgm", "map.yaml"), "none that can be read"),
         (YAML + "mode: raw\n", "saved raw"),

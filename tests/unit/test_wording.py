@@ -40,7 +40,7 @@ ALL_TEXT: Final = (
     "robot/sim/camera.py", "robot/sim/camera_process.py", "robot/host/process.py",
     "parts/keeper.py", "parts/camera.py", "asr/isolated.py", "llm/service.py", "llm/openai.py", "llm/dify.py",
     "llm/llama.py", "llm/local.py", "session/turn.py", "session/session.py", "hearing/hearing.py",
-    "hearing/intake.py", "session/dispatch.py",
+    "hearing/intake.py", "session/dispatch.py", "session/way_back.py",
 )  # fmt: skip
 """Where every text may be said."""
 ENDS_ONLY: Final = (
@@ -63,7 +63,7 @@ SHOWN: Final = (
 """Where something is written that a console shows: what the doctor finds, how parts are doing, lines of the log."""
 SHOWS: Final = frozenset(
     {"Finding", "Log", "_tell_log", "_tell", "_warn", "warn", "Remark", "Opened", "SaysoError", "ErrorRaised"}
-    | {"_complain", "UsageError"}
+    | {"_complain", "UsageError", "_ack"}
 )
 """What is called with it."""
 

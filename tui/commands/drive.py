@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import os
 import sys
 import termios
@@ -16,6 +17,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
 from engine.errors import ExitCode, UsageError
+from engine.robot.geometry import heading_in_degrees
 from tui.keys.speeds import SPEEDS, TURN
 from tui.output import say
 
@@ -158,6 +160,7 @@ def _line(state: RobotState, speed: float) -> str:
     why = "E-STOP: r releases" if state.estop else state.halted or state.blocked or ""
     volts = f"  {state.battery.volts:.1f} V" if state.battery else ""
     return (
-        f"{speed:g} m/s  x {pose.x:.2f} y {pose.y:.2f}  {twist.vx:5.2f} {twist.vy:5.2f} m/s {twist.wz:5.2f} rad/s"
+        f"{speed:g} m/s  x {pose.x:.2f} y {pose.y:.2f} {heading_in_degrees(pose.yaw):3.0f}°"
+        f"  {twist.vx:5.2f} {twist.vy:5.2f} m/s {math.degrees(twist.wz):4.0f}°/s"
         f"{volts}  {why}"
     )

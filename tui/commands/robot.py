@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import select
 import sys
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from engine.errors import DeviceError, ExitCode, StorageError, UsageError
+from engine.robot.geometry import heading_in_degrees
 from tui.commands.settings import load_settings
 from tui.output import data, json_line, say
 
@@ -91,7 +93,8 @@ def robot_show(settings: Settings, name: str | None, *, json: bool = False) -> i
         return int(ExitCode.DONE)
     hull, speeds = robot.hull, robot.speeds
     data(f"{robot.name}\n  {robot.source}")
-    data(f"  drive    {robot.drive}, {speeds.forward:g} m/s ahead, {speeds.sideways:g} sideways, {speeds.turn:g} rad/s")
+    turn = math.degrees(speeds.turn)
+    data(f"  drive    {robot.drive}, {speeds.forward:g} m/s ahead, {speeds.sideways:g} sideways, {turn:.0f}°/s")
     if robot.trim:
         data(f"           {robot.trim:+g} rad/m of trim, to drive straight")
     data(f"  hull     {100 * hull.length:.0f} × {100 * hull.width:.0f} cm")
@@ -296,7 +299,8 @@ class _Shown:
             return
         told = state.told
         line = (
-            f"({state.x:6.2f}, {state.y:6.2f}) {state.yaw:5.2f} rad   told {told.vx:5.2f} {told.vy:5.2f} {told.wz:5.2f}"
+            f"({state.x:6.2f}, {state.y:6.2f}) {heading_in_degrees(state.yaw):3.0f}°"
+            f"   told {told.vx:5.2f} {told.vy:5.2f} m/s {math.degrees(told.wz):4.0f}°/s"
             f"   arm {' '.join(f'{joint:5.2f}' for joint in state.joints)}   {state.volts:.1f} V"
         )
         if line != self._last and sys.stdout.isatty():

@@ -46,6 +46,9 @@ KEYS: Final = (
     Key("release", "R"),
     Key("by_hand", "g"),
     Key("help", "question_mark"),
+    Key("resume", "k"),
+    Key("undo", "u"),
+    Key("again", "a"),
     Key("leave", "q"),
     Key("leave_now", "ctrl+c", everywhere=True),
     Key("log", "l"),
@@ -102,6 +105,18 @@ MAP_KEYS: Final = (
 """Those of the map, while it has the focus; they go before the console's own. Their actions are the map's."""
 
 
+QUEUE_KEYS: Final = (
+    Key("queue_up", "up", does="choose(-1)"),
+    Key("queue_down", "down", does="choose(1)"),
+    Key("queue_drop", "x", does="drop"),
+    Key("queue_earlier", "shift+up,K", does="move(-1)"),
+    Key("queue_later", "shift+down,J", does="move(1)"),
+    Key("queue_change", "enter", does="change"),
+)
+"""Those of the actions, while requests wait and it has the focus; they go before the console's own. Their actions are
+that pane's."""
+
+
 TURN_KEYS: Final = (
     Key("unfold", "j"),
     Key("lines_up", "up"),
@@ -133,7 +148,7 @@ SETTING_KEYS: Final = (
 )
 """Those of the page of the settings, where they go before the console's own. Their actions are the page's."""
 
-ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *TURN_KEYS, *HAND_KEYS, *SETTING_KEYS)
+ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *QUEUE_KEYS, *TURN_KEYS, *HAND_KEYS, *SETTING_KEYS)
 
 
 def all_shown(keys: Mapping[str, str]) -> dict[str, str]:

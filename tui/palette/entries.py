@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
-from tui.keys.keys import HAND_KEYS, KEYS, MAP_KEYS, SETTING_KEYS, TURN_KEYS, Key
+from tui.keys.keys import HAND_KEYS, KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
 from tui.options import SHOWN
 from tui.shown.facts import printable
 from tui.words import strings
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from config.schema import Place
     from engine.skills.registry import Skill
 
-Where = Literal["console", "map", "turn", "hand", "settings"]
+Where = Literal["console", "map", "queue", "turn", "hand", "settings"]
 Kind = Literal["action", "place", "skill", "recent", "setting", "file"]
 MAX_RECENT: Final = 50
 
@@ -118,6 +118,8 @@ def _actions(keys: Mapping[str, str]) -> Iterator[Entry]:
             yield Entry("action", key.about, keys[key.id], Act(key), f"{key.id} {key.word}")
     for key in MAP_KEYS:
         yield Entry("action", key.about, f"{strings.KIND_MAP} {keys[key.id]}", Act(key, "map"), key.id)
+    for key in QUEUE_KEYS:
+        yield Entry("action", key.about, f"{strings.KIND_QUEUE} {keys[key.id]}", Act(key, "queue"), key.id)
     for key in TURN_KEYS:
         yield Entry("action", key.about, f"{strings.KIND_TURN} {keys[key.id]}", Act(key, "turn"), key.id)
     for key in HAND_KEYS:

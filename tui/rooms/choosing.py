@@ -93,6 +93,10 @@ class Choosing:
             stage.main.point(stay=True)
             await stage.run_action(action, stage.main.floor)
             return
+        if where == "queue":
+            stage.main.go_to("actions")
+            await stage.run_action(action, stage.main.queue)
+            return
         if where == "hand":
             await stage.run_action(action, stage.main.drive_by_hand())
             return

@@ -83,7 +83,15 @@ def _turn(turn: Turn, now: float) -> Iterator[str]:
 
 
 def _line(line: Line) -> str:
-    who = {"you": strings.YOU, "robot": strings.ROBOT, "unheard": "∅", "mark": "■", "done": "✓", "problem": "✗"}
+    who = {
+        "you": strings.YOU,
+        "robot": strings.ROBOT,
+        "unheard": "∅",
+        "mark": "■",
+        "lost": "■",
+        "done": "✓",
+        "problem": "✗",
+    }
     text = told(line.text) if line.who in ("done", "problem") else line.text
     note = strings.REASONS.get(line.note, line.note)
     return f"{right(who[line.who], 5)}  {text}{f'  ({note})' if note else ''}"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final, Literal
 from msgspec.structs import replace
 
 from engine.errors import ExitCode
-from engine.events import ActionProgress, ErrorRaised, Event, ListenLevel, Log, RobotStateView
+from engine.events import ActionProgress, Body, ErrorRaised, Event, ListenLevel, Log, RobotStateView
 from tui.keys.keys import KEYS
 from tui.messages import Woken
 from tui.rooms.leaving import Leaving
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from engine.handle import EngineHandle, PartState, PartStatus
     from engine.robot.floor_map import FloorMap
     from tui.kept.tour import Tour
+    from tui.shown.turn import Turn
     from tui.stage import Stage
 
 LOG_FRAMES: Final = 4
@@ -56,7 +57,10 @@ class Drawing:
         """What moves by itself does so seldom."""
         self.browsed: str | None = None
         """The turn that somebody looks at; None: the newest."""
-        self._counted = 0  # turns that there were when the user last chose one
+        self.on_event: Callable[[Body], None] = lambda body: None
+        """Told of everything that happens, as it is drawn."""
+        self._counted = 0  # turns that there were when the user began to look at older ones
+        self._looked_at: Turn | None = None  # the same turn as it was drawn last: it is kept for as long as that
         self.tour: Tour | None = None
         """What whoever sits here for the first time is told."""
         self._stage = stage
@@ -123,13 +127,15 @@ class Drawing:
     def browse(self, step: int) -> None:
         """Look at another turn; beyond the newest one, at whichever is the newest."""
         ids = [turn.id for turn in self.model.turns.kept]
-        here = ids.index(self.browsed) if self.browsed in ids else len(ids) - 1
+        here = ids.index(self.browsed) if self.browsed in ids else len(ids) - 1 if self.browsed is None else -1
         there = max(0, here + step)
         self.browse_to(ids[there] if there < len(ids) - 1 else None)
 
     def browse_to(self, turn: str | None) -> None:
         """Look at the turn of this id; None: at the newest from now on."""
-        self.browsed, self._counted = turn, self.model.turns.count
+        if self.browsed is None or turn is None:  # what is new is new until somebody looks at it
+            self._counted = self.model.turns.count
+        self.browsed = turn
         self._frames.ask()
 
     def now(self) -> bool:
@@ -156,6 +162,7 @@ class Drawing:
             model = model.after(event)
             self._session = event.session
             self._lag = min(self._lag, when - event.t)
+            self.on_event(event.body)
             if isinstance(event.body, Log):
                 self._noticing.hear(event.body)
         if any(isinstance(event.body, Log | ErrorRaised) for event, _ in arrived):
@@ -195,7 +202,7 @@ class Drawing:
             hints=self._hints(),
             parts=self._parts,
             floor_map=self._floor_map,
-            turn=(turn := next((turn for turn in model.turns.kept if turn.id == self.browsed), None)),
+            turn=(turn := self._turn_looked_at()),
             fresh=model.turns.count - self._counted if turn is not None else 0,
             bare=bare,
             link=self._sending.figures(),
@@ -213,6 +220,15 @@ class Drawing:
             world=handle.world(),
             scan=None if bare else handle.scan(),
         )
+
+    def _turn_looked_at(self) -> Turn | None:
+        """The turn that somebody looks at, also when it is so old that it is not kept any more."""
+        if self.browsed is None:
+            self._looked_at = None
+        else:
+            kept = self.model.turns.kept
+            self._looked_at = next((turn for turn in kept if turn.id == self.browsed), self._looked_at)
+        return self._looked_at
 
     def _hints(self) -> tuple[Hint, ...]:
         stage, model = self._stage, self.model

@@ -21,6 +21,7 @@ from tui.kept.sizes import Shares
 from tui.plan.chart import Moving
 from tui.screens.panes import Pane, PaneName, Panes
 from tui.shown.model import ConsoleModel
+from tui.shown.offers import in_words, offered
 from tui.shown.readiness import loading, named, waited_for
 from tui.terminal.spans import WholeCompositor
 from tui.terminal.terminal import SHORT_ROWS, TALL_ROWS, layout_for, too_small
@@ -138,9 +139,10 @@ class ConsoleScreen(Screen[None]):
         self._conversation.update_from(model, [line.format(**self._keys) for line in begin])
         self._plan.update_from(model, named(waited_for(model, view.parts)))
         self.line.wait_for(named(loading(view.parts)))
-        self._queue.update_from(model, view.now, self._keys["interrupt"])
+        self._queue.update_from(model, view.now, self._keys)
         self._figures.update_from(view.robot, view.parts, view.world.held if view.world is not None else None)
         self._figures.tell(view.link)
+        self._timeline.offer({turn.id: in_words(offered(model, turn.id), self._keys) for turn in model.turns.kept})
         self._timeline.update_from(model.turns.kept, view.turn, view.now, view.fresh)
         self._mic.update_from(model.trace, notice=notice, trouble=trouble)
         if view.floor_map is not None:
@@ -314,6 +316,11 @@ class ConsoleScreen(Screen[None]):
 
     def _entitle(self) -> None:
         self._panes.entitle(self._keys)
+
+    @property
+    def queue(self) -> ActionQueue:
+        """The actions, and what waits behind them."""
+        return self._queue
 
     @property
     def floor(self) -> FloorView:

@@ -15,6 +15,7 @@ from textual.content import Content
 from textual.screen import Screen
 
 from tui.keys.bindings import TURN_BINDINGS
+from tui.shown.offers import in_words, offered
 from tui.shown.timeline import Bar, bars
 from tui.shown.turn import Answer, Asked, Thought, Turn
 from tui.widgets.lines import Drawn
@@ -28,6 +29,7 @@ from tui.words.hints import EDGES, fitting
 from tui.words.language import told
 
 if TYPE_CHECKING:
+    from tui.shown.model import ConsoleModel
     from tui.shown.view import View
 
 _DIM: Final = "$foreground 60%"
@@ -93,9 +95,14 @@ class TurnScreen(Screen[None]):
         if number != self._number:
             self._page.go_home()
         self._number = number
-        self._title(strings.TURN_TITLE.format(number=number, count=model.turns.count) if turn else "")
+        title = strings.TURN_TITLE.format(number=number, count=model.turns.count) if turn else ""
+        self._title(f"{title} · {strings.NEW_TURNS.format(view.fresh)}" if view.fresh else title)
         nothing = [Row("", ((strings.NO_TURN, _DIM),))]
-        self._page.show(list(rows(turn, view.now, unfolded=self._unfolded)) if turn else nothing, matters=0)
+        if turn is None:
+            self._page.show(nothing, matters=0)
+            return
+        first, *others = rows(turn, view.now, unfolded=self._unfolded)
+        self._page.show([first, *_offers(model, turn, self._keys), *others], matters=0)
 
     def _title(self, title: str) -> None:
         """The border draws itself anew whenever it is told a title, and all the page with it."""
@@ -146,6 +153,14 @@ def rows(turn: Turn, now: float, *, unfolded: bool) -> Iterator[Item]:
     yield from _parts(strings.PART_ANSWERS, map(_answer, turn.answers))
     yield from _parts(strings.PART_END, _end(turn))
     yield from _parts(strings.PART_REMARKS, (Row("", ((told(remark), _DIM),)) for remark in turn.remarks))
+
+
+def _offers(model: ConsoleModel, turn: Turn, keys: Mapping[str, str]) -> Iterator[Row]:
+    """What may be asked about the turn in a word; and why it cannot be undone, where it cannot."""
+    if words := in_words(offered(model, turn.id), keys):
+        yield Row("", ((words, "$text-accent"),))
+    if turn.id == model.offers.acted and model.offers.no_undo:
+        yield Row("", ((strings.NO_UNDO.format(why=told(model.offers.no_undo)), _DIM),))
 
 
 def _parts(name: str, found: Iterator[Row]) -> Iterator[Row]:

@@ -14,7 +14,8 @@ from engine.events import Value
 MAX_TEXT: Final = 2000
 """Characters of one text that are shown."""
 
-Speaker = Literal["you", "robot", "unheard", "mark", "done", "problem"]
+Speaker = Literal["you", "robot", "unheard", "mark", "lost", "done", "problem"]
+"""``lost`` is a request that came to nothing."""
 Phase = Literal["queued", "running", "ok", "failed", "interrupted", "uncertain"]
 Stage = Literal["thinking", "made", "rejected", "refused", "question"]
 Path = tuple[tuple[float, float], ...]
@@ -59,6 +60,13 @@ class Row(Struct, frozen=True):
         if self.duration_s is not None or self.started is None:
             return self.duration_s
         return max(0.0, now - self.started)
+
+
+class Waiting(Struct, frozen=True):
+    """A request that waits until what runs has ended."""
+
+    id: str  # by which it is dropped and moved; empty where nobody has told it
+    text: str
 
 
 class LogLine(Struct, frozen=True):

@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 from engine import events as ev
 from engine.states import EXPRESSING
-from tui.shown.facts import Line, LogLine, Path, Plan, Problem, Row, call, printable
+from tui.shown.facts import Line, LogLine, Path, Plan, Problem, Row, Waiting, call, printable
 from tui.shown.trace import Trace
 from tui.shown.trace import after as trace_after
 from tui.shown.turns import Turns
@@ -46,7 +46,8 @@ class ConsoleModel(Struct, frozen=True):
     stable: int = 0  # …and how many of them, from the first, will hardly change any more
     plan: Plan | None = None
     queue: tuple[Row, ...] = ()
-    waiting: tuple[str, ...] = ()  # requests that are not begun yet, next first
+    waiting: tuple[Waiting, ...] = ()  # requests that are not begun yet, next first
+    offers: ev.OffersMade = field(default_factory=ev.OffersMade)  # what may be asked about the past in a word
     log: tuple[LogLine, ...] = ()
     listening: bool = False
     trace: Trace = field(default_factory=Trace)
@@ -152,19 +153,33 @@ def _(body: ev.InterruptRaised, model: ConsoleModel, event: ev.Event) -> Console
         return model.with_line(Line("mark", strings.STOPPED, printable(body.source)))
     if body.scope == "halted":
         return model.with_line(Line("mark", strings.HALTED))
+    turn = next((turn for turn in model.turns.kept if turn.id == event.turn), None)
+    if body.scope == "replaced" and turn is not None and turn.text:
+        begun = strings.REPLACED_PLANNING if body.state in ("DECIDING", "PLANNING") else strings.REPLACED
+        return model.with_line(Line("lost", turn.text, begun))
     return model
 
 
 @_fold.register
 def _(body: ev.RequestsWaiting, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    return replace(model, waiting=tuple(map(printable, body.texts)))
+    if not body.requests:  # told by an engine that gives them no ids
+        return replace(model, waiting=tuple(Waiting("", printable(text)) for text in body.texts))
+    return replace(model, waiting=tuple(Waiting(one.request, printable(one.text)) for one in body.requests))
 
 
 @_fold.register
-def _(body: ev.RequestsDropped, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    texts = strings.SEMICOLON.join(map(printable, body.texts))
-    words = strings.DROPPED_ONE if len(body.texts) == 1 else strings.DROPPED
-    return model.with_line(Line("mark", words.format(count=len(body.texts), texts=texts)))
+def _(body: ev.RequestEnded, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
+    if event.turn is not None or body.outcome not in strings.LOST:  # what became a turn has said so there
+        return model
+    note = strings.LOST[body.outcome]
+    if body.by is not None and body.outcome == "interrupted":
+        note = strings.LOST_BY.format(reason=strings.REASONS[body.by])
+    return model.with_line(Line("lost", printable(body.text), note))
+
+
+@_fold.register
+def _(body: ev.OffersMade, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
+    return replace(model, offers=replace(body, no_undo=printable(body.no_undo)))
 
 
 @_fold.register

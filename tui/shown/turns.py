@@ -15,8 +15,10 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from engine import events as ev
+from engine.robot.geometry import heading_in_degrees
 from tui.shown.facts import call, printable, printable_lines
 from tui.shown.turn import STAGES, VOICE, Action, Answer, Asked, Sample, Span, Stage, Thought, Turn
+from tui.words import strings
 
 MAX_TURNS: Final = 40
 """Turns that are kept."""
@@ -274,7 +276,7 @@ def _(body: ev.ActionStarted, turn: Turn, event: ev.Event) -> Turn:
 @_fold.register
 def _(body: ev.ActionFinished, turn: Turn, event: ev.Event) -> Turn:
     old = _action(turn, body.action) or Action(body.action, 0, call(body.name, body.args), "queued")
-    data = ", ".join(f"{key} {_figure(value)}" for key, value in (body.data or {}).items())
+    data = ", ".join(_found(key, value) for key, value in (body.data or {}).items())
     ended = replace(
         old,
         phase=body.outcome,
@@ -339,6 +341,13 @@ def _thought(turn: Turn, thought: Thought | Asked) -> Turn:
 
 def _remarked(turn: Turn, text: str) -> Turn:
     return replace(turn, remarks=(*turn.remarks, printable(text))[-MAX_PARTS:])
+
+
+def _found(key: str, value: ev.Value) -> str:
+    """What an action has found out, by the name it has on the wire; a heading as people read it."""
+    if key == "yaw" and isinstance(value, float):
+        return f"{strings.HEADING} {heading_in_degrees(value):.0f}°"
+    return f"{key} {_figure(value)}"
 
 
 def _figure(value: ev.Value) -> str:

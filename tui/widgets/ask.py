@@ -52,6 +52,7 @@ class Ask(Input):
         super().__init__(
             placeholder=strings.PLACEHOLDER.format(**keys),
             compact=True,
+            select_on_focus=False,  # what is typed next would replace what stands there
             max_length=_MAX_LENGTH,
             suggester=Guess(lambda text: self._completion.rest(text, self._history)),
         )

@@ -22,6 +22,7 @@ _STYLES: Final = {
     "you": ("", "$text-primary", "$foreground"),
     "robot": ("", "$text-success", "$foreground"),
     "unheard": ("∅", "$foreground 60%", "italic $foreground 60%"),
+    "lost": ("■", "$text-warning", "$foreground"),
     "mark": ("■", "$text-warning", "$foreground 60%"),
     "done": ("✓", "$text-success", "$foreground 60%"),
     "problem": ("✗", "$text-error", "$foreground"),
@@ -39,7 +40,7 @@ class Conversation(Lines[tuple[str, str, str]]):
     def update_from(self, model: ConsoleModel, welcome: Sequence[str]) -> None:
         """Show the model's conversation, or the lines of ``welcome``, which say how to begin one."""
         items = [_item(line) for line in model.conversation]
-        items += [("waits", text, strings.WAITS) for text in model.waiting[:_WAITING]]
+        items += [("waits", request.text, strings.WAITS) for request in model.waiting[:_WAITING]]
         if (more := len(model.waiting) - _WAITING) > 0:
             items.append(("waits", strings.MORE_WAIT.format(more), ""))
         if model.partial:

@@ -10,6 +10,7 @@ from rich.cells import cell_len
 from textual import events
 from textual.content import Content
 
+from engine.robot.geometry import heading_in_degrees
 from tui.plan.chart import posture
 from tui.terminal.link import LinkFigures
 from tui.widgets.lines import Drawn, Lines
@@ -74,7 +75,7 @@ def figure_lines(robot: RobotState, wide: bool, held: Thing | None = None) -> li
     """Where the robot is and what it does, in two lines or three."""
     pose, twist = robot.pose, robot.twist
     x, y = _figure("x", f"{_plain(pose.x, 2):>6} m"), _figure("y", f"{_plain(pose.y, 2):>6} m")
-    heading = _figure(strings.HEADING, f"{round(math.degrees(pose.yaw), 0) % 360:>3.0f}°")
+    heading = _figure(strings.HEADING, f"{heading_in_degrees(pose.yaw):3.0f}°")
     speed = _figure(strings.SPEED, f"{math.hypot(twist.vx, twist.vy):.2f} m/s")
     turning = _figure(strings.TURNING, f"{_plain(math.degrees(twist.wz), 0):>4}°/s")
     grip = strings.OPEN if robot.gripper > 0.8 else strings.CLOSED if robot.gripper < 0.1 else strings.HALF_OPEN

@@ -1,15 +1,22 @@
-"""The actions of the plan, one a line, with a sign, and a duration that runs while the action does."""
+"""The actions of the plan, one a line, with a sign, and a duration that runs while the action does; below them the
+requests that wait, which are chosen, dropped, moved and taken back here."""
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from collections.abc import Mapping
+from typing import ClassVar, Final, NamedTuple
 
+from textual.binding import BindingType
 from textual.content import Content
+from textual.message import Message
 
-from tui.shown.facts import Phase, Row
+from tui.keys.bindings import QUEUE_BINDINGS
+from tui.shown.facts import Phase, Row, Waiting
 from tui.shown.model import ConsoleModel
+from tui.shown.offers import in_words, offered
 from tui.widgets.lines import Drawn, Lines
 from tui.words import strings
+from tui.words.hints import EDGES, fitting
 from tui.words.language import told
 
 SIGNS: Final[dict[Phase, tuple[str, str]]] = {
@@ -39,27 +46,120 @@ class Shown(NamedTuple):
     whole: bool = True  # all of its words, on as many lines as they need
 
 
-class ActionQueue(Lines[Shown]):
+class Waits(NamedTuple):
+    """One request that waits, by its place among them."""
+
+    number: int
+    text: str
+    chosen: bool
+
+
+class ActionQueue(Lines[Shown | Waits]):
     """The queue; the action that runs is kept in view, and the next one with it. While something runs it has the room
-    for its words; afterwards those have it that did not end well."""
+    for its words; afterwards those have it that did not end well. With the keyboard, one of the requests that wait is
+    chosen, and that is kept in view."""
+
+    BINDINGS: ClassVar[list[BindingType]] = QUEUE_BINDINGS
+
+    class Dropped(Message):
+        """Somebody does not want a request any more."""
+
+        def __init__(self, request: Waiting) -> None:
+            super().__init__()
+            self.request = request
+
+    class Moved(Message):
+        """Somebody wants a request to begin before another one, or after all of them."""
+
+        def __init__(self, request: Waiting, before: str | None) -> None:
+            super().__init__()
+            self.request, self.before = request, before
+
+    class TakenBack(Message):
+        """Somebody wants to change a request, which stood before another one, or was the last."""
+
+        def __init__(self, request: Waiting, before: str | None) -> None:
+            super().__init__()
+            self.request, self.before = request, before
 
     _summary = ""
+    _known: tuple[ConsoleModel, float, Mapping[str, str]] | None = None  # what it was told to show
+    _waiting: tuple[Waiting, ...] = ()
+    _chosen = ""  # the id of a request
+    _place = 0  # where that stood
 
-    def update_from(self, model: ConsoleModel, now: float, stop: str) -> None:
-        """Show the queue with durations as of event time ``now``; ``stop`` is the key that ends what runs."""
+    def update_from(self, model: ConsoleModel, now: float, keys: Mapping[str, str]) -> None:
+        """Show the queue with durations as of event time ``now``; ``keys`` are those in use by action id."""
+        self._known = model, now, keys
         running = next((number for number, row in enumerate(model.queue) if row.phase == "running"), None)
-        summary = _summary(model, stop) if running is not None or model.waiting else ""
+        self._know(tuple(request for request in model.waiting if request.id))
+        summary = self._summed_up(model, keys, acts=running is not None)
         if summary != self._summary:  # another one repaints the pane
-            self._summary = self.border_subtitle = summary
+            self._summary = summary
+            self.border_subtitle = Content(summary)
         roomy = self.size.height >= _ROOM_FOR_WORDS
         rows = [
             _shown(row, now, roomy if row.phase == "running" else running is None and row.phase not in ("queued", "ok"))
             for row in model.queue
         ]
         following = None if running is None else min(running + 1, len(rows) - 1)
-        self.show(rows or [Shown(None, 0, strings.NO_ACTIONS, "", "", None)], matters=following)
+        waiting = [
+            Waits(number, request.text, self.has_focus and request.id != "" and request.id == self._chosen)
+            for number, request in enumerate(model.waiting, 1)
+        ]
+        if (chosen := next((at for at, item in enumerate(waiting) if item.chosen), None)) is not None:
+            following = len(rows) + chosen
+        elif running is None and rows:
+            following = len(rows) - 1
+        nothing = [] if rows or waiting else [Shown(None, 0, strings.NO_ACTIONS, "", "", None)]
+        self.show([*rows, *waiting, *nothing], matters=following)
 
-    def drawn(self, item: Shown) -> Drawn:
+    def _know(self, waiting: tuple[Waiting, ...]) -> None:
+        """What waits now. In the place of what was chosen and is gone, its neighbour is."""
+        self._waiting = waiting
+        if not any(request.id == self._chosen for request in waiting):
+            self._chosen = waiting[min(self._place, len(waiting) - 1)].id if waiting else ""
+        self._place = next((at for at, request in enumerate(waiting) if request.id == self._chosen), 0)
+
+    def _summed_up(self, model: ConsoleModel, keys: Mapping[str, str], *, acts: bool) -> str:
+        """What stands in the frame: what the keys do, or how it goes; when all is over, what is offered."""
+        if self._waiting and self.has_focus:
+            return fitting(strings.QUEUE_KEYS.format(**keys), self.size.width - EDGES)
+        if acts or model.waiting:
+            return _summary(model, keys["interrupt"])
+        return in_words(offered(model), keys) if model.queue else ""
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Where no request waits, these keys do what they do everywhere."""
+        own = action in ("choose", "drop", "move", "change")
+        return bool(self._waiting) if own else super().check_action(action, parameters)
+
+    def action_choose(self, step: int) -> None:
+        self._place = max(0, min(len(self._waiting) - 1, self._place + step))
+        self._chosen = self._waiting[self._place].id
+        self._held = False
+        if self._known is not None:
+            self.update_from(*self._known)
+
+    def action_drop(self) -> None:
+        self.post_message(self.Dropped(self._waiting[self._place]))
+
+    def action_move(self, step: int) -> None:
+        """One place earlier (−1) or later (1)."""
+        if 0 <= self._place + step < len(self._waiting):
+            self.post_message(self.Moved(self._waiting[self._place], self._following(step if step < 0 else step + 1)))
+
+    def action_change(self) -> None:
+        self.post_message(self.TakenBack(self._waiting[self._place], self._following(1)))
+
+    def _following(self, step: int) -> str | None:
+        """The request so many places further than the chosen one; None behind the last."""
+        at = self._place + step
+        return self._waiting[at].id if at < len(self._waiting) else None
+
+    def drawn(self, item: Shown | Waits) -> Drawn:
+        if isinstance(item, Waits):
+            return _drawn_waiting(item)
         if item.phase is None:
             return Drawn(Content(""), Content.styled(item.call, "$foreground 60%"))
         sign, style = SIGNS[item.phase]
@@ -75,6 +175,13 @@ class ActionQueue(Lines[Shown]):
 
 _DIM: Final = "$foreground 60%"
 _CALL_STYLES: Final[dict[Phase, str]] = {"queued": "$foreground 60%", "running": "bold $foreground"}
+
+
+def _drawn_waiting(item: Waits) -> Drawn:
+    sign = ("› ", "$text-accent bold") if item.chosen else ("○ ", "$foreground 60%")
+    gutter = Content.assemble(sign, (f"{item.number} ", _DIM))
+    body = Content.styled(item.text, "bold $foreground" if item.chosen else "$foreground")
+    return Drawn(gutter, body, Content.styled(strings.WAITS, _DIM), nowrap=True)
 
 
 def _shown(row: Row, now: float, whole: bool) -> Shown:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import Final, NamedTuple
 
@@ -55,6 +55,12 @@ class Head(NamedTuple):
     shown: bool  # it is the one that enter opens
 
 
+class Offered(NamedTuple):
+    """The line below the bars of a turn about which something may be asked in a word."""
+
+    words: str  # with their keys
+
+
 class FromTop(Lines[Item]):
     """Lines that begin at the top with the one that matters, until somebody scrolls."""
 
@@ -70,7 +76,7 @@ class FromTop(Lines[Item]):
         return sum(len(self._cache[item]) for item in self._items[: self._matters or 0])
 
 
-class Timeline(FromTop[Head | Bar | str]):
+class Timeline(FromTop[Head | Bar | Offered | str]):
     """The last turns, newest first; the one that is browsed to is kept in view."""
 
     class Chosen(Message):
@@ -86,6 +92,11 @@ class Timeline(FromTop[Head | Bar | str]):
         self._hint = hint
         self._known: tuple[Sequence[Turn], Turn | None, float] = ((), None, 0.0)  # what it was told to show
         self._fresh = 0
+        self._offers: Mapping[str, str] = {}
+
+    def offer(self, offers: Mapping[str, str]) -> None:
+        """What may be asked about turns, by their ids, in words; to be shown with the next news."""
+        self._offers = offers
 
     def tell(self, hint: str) -> None:
         """Other keys are in use."""
@@ -101,15 +112,19 @@ class Timeline(FromTop[Head | Bar | str]):
         """Show the turns as of event time ``now``; ``browsed`` is the one that the user looks at, and ``fresh`` have
         begun since."""
         self._known = turns, browsed, now
+        if browsed is not None and browsed not in turns:  # so old that others forget it
+            turns = (browsed, *turns)
         first = turns.index(browsed) if browsed is not None else len(turns) - 1
         last = min(first + 3, len(turns) - 1)  # some newer ones above it, to go back to
-        items: list[Head | Bar | str] = []
+        items: list[Head | Bar | Offered | str] = []
         matters = 0
         for number in range(last, -1, -1):
             turn = turns[number]
             if number == first:
                 matters = len(items)
             items += [head(turn, shown=number == first), *bars(turn, now)]
+            if words := self._offers.get(turn.id):
+                items.append(Offered(words))
             if len(items) - matters > 2 * max(_LEAST_ROWS, self.size.height):
                 break
         if items and (not self.border_subtitle or fresh != self._fresh):
@@ -133,7 +148,9 @@ class Timeline(FromTop[Head | Bar | str]):
         if number and at is not None and row < 0:
             self.post_message(self.Chosen(number))
 
-    def drawn(self, item: Head | Bar | str) -> Drawn:
+    def drawn(self, item: Head | Bar | Offered | str) -> Drawn:
+        if isinstance(item, Offered):
+            return Drawn(Content("  "), Content.styled(item.words, "$text-accent"), nowrap=True)
         if isinstance(item, str):
             return Drawn(Content(""), Content.styled(item, _DIM))
         return drawn_head(item) if isinstance(item, Head) else drawn_bar(item, self.size.width)

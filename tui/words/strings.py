@@ -56,6 +56,9 @@ ABOUT_KEYS: Final = {
     "release": "Release the emergency stop.",
     "by_hand": "Drive by hand, and end the plan; any other key of the console ends that.",
     "help": "Show this page, or leave any page without stopping.",
+    "resume": "Continue: do what a stop cut off, from where the robot is.",
+    "undo": "Undo: go back from what was done last, where there is a way back.",
+    "again": "Do the last plan once more.",
     "leave": "Quit; asks once more while a task is running.",
     "leave_now": "Quit at once; the robot stops.",
     "log": "Show the log instead (small terminals).",
@@ -108,6 +111,12 @@ ABOUT_KEYS: Final = {
     "map_here": "Tell the robot that it is where the cursor is.",
     "map_turn_left": "Tell the robot that it looks further to the left.",
     "map_turn_right": "Tell the robot that it looks further to the right.",
+    "queue_up": "Choose a request that waits.",
+    "queue_down": "Choose a request that waits.",
+    "queue_drop": "Drop the request that is chosen.",
+    "queue_earlier": "Have it begin earlier.",
+    "queue_later": "Have it begin later.",
+    "queue_change": "Take it back into the line, to change it.",
     "unfold": "Unfold prompts, what models wrote, and JSON, or fold them.",
     "lines_up": "Scroll up.",
     "lines_down": "Scroll down.",
@@ -148,6 +157,21 @@ SIZES_NOT_KEPT: Final = "The sizes of the panes are not kept for later sessions:
 STEPS_ENDED: Final = "{} of {} ended"
 STEPS_FAILED: Final = "{} failed"
 REQUESTS_WAIT: Final = "{} waiting"
+QUEUE_KEYS: Final = (
+    "{queue_up}{queue_down} choose · {queue_drop} drop · {queue_change} change · "
+    "{queue_earlier} {queue_later} move · {interrupt} stops"
+)
+TAKEN_BACK: Final = "Enter puts it back into its place; empty the line to leave it out."
+TAKEN_BACK_TOO_LATE: Final = "It has begun already, or ended."
+FOLLOW_UPS: Final = {"resume": "continue", "undo": "undo", "again": "again"}
+"""What is offered after a turn: the words for it, as they are asked for."""
+NOT_OFFERED: Final = {
+    "resume": "No stop has cut anything off that could go on.",
+    "undo": "There is nothing that could be undone.",
+    "again": "There is no plan yet that could be done again.",
+}
+NOT_NOW: Final = "The robot is at something: {interrupt} stops it."
+NO_UNDO: Final = "No undo: {why}"
 KEY_STOPS: Final = "{} stops"
 
 # Camera
@@ -184,8 +208,17 @@ TRY: Final = "Try:"
 STOPPED: Final = "stopped"
 WAITS: Final = "waits"
 MORE_WAIT: Final = "… and {} more"
-DROPPED: Final = "{count} waiting requests dropped: {texts}"
-DROPPED_ONE: Final = "1 waiting request dropped: {texts}"
+LOST: Final = {
+    "dropped": "dropped",
+    "interrupted": "never begun",
+    "replaced": "replaced before it began",
+    "rejected": "not taken: the robot was busy",
+    "left": "left: what it was to follow was not done",
+}
+"""What becomes of a request that never begins, by its outcome."""
+LOST_BY: Final = "never begun: {reason}"
+REPLACED_PLANNING: Final = "replaced while it was planned"
+REPLACED: Final = "replaced by a newer request"
 NEW_TASK: Final = "new task"
 REASONS: Final = {
     "interrupt": "the stop key",
@@ -447,6 +480,7 @@ HELP_BEGIN: Final = "To begin"
 HELP_SIGNS: Final = "Signs"
 HELP_LEAVE: Final = "{newer} {older} more · {help} back · {interrupt} stops all"
 HELP_MAP: Final = "While the map has the keyboard"
+HELP_QUEUE: Final = "At the actions, while requests wait"
 HELP_TURN: Final = "On the page of a turn"
 HELP_HAND: Final = "Driving by hand"
 HELP_SETTINGS: Final = "On the page of the settings"
@@ -513,6 +547,7 @@ KIND_PLACE: Final = "place"
 KIND_SKILL: Final = "skill"
 KIND_RECENT: Final = "earlier"
 KIND_MAP: Final = "map"
+KIND_QUEUE: Final = "actions"
 KIND_TURN: Final = "turn"
 KIND_HAND: Final = "by hand"
 KIND_SETTINGS: Final = "settings"

@@ -50,6 +50,15 @@ ABOUT_KEYS: Final = {
     "type": "输入请求。上下方向键可找回以前的请求。",
     "estop": "急停：解除之前什么都不会动。",
     "release": "解除急停。",
+    "resume": "继续：从机器人现在的位置做完被打断的事。",
+    "undo": "撤销：如果有办法，把上次做的事还原。",
+    "again": "把上一个计划再做一次。",
+    "queue_up": "选择一条等待中的请求。",
+    "queue_down": "选择一条等待中的请求。",
+    "queue_drop": "取消选中的请求。",
+    "queue_earlier": "让它早点开始。",
+    "queue_later": "让它晚点开始。",
+    "queue_change": "把它拿回输入行修改。",
     "by_hand": "手动驾驶，并结束计划；按控制台的其他键即结束。",
     "help": "显示本页；不停止机器人而离开任何页面。",
     "leave": "退出；任务进行中时会再问一次。",
@@ -143,6 +152,20 @@ SIZES_NOT_KEPT: Final = "窗格的大小不会保留到以后的会话：{}"
 STEPS_ENDED: Final = "{}/{} 已结束"
 STEPS_FAILED: Final = "{} 个失败"
 REQUESTS_WAIT: Final = "{} 个在等待"
+QUEUE_KEYS: Final = (
+    "{queue_up}{queue_down} 选择 · {queue_drop} 取消 · {queue_change} 修改 · "
+    "{queue_earlier} {queue_later} 移动 · {interrupt} 停止"
+)
+TAKEN_BACK: Final = "回车把它放回原处；清空这一行就不做了。"
+TAKEN_BACK_TOO_LATE: Final = "它已经开始或结束了。"
+FOLLOW_UPS: Final = {"resume": "继续", "undo": "撤销", "again": "再来一次"}
+NOT_OFFERED: Final = {
+    "resume": "没有被打断、可以继续的事。",
+    "undo": "没有什么可以撤销的。",
+    "again": "还没有可以再做一次的计划。",
+}
+NOT_NOW: Final = "机器人正在做事：{interrupt} 停止它。"
+NO_UNDO: Final = "不能撤销：{why}"
 KEY_STOPS: Final = "{} 停止"
 
 # Camera
@@ -175,8 +198,16 @@ TRY: Final = "试试："
 STOPPED: Final = "已停止"
 WAITS: Final = "等待中"
 MORE_WAIT: Final = "… 还有 {} 条"
-DROPPED: Final = "放弃了 {count} 条等待中的请求：{texts}"
-DROPPED_ONE: Final = "放弃了 1 条等待中的请求：{texts}"
+LOST: Final = {
+    "dropped": "已取消",
+    "interrupted": "没有开始",
+    "replaced": "开始之前就被取代",
+    "rejected": "没有接受：机器人正忙",
+    "left": "放弃：它所跟随的事没有做成",
+}
+LOST_BY: Final = "没有开始：{reason}"
+REPLACED_PLANNING: Final = "规划时被取代"
+REPLACED: Final = "被新的请求取代"
 NEW_TASK: Final = "新任务"
 REASONS: Final = {
     "interrupt": "停止键",
@@ -432,6 +463,7 @@ HELP_BEGIN: Final = "入门"
 HELP_SIGNS: Final = "符号"
 HELP_LEAVE: Final = "{newer} {older} 翻页 · {help} 返回 · {interrupt} 停止一切"
 HELP_MAP: Final = "地图有键盘焦点时"
+HELP_QUEUE: Final = "在动作窗格，有请求等待时"
 HELP_TURN: Final = "在一轮的详情页"
 HELP_HAND: Final = "手动驾驶"
 HELP_SETTINGS: Final = "在设置页"
@@ -488,6 +520,7 @@ KIND_PLACE: Final = "地点"
 KIND_SKILL: Final = "技能"
 KIND_RECENT: Final = "以前"
 KIND_MAP: Final = "地图"
+KIND_QUEUE: Final = "动作"
 KIND_TURN: Final = "轮"
 KIND_HAND: Final = "手动"
 KIND_SETTINGS: Final = "设置"

@@ -27,7 +27,7 @@ from engine.skills.registry import Skill
 _FOLDER: Final = files("assets") / "prompts"
 _BY_PICTURE: Final = frozenset({"grasp_obj", "track", "get_dist"})
 """Skills that want pixels of a picture."""
-_OF_PEOPLE: Final = frozenset({"stop", "finish_dialogue", "list_skills", "ask_user"})
+_OF_PEOPLE: Final = frozenset({"stop", "finish_dialogue", "list_skills", "ask_user", "return_to"})
 """Skills that a planner has other ways for."""
 _OF_FEEDBACK: Final = frozenset({"finishtask"})
 """A model that is held to the brief form is not asked whether it is done."""

@@ -25,7 +25,7 @@ from engine.skills.library.manipulation import (
     servo1_move,
 )
 from engine.skills.library.motion import move_forward, move_left, move_right, move_sideways, set_cmdvel, stop, wait
-from engine.skills.library.navigation import get_current_pose, navigation, remember_place, report_pose
+from engine.skills.library.navigation import get_current_pose, navigation, remember_place, report_pose, return_to
 from engine.skills.library.people import count_people, describe_person, find_person, learn_name, meet
 from engine.skills.library.searching import list_things, locate, navigate_to_object, scan_room, seewhat
 from engine.skills.library.signals import beep, light
@@ -43,6 +43,7 @@ LIBRARY: tuple[Skill, ...] = (
     navigation,
     get_current_pose,
     remember_place,
+    return_to,
     report_pose,
     arm_up,
     arm_down,

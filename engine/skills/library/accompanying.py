@@ -31,7 +31,7 @@ WALKED: Final = 1.5
 """m that somebody has to walk until they have arrived anywhere."""
 
 
-@skill(occupies=["base", "arm", "camera", "voice"], endless=True)
+@skill(occupies=["base", "arm", "camera", "voice"], changes=["pose"], endless=True)
 async def person_follow(
     context: SkillContext, who: Who = ANYBODY, to: Annotated[str, Word("place")] = "", stands: Duration = 0
 ) -> Result:

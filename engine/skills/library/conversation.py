@@ -9,20 +9,20 @@ from engine.skills.outcome import Result, ok
 from engine.skills.registry import Word, skill
 
 
-@skill(occupies=["voice"])
+@skill(occupies=["voice"], changes=[])
 async def say(context: SkillContext, text: Annotated[str, Word("sentence")]) -> Result:
     """Say a sentence."""
     await context.say(text)
     return ok(f"Said: “{text}”.")
 
 
-@skill(occupies=["voice"])
+@skill(occupies=["voice"], changes=[])
 async def list_skills(context: SkillContext) -> Result:
     """Say what the robot can do."""
     return ok(context.describe_skills())
 
 
-@skill()
+@skill(changes=[])
 async def finishtask(context: SkillContext) -> Result:
     """All steps of the task are done; the robot waits for what comes next in the same conversation."""
     del context

@@ -42,14 +42,14 @@ MOST_CLEARED = 10
 """Things that one errand along a line puts aside."""
 
 
-@skill(occupies=["base", "arm", "camera"], endless=True)
+@skill(occupies=["base", "arm", "camera"], changes=["pose"], endless=True)
 async def color_follow(context: SkillContext, color: ThingColour) -> Result:
     """Follow the nearest thing of a colour at a distance of 0.6 m, until told otherwise."""
     wanted = Wanted(colour=cast(Colour, color))
     return await follow(context, Target(f"the {color} thing", _things(wanted), _THINGS), keep=KEEP_THING)
 
 
-@skill(occupies=["base", "arm", "camera"], endless=True)
+@skill(occupies=["base", "arm", "camera"], changes=["pose"], endless=True)
 async def qr_follow(context: SkillContext) -> Result:
     """Follow a QR code that somebody carries, at a distance of 1 m, until told otherwise."""
 
@@ -59,7 +59,7 @@ async def qr_follow(context: SkillContext) -> Result:
     return await follow(context, Target("the QR code", find, set()), keep=KEEP_CODE)
 
 
-@skill(occupies=["base", "arm", "camera"], endless=True)
+@skill(occupies=["base", "arm", "camera"], changes=["pose"], endless=True)
 async def track(context: SkillContext, x1: Column, y1: Row, x2: Column, y2: Row) -> Result:
     """Keep what is in a box of the picture in view, turning arm and base but not driving, until told otherwise.
 
@@ -74,7 +74,7 @@ async def track(context: SkillContext, x1: Column, y1: Row, x2: Column, y2: Row)
     return await follow(context, found, keep=None)
 
 
-@skill(occupies=["camera"], flat=True)
+@skill(occupies=["camera"], changes=[], flat=True)
 async def get_dist(context: SkillContext, x: Column, y: Row) -> Result:
     """Measure how far away from the camera is what a pixel of the picture shows.
 
@@ -124,7 +124,7 @@ def _in_box(sight: Sight, box: PixelBox, floor: FloorMap) -> Target | None:
     return Target(f"the {thing.name}", _things(Wanted(thing.kind, thing.colour, thing.tag)), parts)
 
 
-@skill(occupies=["base", "arm", "camera"], flat=True)
+@skill(occupies=["base", "arm", "camera"], changes=["pose"], flat=True)
 async def follow_line(context: SkillContext, color: ThingColour = "") -> Result:
     """Drive along a line on the floor to its end; stops before what stands on it.
 

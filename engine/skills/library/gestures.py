@@ -25,19 +25,19 @@ async def _poses(context: SkillContext, poses: Sequence[Joints], done: str, *, s
     return ok(done)
 
 
-@skill(occupies=["arm"])
+@skill(occupies=["arm"], changes=["arm"])
 async def arm_up(context: SkillContext) -> Result:
     """Raise (lift) the arm."""
     return await _poses(context, [UP], "The arm is up.")
 
 
-@skill(occupies=["arm"])
+@skill(occupies=["arm"], changes=["arm"])
 async def arm_down(context: SkillContext) -> Result:
     """Lower the arm to its folded initial pose."""
     return await _poses(context, [ARM_INITIAL], "The arm is down.")
 
 
-@skill(occupies=["arm"])
+@skill(occupies=["arm"], changes=["arm"])
 async def arm_nod(context: SkillContext) -> Result:
     """Nod with the arm, as a yes."""
     before = context.robot.state().joint_targets
@@ -45,7 +45,7 @@ async def arm_nod(context: SkillContext) -> Result:
     return await _poses(context, [high, low, high, low, high, before], "Nodded.", speed=2.5)
 
 
-@skill(occupies=["arm"])
+@skill(occupies=["arm"], changes=["arm"])
 async def arm_shake(context: SkillContext) -> Result:
     """Shake the arm from side to side, as a no."""
     before = context.robot.state().joint_targets
@@ -53,7 +53,7 @@ async def arm_shake(context: SkillContext) -> Result:
     return await _poses(context, [left, right, left, right, before], "Shook the arm.", speed=2.5)
 
 
-@skill(occupies=["arm"])
+@skill(occupies=["arm"], changes=["arm"])
 async def arm_applaud(context: SkillContext) -> Result:
     """Applaud (clap) by opening and closing the gripper."""
     before = context.robot.state()
@@ -69,7 +69,7 @@ async def arm_applaud(context: SkillContext) -> Result:
     return ok("Applauded.")
 
 
-@skill(occupies=["base", "arm"])
+@skill(occupies=["base", "arm"], changes=["pose", "arm"])
 async def dance(context: SkillContext) -> Result:
     """Dance on the spot: sway with the base and swing the arm."""
     before = context.robot.state().joint_targets
@@ -85,7 +85,7 @@ async def dance(context: SkillContext) -> Result:
     return ok("Danced.")
 
 
-@skill(occupies=["base"])
+@skill(occupies=["base"], changes=["pose"])
 async def drift(context: SkillContext) -> Result:
     """Drift: drive half a circle sideways while turning, as a mecanum base can."""
     duration = 3.0

@@ -44,7 +44,7 @@ _HOPELESS: Final[frozenset[ErrorCode]] = frozenset({"robot_lost", "robot_halted"
 PutAway = Callable[[], Awaitable[Result]]
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], changes=["pose", "things"])
 async def carry(
     context: SkillContext, object: ObjectName, place: PlaceName, source: Annotated[str, Word("surface")] = ""
 ) -> Result:
@@ -118,7 +118,7 @@ async def tidy(
     )
 
 
-@skill(occupies=["voice"])
+@skill(occupies=["voice"], changes=[])
 async def ask_user(context: SkillContext, question: Annotated[str, Word("sentence")]) -> Result:
     """Ask a question and wait: the plan ends here, and what is said next answers it."""
     del context  # the question is asked by whoever runs the plan

@@ -30,7 +30,7 @@ OVERLAP: Final = 0.2
 """Part of the area of two boxes together that they must share for one to mean the other."""
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], changes=["pose", "things"])
 async def pick_object(context: SkillContext, object: ObjectName) -> Result:
     """Pick something up, looking for it first where it is not known."""
     if (held := context.world.held) is not None:
@@ -54,13 +54,13 @@ async def grasp_obj(context: SkillContext, x1: Pixel, y1: Pixel, x2: Pixel, y2: 
     return await pick(context, thing)
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], changes=["pose", "things"])
 async def putdown(context: SkillContext) -> Result:
     """Put down what is held, on the floor before the robot."""
     return await put_on_floor(context)
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], changes=["pose", "things"])
 async def place_object(context: SkillContext, surface: SurfaceName) -> Result:
     """Put what is held on a piece of furniture, into the bin, on the floor, or down at a place."""
     if surface == "floor":
@@ -92,7 +92,7 @@ async def place_in_bin(context: SkillContext) -> Result:
     return await put_in(context, piece)
 
 
-@skill(occupies=["arm"])
+@skill(occupies=["arm"], changes=["arm"])
 async def servo1_move(context: SkillContext, angle: ServoAngle) -> Result:
     """Turn the arm about its vertical axis: 90 degrees is straight ahead, 180 to the left, 0 to the right."""
     _, *others = context.robot.state().joint_targets

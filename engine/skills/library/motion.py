@@ -15,7 +15,7 @@ Velocity = Annotated[float, Measure("m/s", -1.0, 1.0)]
 TurnVelocity = Annotated[float, Measure("rad/s", -5.0, 5.0)]
 
 
-@skill(occupies=["base"])
+@skill(occupies=["base"], changes=["pose"])
 async def set_cmdvel(
     context: SkillContext, linear_x: Velocity, linear_y: Velocity, angular_z: TurnVelocity, duration: Duration
 ) -> Result:
@@ -44,38 +44,38 @@ async def set_cmdvel(
     return ok(f"Drove for {duration:g} s and moved {moved:.2f} m.", moved=moved)
 
 
-@skill(occupies=["base"])
+@skill(occupies=["base"], changes=[])
 async def stop(context: SkillContext) -> Result:
     """Stand still, hold it."""
     await settle(context)
     return ok("Stopped.")
 
 
-@skill(occupies=["base"])
+@skill(occupies=["base"], changes=["pose"])
 async def move_forward(context: SkillContext, distance: Distance, speed: Speed = 0.3) -> Result:
     """Drive straight ahead by a distance; a negative distance drives backward."""
     return await _straight(context, distance, speed, "forward")
 
 
-@skill(occupies=["base"])
+@skill(occupies=["base"], changes=["pose"])
 async def move_sideways(context: SkillContext, distance: Distance, speed: Speed = 0.25) -> Result:
     """Move sideways without turning; positive to the left, negative to the right."""
     return await _straight(context, distance, speed, "sideways")
 
 
-@skill(occupies=["base"])
+@skill(occupies=["base"], changes=["pose"])
 async def move_left(context: SkillContext, angle: Angle, angular_speed: TurnSpeed = 1.0) -> Result:
     """Turn left on the spot by an angle in degrees."""
     return await _turn(context, angle, angular_speed, "left")
 
 
-@skill(occupies=["base"])
+@skill(occupies=["base"], changes=["pose"])
 async def move_right(context: SkillContext, angle: Angle, angular_speed: TurnSpeed = 1.0) -> Result:
     """Turn right on the spot by an angle in degrees."""
     return await _turn(context, angle, angular_speed, "right")
 
 
-@skill()
+@skill(changes=[])
 async def wait(context: SkillContext, seconds: Duration) -> Result:
     """Do nothing for a time."""
     state = context.robot.state()

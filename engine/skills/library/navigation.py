@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Annotated
 
-from engine.robot.geometry import Pose
+from engine.robot.geometry import Pose, heading_in_degrees, wrap
 from engine.skills.context import SkillContext
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.places import ZERO_SYMBOL, place_at
-from engine.skills.registry import Word, skill
+from engine.skills.registry import Measure, Word, skill
 from engine.skills.travel import go_to
 
 LONGEST_NAME = 40
 """Of a place, characters."""
 PlaceName = Annotated[str, Word("place")]
+Coordinate = Annotated[float, Measure("m", -1000, 1000)]
+Heading = Annotated[float, Measure("deg", -360, 360)]
 
 
-@skill(occupies=["base"])
+@skill(occupies=["base"], changes=["pose"])
 async def navigation(context: SkillContext, place: PlaceName) -> Result:
     """Go to a place of the map by its symbol or name; zero is the remembered place."""
     goal, name = context.places.pose(place), context.places.name(place)
@@ -47,7 +50,14 @@ async def remember_place(context: SkillContext, name: Annotated[str, Word("sente
     )
 
 
-@skill()
+@skill(occupies=["base"], changes=["pose"])
+async def return_to(context: SkillContext, x: Coordinate, y: Coordinate, heading: Heading) -> Result:
+    """Go back to a point of the map and a heading: degrees, 0 east, counter-clockwise."""
+    went = await go_to(context, Pose(x, y, wrap(math.radians(heading))), "where I was")
+    return replace(went, message="I am back where I was.") if went.ok else went
+
+
+@skill(changes=[])
 async def report_pose(context: SkillContext) -> Result:
     """Say where the robot is (whereabouts)."""
     pose = context.pose
@@ -57,4 +67,4 @@ async def report_pose(context: SkillContext) -> Result:
 
 
 def _words(pose: Pose) -> str:
-    return f"x {pose.x:.2f} m, y {pose.y:.2f} m, facing {math.degrees(pose.yaw):.0f}°."
+    return f"x {pose.x:.2f} m, y {pose.y:.2f} m, facing {heading_in_degrees(pose.yaw):.0f}°."

@@ -40,7 +40,7 @@ ONE: Final = 0.45
 """m within which two sightings are one person, of whom legs and shirt were seen apart."""
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], changes=["pose"])
 async def find_person(context: SkillContext, who: Who = ANYBODY, where: Where = "") -> Result:
     """Find somebody and go up to them: in a room or at a place if one is named, else through all rooms."""
     person = await with_somebody(context, who, where)
@@ -49,7 +49,7 @@ async def find_person(context: SkillContext, who: Who = ANYBODY, where: Where = 
     return ok(f"I found {called(person)}{place_of_them(context, person)}.", **data_of(person))
 
 
-@skill(occupies=["base", "arm", "camera", "voice"])
+@skill(occupies=["base", "arm", "camera", "voice"], changes=["pose"])
 async def meet(context: SkillContext, who: Who = ANYBODY, where: Where = "") -> Result:
     """Go to somebody, greet them, and learn their name if they are not known by sight. Whoever is somebody else is
     left, and the next one there is asked."""
@@ -86,7 +86,7 @@ async def learn_name(context: SkillContext, name: Sentence) -> Result:
     return ok(f"Hello, {name}. I know you now.", name=name)
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], changes=["pose"])
 async def count_people(context: SkillContext, who: Who = ANYBODY, where: Where = "") -> Result:
     """Look through a room and say how many people, or how many of a kind, are there."""
     meant = who_is(context, who)
@@ -133,7 +133,7 @@ def _counted(count: int, who: Someone) -> str:
     return f"{count} {several} {rest}".rstrip()
 
 
-@skill(occupies=["base", "arm", "camera", "voice"])
+@skill(occupies=["base", "arm", "camera", "voice"], changes=["pose"])
 async def describe_person(context: SkillContext, who: Who = ANYBODY, what: Sentence = "") -> Result:
     """Say what somebody looks like, or one thing of them: name, gender, pose, gesture or clothes."""
     person = await with_somebody(context, who)

@@ -32,7 +32,7 @@ _STEP: Final = 30.0
 _QUESTION: Final = "What do you see? Answer in one or two short sentences."
 
 
-@skill(occupies=["camera"])
+@skill(occupies=["camera"], changes=[])
 async def seewhat(context: SkillContext) -> Result:
     """Look, and say what is there."""
     sight = await context.see()
@@ -54,7 +54,7 @@ async def _shown(context: SkillContext, sight: Sight) -> str:
         return ""  # what perception saw is an answer too
 
 
-@skill(occupies=["base", "arm", "camera"], lasting=True)
+@skill(occupies=["base", "arm", "camera"], changes=["pose"], lasting=True)
 async def scan_room(context: SkillContext, room: RoomName = "") -> Result:
     """Look through a room, the one that the robot is in unless another is named, and say what lies about there."""
     place = room_called(context, room)
@@ -67,7 +67,7 @@ async def scan_room(context: SkillContext, room: RoomName = "") -> Result:
     return ok(f"In the {place.name} I found {listed}.", things=len(things), seen=round(searched.seen, 2))
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], changes=["pose"])
 async def list_things(
     context: SkillContext, object: ObjectName = "thing", where: SurfaceName = "", most: Count = 1
 ) -> Result:
@@ -110,7 +110,7 @@ def _is_room(context: SkillContext, place: str) -> bool:
     return any(room.name == place for room in context.robot.floor_map.rooms)
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], changes=["pose"])
 async def locate(context: SkillContext, object: ObjectName) -> Result:
     """Find out where something is: from memory if it was seen lately, else by looking for it, room by room."""
     held = context.world.held
@@ -124,7 +124,7 @@ async def locate(context: SkillContext, object: ObjectName) -> Result:
     return ok(f"The {found.name} is {where}.", x=round(x, 3), y=round(y, 3), z=round(z, 3), sigma=round(found.sigma, 3))
 
 
-@skill(occupies=["base", "arm", "camera"])
+@skill(occupies=["base", "arm", "camera"], changes=["pose"])
 async def navigate_to_object(context: SkillContext, object: ObjectName) -> Result:
     """Drive to something and stand before it, looking for it first where it is not known."""
     found = await find(context, wanted(object))

@@ -24,7 +24,7 @@ COLOURS: dict[str, tuple[int, int, int]] = {
 }
 
 
-@skill()
+@skill(changes=[])
 async def beep(context: SkillContext, seconds: Annotated[float, Measure("s", 0.01, 5)] = BEEP_S) -> Result:
     """Sound the buzzer."""
     context.robot.beep(seconds, context.epoch)
@@ -32,7 +32,7 @@ async def beep(context: SkillContext, seconds: Annotated[float, Measure("s", 0.0
     return ok("Beeped.")
 
 
-@skill()
+@skill(changes=["light"])
 async def light(context: SkillContext, color: Annotated[str, Word("colour")]) -> Result:
     """Set the colour of the light: white, red, green, blue, yellow, orange, purple, pink, cyan, or off."""
     context.robot.set_light(COLOURS[color], context.epoch)

@@ -48,7 +48,7 @@ async def ask_person(context: SkillContext, who: Who, question: Sentence) -> Res
     return ok(f"{name_of(person)} answered: “{answer}”.", answer=answer)
 
 
-@skill(occupies=["voice"])
+@skill(occupies=["voice"], changes=[])
 async def report_answer(context: SkillContext) -> Result:
     """Say what the person who was asked last has answered."""
     told = context.world.people.last_answer

@@ -1,0 +1,217 @@
+"""Requests that wait can be dropped and moved; whatever becomes of one, it ends exactly once, and that is told."""
+
+from __future__ import annotations
+
+import pytest
+
+from engine import events
+from engine.commands import Command, Drop, EndTask, Halted, Interrupt, Move, Quit, Say, Snapshot, Wake
+from tests.session.conversation import Conversation, converse
+
+THREE = ("beep", "turn left 90 degrees", "raise your arm")
+
+
+async def three_waiting(talk: Conversation) -> tuple[events.WaitingRequest, ...]:
+    """A long drive with three requests behind it; those, as they are told."""
+    talk.send(Say("go forward 3 metres", "all", then=THREE))
+    await talk.until(events.ActionStarted)
+    return talk.bodies(events.RequestsWaiting)[-1].requests
+
+
+def ends(talk: Conversation) -> list[tuple[str, str, events.Scope | None]]:
+    return [(body.text, body.outcome, body.by) for body in talk.bodies(events.RequestEnded)]
+
+
+def names(talk: Conversation) -> list[str]:
+    return [body.name for body in talk.bodies(events.ActionStarted)]
+
+
+async def answered(talk: Conversation, command: Drop | Move | Snapshot) -> events.Ack:
+    talk.send(command)
+    return await talk.until(events.Ack, lambda body: body.id == command.id)
+
+
+def test_the_waiting_list_is_told_with_ids_that_a_snapshot_has_as_well() -> None:
+    async def test(talk: Conversation) -> None:
+        waiting = await three_waiting(talk)
+        assert [(one.text, one.sent_as) for one in waiting] == [(text, "all") for text in THREE]
+        assert len({one.request for one in waiting}) == 3
+        snapshot = (await answered(talk, Snapshot("now"))).snapshot
+        assert snapshot is not None
+        assert [one["request"] for one in snapshot["requests"]] == [one.request for one in waiting]
+
+    converse(test)
+
+
+def test_one_that_is_dropped_never_begins_and_what_runs_goes_on() -> None:
+    async def test(talk: Conversation) -> None:
+        waiting, epoch = await three_waiting(talk), talk.epoch.current
+        assert (await answered(talk, Drop(waiting[1].request, "drop"))).ok
+        assert talk.epoch.current == epoch, "nothing is interrupted"
+        assert talk.bodies(events.RequestsWaiting)[-1].texts == ("beep", "raise your arm")
+        assert ends(talk) == [("turn left 90 degrees", "dropped", None)]
+        await talk.result(3)
+        assert names(talk) == ["move_forward", "beep", "arm_up"]
+        assert sorted(text for text, *_ in ends(talk)) == sorted(("go forward 3 metres", *THREE))
+
+    converse(test)
+
+
+@pytest.mark.parametrize(
+    ("which", "before", "order"),
+    [(2, 0, (2, 0, 1)), (0, None, (1, 2, 0)), (0, 2, (1, 0, 2)), (1, 1, (0, 1, 2)), (2, None, (0, 1, 2))],
+)
+def test_one_that_is_moved_begins_at_its_new_place(which: int, before: int | None, order: tuple[int, ...]) -> None:
+    async def test(talk: Conversation) -> None:
+        waiting = await three_waiting(talk)
+        there = None if before is None else waiting[before].request
+        assert (await answered(talk, Move(waiting[which].request, there, "move"))).ok
+        assert talk.bodies(events.RequestsWaiting)[-1].requests == tuple(waiting[at] for at in order)
+        await talk.result(4)
+        done = ("beep", "move_left", "arm_up")
+        assert names(talk) == ["move_forward", *(done[at] for at in order)]
+
+    converse(test)
+
+
+@pytest.mark.parametrize("unknown", [Drop("nobody's", "it"), Move("nobody's", None, "it")])
+def test_an_id_that_nothing_has_is_an_error_that_says_so(unknown: Drop | Move) -> None:
+    async def test(talk: Conversation) -> None:
+        waiting = await three_waiting(talk)
+        ack = await answered(talk, unknown)
+        assert (ack.ok, ack.message) == (
+            False,
+            'No request with the id "nobody\'s" waits: it has begun, or ended, or never was.',
+        )
+        ack = await answered(talk, Move(waiting[0].request, "nobody's", "there"))
+        assert not ack.ok
+        assert talk.bodies(events.RequestsWaiting)[-1].requests == waiting
+
+    converse(test)
+
+
+def test_one_that_has_begun_is_not_dropped_any_more() -> None:
+    async def test(talk: Conversation) -> None:
+        waiting = await three_waiting(talk)
+        await talk.until(events.ActionStarted, lambda body: body.name == "beep")
+        assert not (await answered(talk, Drop(waiting[0].request, "late"))).ok
+
+    converse(test)
+
+
+def test_a_session_that_is_to_end_after_them_does_so_behind_what_was_moved() -> None:
+    async def test(talk: Conversation) -> None:
+        waiting = await three_waiting(talk)
+        talk.send(Quit(drain=True, id="quit"))
+        assert (await answered(talk, Move(waiting[0].request, None, "move"))).ok
+        await talk.until(events.Ack, lambda body: body.id == "quit")
+        assert names(talk) == ["move_forward", "move_left", "arm_up", "beep"]
+
+    converse(test)
+
+
+def test_what_was_asked_for_behind_the_end_of_the_session_is_told_to_be_left() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go forward 1 metre"))
+        await talk.until(events.ActionStarted)
+        talk.send(Quit(drain=True, id="quit"))
+        talk.send(Say("beep", "late", wait=True))
+        await talk.until(events.Ack, lambda body: body.id == "quit")
+        assert names(talk) == ["move_forward"]
+        assert ends(talk) == [("go forward 1 metre", "done", None), ("beep", "interrupted", "shutdown")]
+        assert [body.ok for body in talk.bodies(events.Ack) if body.id == "late"] == [False]
+
+    converse(test)
+
+
+@pytest.mark.parametrize(
+    ("command", "scope"),
+    [
+        (Interrupt(), "interrupt"), (EndTask(), "end_task"), (Wake("key"), "wake"), (Say("stop"), "stop"),
+        (Say("nod"), "replaced"), (Halted("it tipped over"), "halted"), (Quit(), "shutdown"),
+    ],
+)  # fmt: skip
+def test_every_interruption_is_the_one_end_of_what_waited(command: Command, scope: events.Scope) -> None:
+    async def test(talk: Conversation) -> None:
+        waiting = await three_waiting(talk)
+        if isinstance(command, Halted):
+            talk.send(Halted(command.reason, talk.epoch.current))
+        else:
+            talk.send(command)
+        await talk.pass_time(20)
+        outcome = "replaced" if scope == "replaced" else "interrupted"
+        ended = [body for body in talk.bodies(events.RequestEnded) if body.text in THREE]
+        assert [(body.request, body.outcome, body.by) for body in ended] == [
+            (one.request, outcome, scope) for one in waiting
+        ]
+        assert [event.turn for event in talk.seen if event.body in ended] == [None] * 3
+        assert names(talk)[:1] == ["move_forward"]
+        assert not {"beep", "move_left", "arm_up"} & set(names(talk))
+
+    converse(test)
+
+
+def test_a_request_that_is_replaced_while_it_is_planned_ends_as_replaced_with_its_turn() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.planner.plan_s = 2.0
+        talk.send(Say("go forward 3 metres"))
+        await talk.until_state("PLANNING")
+        talk.send(Say("beep"))
+        await talk.result(2)
+        assert ends(talk) == [("go forward 3 metres", "replaced", "replaced"), ("beep", "done", None)]
+        turns = [event.turn for event in talk.seen if isinstance(event.body, events.RequestEnded)]
+        said = [event.turn for event in talk.seen if isinstance(event.body, events.TranscriptFinal)]
+        assert turns == said
+
+    converse(test)
+
+
+def test_a_request_that_a_newer_one_overtakes_before_it_begins_ends_as_replaced() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go forward 3 metres", then=("beep",)))
+        talk.send(Say("raise your arm"))
+        await talk.result(1)
+        assert ends(talk) == [
+            ("go forward 3 metres", "replaced", None),
+            ("beep", "replaced", None),
+            ("raise your arm", "done", None),
+        ]
+
+    converse(test)
+
+
+def test_one_that_is_turned_away_ends_as_rejected() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go forward 1 metre"))
+        await talk.until(events.ActionStarted)
+        talk.send(Say("beep", then=("turn left 90 degrees",)))
+        await talk.result(1)
+        assert ends(talk) == [
+            ("beep", "rejected", None),
+            ("turn left 90 degrees", "rejected", None),
+            ("go forward 1 metre", "done", None),
+        ]
+
+    converse(test, "session.busy=reject")
+
+
+def test_what_was_to_follow_something_is_left_wherever_it_was_moved_to() -> None:
+    async def test(talk: Conversation) -> None:
+        await talk.wake_and_say("go forward 2 metres")
+        await talk.until(events.ActionStarted)
+        assert talk.hearing.go_on("and raise your arm", adds=True)
+        talk.send(Say("beep", wait=True))
+        await talk.until(events.RequestsWaiting, lambda body: len(body.texts) == 2)
+        talk.send(Move(talk.bodies(events.RequestsWaiting)[-1].requests[0].request, None, "move"))
+        await talk.until(events.Ack, lambda body: body.id == "move")
+        talk.robot.lost = True  # the drive fails by itself, and nothing is interrupted
+        await talk.result(1)
+        talk.robot.lost = False
+        await talk.result(2)
+        assert names(talk) == ["move_forward", "beep"]
+        assert [(text, outcome) for text, outcome, _ in ends(talk)] == [
+            ("and raise your arm", "left"),
+            ("beep", "done"),
+        ]
+
+    converse(test)
