@@ -115,7 +115,7 @@ async def test_without_a_microphone_one_line_offers_typing_and_the_demo() -> Non
 
 
 @pytest.mark.parametrize(
-    ("reason", "word"), [("no_speech", "nobody spoke"), ("cancelled", "broken off"), ("silence", "end of speech")]
+    ("reason", "word"), [("no_speech", "nobody spoke"), ("cancelled", "cancelled"), ("silence", "end of speech")]
 )
 async def test_on_one_line_a_mark_has_its_sign_once(
     reason: Literal["no_speech", "cancelled", "silence"], word: str
@@ -155,7 +155,7 @@ async def test_a_part_that_fails_later_is_noticed() -> None:
 async def test_a_session_that_ends_by_itself_says_so_and_how_to_leave() -> None:
     async with console() as desk:
         desk.engine.publish(ev.SessionEnded("stopped from outside"))
-        await desk.until(lambda: "q quits; ended: stopped from outside" in desk.text)
+        await desk.until(lambda: "q quits; session ended: stopped from outside" in desk.text)
         assert "ENDED" in desk.text
 
 

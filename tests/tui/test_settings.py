@@ -63,7 +63,7 @@ async def go_to(desk: Desk, key: str) -> None:
 
 async def kept(desk: Desk, name: str) -> None:
     """Wait until the page says that a setting is written."""
-    await desk.until(lambda: f"✓ {name}: kept in" in desk.text)
+    await desk.until(lambda: f"✓ {name}: saved in" in desk.text)
 
 
 def written(folder: Path) -> str:
@@ -99,7 +99,7 @@ async def test_every_setting_says_what_it_means_where_it_comes_from_and_when_it_
         assert "config.yaml:1" in desk.text
         assert "Which answers are spoken" in desk.text
         await go_to(desk, "console.fps")
-        assert "--set console.fps goes before the file: 3 stays in force" in desk.text
+        assert "--set console.fps overrides the file: 3 stays in force" in desk.text
 
 
 async def test_the_page_is_there_in_chinese_too(tmp_path: Path) -> None:
@@ -243,7 +243,7 @@ async def test_a_variable_that_goes_before_the_file_is_named(tmp_path: Path) -> 
     async with settings_page(tmp_path, environ={"SAYSO_CONSOLE__THEME": "nord"}) as desk:
         await desk.press("right", "enter")
         await kept(desk, "Theme")
-        assert "SAYSO_CONSOLE__THEME goes before the file: nord stays in force" in desk.text
+        assert "SAYSO_CONSOLE__THEME overrides the file: nord stays in force" in desk.text
         assert desk.app.theme == "nord"
 
 
