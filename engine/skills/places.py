@@ -1,4 +1,5 @@
-"""The places the robot knows: those of the map, and ``zero``, the pose it was told to remember."""
+"""The places the robot knows: those of the map, and ``zero``: where it started, until it is told to
+remember another pose."""
 
 from __future__ import annotations
 
@@ -46,6 +47,7 @@ class Places:
     def __init__(self, places: Mapping[str, Place]) -> None:
         self._places = dict(places)
         self._zero: Pose | None = None
+        self._is_start = True
         self.on_added: Callable[[str, Place], object] = lambda symbol, place: None
         self._words = {
             word.casefold().translate(SIMPLER): symbol
@@ -67,9 +69,18 @@ class Places:
         self.on_added(symbol, place)
         return symbol
 
-    def remember(self, pose: Pose) -> None:
-        """Make ``pose`` the place ``zero``."""
+    def begin(self, pose: Pose) -> None:
+        """The robot starts at ``pose``: this is ``zero`` until it is told to remember another one."""
         self._zero = pose
+
+    def remember(self, pose: Pose) -> None:
+        """Make ``pose`` the place ``zero``, as somebody asked for."""
+        self._zero, self._is_start = pose, False
+
+    @property
+    def zero_is_start(self) -> bool:
+        """Whether ``zero`` is where the robot started, and nobody has asked to remember another pose."""
+        return self._is_start
 
     def symbol(self, word: str) -> str:
         """Symbol of the place that people call ``word``. Raises :class:`UnknownPlace`."""
@@ -117,7 +128,9 @@ class Places:
 
     def name(self, symbol: str) -> str:
         """What people call it."""
-        return "the remembered place" if symbol == ZERO_SYMBOL else f"the {self._places[symbol].name}"
+        if symbol == ZERO_SYMBOL:
+            return "my starting point" if self._is_start else "the remembered place"
+        return f"the {self._places[symbol].name}"
 
     @staticmethod
     def _key(word: str) -> str:

@@ -148,7 +148,7 @@ async def test_the_keys_of_the_page_can_be_others_and_the_page_says_which(tmp_pa
         await desk.until(lambda: "theme" not in written(tmp_path))
         await desk.press("o", "question_mark", *["pagedown"] * 6)
         assert "On the page of the settings" in desk.text
-        assert "ctrl+k  Keep the value that is looked at" in desk.text
+        assert "ctrl+k  Save the value that is shown" in desk.text
 
 
 async def test_the_palette_leads_to_the_page_and_changes_nothing_by_itself(tmp_path: Path) -> None:
@@ -170,7 +170,7 @@ async def test_the_palette_finds_the_settings(tmp_path: Path) -> None:
 async def test_settings_that_are_not_read_yet_are_not_made_up() -> None:
     async with console() as desk:
         await desk.press("o", "enter", "right", "down", "d")
-        assert "`sayso config check` says what is wrong" in desk.text
+        assert "`sayso config check` lists them" in desk.text
 
 
 def test_nothing_of_the_page_is_read_before_somebody_opens_it() -> None:

@@ -76,7 +76,7 @@ async def test_enter_shows_the_whole_turn_and_enter_comes_back() -> None:
             "I am hungry, bring me the red box and turn around.", "■ interrupted", "2.3 s of speech", "woken by key",
             "confidence 91 %", "by the local model", "Carry it to the kitchen.", "says “I bring it.”",
             "▸ the plan as JSON", "cancelled", "holding the red box", "not started", "cut off after “On my”",
-            "cut off while acting: the stop key",
+            "interrupted while acting: the stop key",
             "to motion", "from the end of speech",
             "▸ asked  local  decision · qwen2.5-coder-1.5b", "402 → 27 tokens · 1.46 s",
             "execution · qwen2.5-coder-1.5b · again", "3168 → 31 tokens · 0.92 s",
@@ -242,7 +242,7 @@ async def test_what_happens_beneath_the_page_has_it_not_drawn_as_a_whole(monkeyp
         assert set(drawn) == {"ChopsUpdate"}
         monkeypatch.undo()
         await desk.press("enter")
-        assert "navigation(A)  2" in desk.text
+        assert "Go to the kitchen  2" in desk.text
 
 
 async def test_brackets_that_are_typed_are_brackets() -> None:

@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 from engine import events as ev
 from engine.states import EXPRESSING
-from tui.shown.facts import Line, LogLine, Path, Plan, Problem, Row, call, printable
+from tui.shown.facts import Line, LogLine, Path, Plan, Problem, Row, call, in_words, printable
 from tui.shown.trace import Trace
 from tui.shown.trace import after as trace_after
 from tui.shown.turns import Turns
@@ -238,12 +238,12 @@ def _(body: ev.RefusalMade, model: ConsoleModel, event: ev.Event) -> ConsoleMode
 
 @_fold.register
 def _(body: ev.ActionQueued, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    return model.with_row(Row(body.action, event.turn, body.index, call(body.name, body.args), "queued"))
+    return model.with_row(Row(body.action, event.turn, body.index, in_words(body), "queued"))
 
 
 @_fold.register
 def _(body: ev.ActionStarted, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    row = Row(body.action, event.turn, body.index, call(body.name, body.args), "running", started=event.t)
+    row = Row(body.action, event.turn, body.index, in_words(body), "running", started=event.t)
     return model.with_row(row)
 
 

@@ -15,7 +15,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from engine import events as ev
-from tui.shown.facts import call, printable, printable_lines
+from tui.shown.facts import call, in_words, printable, printable_lines
 from tui.shown.turn import STAGES, VOICE, Action, Answer, Asked, Sample, Span, Stage, Thought, Turn
 
 MAX_TURNS: Final = 40
@@ -259,7 +259,7 @@ def _(body: ev.RefusalMade, turn: Turn, event: ev.Event) -> Turn:
 
 @_fold.register
 def _(body: ev.ActionQueued, turn: Turn, event: ev.Event) -> Turn:
-    return _acted(turn, Action(body.action, body.index, call(body.name, body.args), "queued")) if turn.open else turn
+    return _acted(turn, Action(body.action, body.index, in_words(body), "queued")) if turn.open else turn
 
 
 @_fold.register
@@ -267,7 +267,7 @@ def _(body: ev.ActionStarted, turn: Turn, event: ev.Event) -> Turn:
     old = _action(turn, body.action)
     if not turn.open or (old is not None and old.phase != "queued"):
         return turn
-    turn = _acted(turn, Action(body.action, body.index, call(body.name, body.args), "running"))
+    turn = _acted(turn, Action(body.action, body.index, in_words(body), "running"))
     return _begun(replace(turn, resting=None), "act", event.t, body.action)
 
 

@@ -434,7 +434,9 @@ PAUSED: Final = "Not responding for {seconds:.1f} s"
 ROBOT_BACK: Final = "the robot is connected again"
 HALTED: Final = "the robot stopped by itself"
 MOTION_PAUSED: Final = "“{phrase}” may have been said: the robot pauses"
-MOTION_RESUMED: Final = "it was not said: the robot goes on after {seconds:.1f} s (false pause {number} of this session)"
+MOTION_RESUMED: Final = (
+    "it was not said: the robot goes on after {seconds:.1f} s (false pause {number} of this session)"
+)
 SOMETHING_FAILED: Final = "Something failed"
 ASKED_EARLY: Final = "“{}” waits until the engine has started."
 CRASH_WRITTEN: Final = "sayso: this is a bug in sayso. Please report it and attach {}"
@@ -490,11 +492,13 @@ NO_CELL_SIZE: Final = (
 )
 
 # Keys that somebody chose
-NO_ACTION: Final = "there is no action called {}"
+NO_ACTION: Final = "there is no such action: {}"
 DID_YOU_MEAN: Final = "did you mean {}?"
 NO_KEY: Final = "no key is given; write one, as in `wake: w`, or leave the line out"
 KEY_TAKEN: Final = "{key} is the key of {other}; choose another one, or give {other} another one as well"
-KEY_IS_TYPED: Final = "{key} must stay free for typing, as this key also works while you type; choose ctrl and a letter, or f2"
+KEY_IS_TYPED: Final = (
+    "{key} must stay free for typing, as this key also works while you type; choose ctrl and a letter, or f2"
+)
 KEY_IS_ANOTHER: Final = "terminals cannot tell {key} from {other}; choose another one"
 KEY_NOT_PORTABLE: Final = (
     "{key} does not work in every terminal; choose a letter, ctrl and a letter, f1 to f12, or add one: `{key},x`"
@@ -613,9 +617,7 @@ SETTINGS_KEYS: Final = (
 )
 SETTINGS_LINE: Final = "enter saves it · up and down discard it"
 SETTINGS_READING: Final = "reading the settings…"
-SETTINGS_NOT_READ: Final = (
-    "The settings are not read yet, or have mistakes: `sayso config check` lists them."
-)
+SETTINGS_NOT_READ: Final = "The settings are not read yet, or have mistakes: `sayso config check` lists them."
 SETTING_NAMES: Final = {
     "console.theme": "Theme",
     "console.language": "Language",

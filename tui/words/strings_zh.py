@@ -467,7 +467,7 @@ NO_CELL_SIZE: Final = (
 )
 
 # Keys that somebody chose
-NO_ACTION: Final = "没有叫 {} 的操作"
+NO_ACTION: Final = "没有这个操作：{}"
 DID_YOU_MEAN: Final = "是不是 {}？"
 NO_KEY: Final = "没有给出按键；请写一个，如 `wake: w`，或删去这一行"
 KEY_TAKEN: Final = "{key} 是 {other} 的键；请换一个，或给 {other} 也换一个"
