@@ -418,7 +418,7 @@ class Engine:
         while True:
             away, self._beaten = time.monotonic() - self._beaten, time.monotonic()
             if away > PAUSE_S:
-                message = f"The engine was away for {away:.1f} s. A robot that was moving has stopped by itself."
+                message = f"The engine did not respond for {away:.1f} s. A robot that was moving has stopped by itself."
                 self._emit(events.Log("warning", "engine", message))
                 self._emit(events.Timing("paused", round(away, 3)))
             await asyncio.sleep(PULSE_S)

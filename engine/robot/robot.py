@@ -32,7 +32,7 @@ PAUSE_LIMIT_S: Final = 1.5
 """A pause that nobody has ended after this makes the robot halt, s."""
 EMERGENCY_STOP: Final = "the emergency stop is pressed"
 """Why it has halted then."""
-UNDECIDED: Final = "somebody may have said stop, and nobody could tell"
+UNDECIDED: Final = "somebody may have said stop, and this could not be checked"
 """Why it has halted then."""
 
 

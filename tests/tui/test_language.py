@@ -305,11 +305,15 @@ async def test_the_log_is_told_in_chinese_with_who_tells_it() -> None:
     async with console(size=(200, 50), language="zh", wording=wording()) as desk:
         desk.engine.play(scripted.OPENING)
         desk.engine.publish(
-            ev.Log("warning", "engine", "The engine was away for 2.5 s. A robot that was moving has stopped by itself.")
+            ev.Log(
+                "warning",
+                "engine",
+                "The engine did not respond for 2.5 s. A robot that was moving has stopped by itself.",
+            )
         )
         await desk.settled()
         for words in ("会话 sayso 0.1.0，模拟机器人（flat）", "机器人 就绪：模拟机器人（flat）", "规划 就绪",
-                      "识别 就绪：whisper-base", "引擎 引擎离开了2.5秒。正在移动的机器人已自己停下。"):  # fmt: skip
+                      "识别 就绪：whisper-base", "引擎 引擎2.5秒没有响应。正在移动的机器人已自己停下。"):  # fmt: skip
             assert words in desk.text, words
 
 
@@ -320,7 +324,12 @@ async def test_the_doctor_finds_in_chinese() -> None:
         Finding("voice", "limited", "espeak-ng; piper sounds better in English", "pip install 'sayso[voice]'"),
         Finding("graphics", "limited", "no OpenGL: camera 160×120 by ray casting", "apt install libosmesa6"),
         Finding("serial ports", "limited", "none: no wake module attached"),
-        Finding("microphone", "missing", "There is no microphone.", "Check that it is plugged in: it is looked for."),
+        Finding(
+            "microphone",
+            "missing",
+            "There is no microphone.",
+            "Check that it is plugged in. sayso keeps looking for it.",
+        ),
     )
     async with console(language="zh", wording=wording()) as desk:
         checks = [Check(one.name, lambda settings, one=one: one) for one in findings]  # type: ignore[misc]
@@ -328,7 +337,7 @@ async def test_the_doctor_finds_in_chinese() -> None:
         await desk.press("d")
         await desk.until(lambda: "3 受限" in desk.text or "4 受限" in desk.text)
         for words in ("3.12.1，2个核", "实时优先级已关闭", "英语用piper更好听", "没有OpenGL：相机160×120，用光线投射",
-                      "没有：未接唤醒模块", "没有麦克风。", "我正在找它"):  # fmt: skip
+                      "没有：未接唤醒模块", "没有麦克风。", "sayso会一直找它"):  # fmt: skip
             assert words in desk.text, words
 
 

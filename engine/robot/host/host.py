@@ -103,7 +103,7 @@ class Host:
     def come_back(self) -> None:
         """This process was away for so long that nobody knows any more what it was about."""
         if not self._halted:
-            self._halt("the robot process was away")
+            self._halt("the robot process did not respond")
 
     def publish(self) -> None:
         """Show the readings of now."""
