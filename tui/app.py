@@ -63,6 +63,7 @@ from tui.terminal.driver import listening_driver
 from tui.widgets.ask import Ask
 from tui.widgets.by_hand import ByHand
 from tui.widgets.floor_view import FloorView
+from tui.widgets.log import LogView
 from tui.widgets.timeline import Timeline
 from tui.words import strings
 from tui.words.language import Language, of_environment, speak
@@ -459,6 +460,18 @@ class SaysoApp(Stage):
         self.drawing.browse_to(next((turn.id for turn in older if turn.number == message.number), None))
         self.drawing.now()
         self.action_turn()
+
+    def on_log_view_opened(self, message: LogView.Opened) -> None:
+        kept = [turn.id for turn in self.drawing.model.turns.kept]
+        if message.turn not in kept:
+            self.keeping.tell(strings.LINE_OF_NO_TURN)
+            return
+        self.drawing.browse_to(message.turn if message.turn != kept[-1] else None)
+        self.drawing.now()
+        self.action_turn()
+
+    async def on_log_view_wanted(self, message: LogView.Wanted) -> None:
+        await self._choosing.search_log()
 
     def action_turn(self) -> None:
         from tui.screens.turn import TurnScreen

@@ -47,7 +47,7 @@ class Desk:
         and the log comes behind at a pace of its own."""
         log, drawing = self.app.screen_stack[0].query_one(LogView), self.app.drawing
         known = drawing.view.model is drawing.model and drawing.model.t >= self.engine.t
-        return known and not drawing.due and log.items == drawing.model.log and self._is_laid_out
+        return known and not drawing.due and log.known == drawing.model.log and self._is_laid_out
 
     @property
     def _is_laid_out(self) -> bool:

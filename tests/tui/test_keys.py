@@ -325,7 +325,7 @@ async def test_the_log_is_there_on_a_large_terminal() -> None:
     async with console() as desk:
         desk.engine.play(scripted.OPENING)
         await desk.settled()
-        assert desk.app.screen.query_one(LogView).items == desk.app.shown.model.log
+        assert desk.app.screen.query_one(LogView).known == desk.app.shown.model.log
         assert "ready: whisper-base" in desk.text
 
 

@@ -12,10 +12,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from tui.keys.keys import HAND_KEYS, KEYS, MAP_KEYS, SETTING_KEYS, TURN_KEYS, Key
+from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, SETTING_KEYS, TURN_KEYS, Key
 from tui.words import strings
 
-GROUPS: Final[tuple[tuple[Key, ...], ...]] = (KEYS, MAP_KEYS, TURN_KEYS, HAND_KEYS, SETTING_KEYS)
+GROUPS: Final[tuple[tuple[Key, ...], ...]] = (KEYS, MAP_KEYS, LOG_KEYS, TURN_KEYS, HAND_KEYS, SETTING_KEYS)
 """Those of the console, and those that go before them while the map, or a page, has the keyboard."""
 
 _PUNCTUATION: Final = {

@@ -102,6 +102,18 @@ MAP_KEYS: Final = (
 """Those of the map, while it has the focus; they go before the console's own. Their actions are the map's."""
 
 
+LOG_KEYS: Final = (
+    Key("log_level", "v"),
+    Key("log_part", "p"),
+    Key("log_find", "s"),
+    Key("log_trouble_before", "n", does="log_trouble(-1)"),
+    Key("log_trouble_after", "N", does="log_trouble(1)"),
+    Key("log_turn", "enter"),
+    Key("log_follow", "f,end"),
+)
+"""Those of the log, while it has the focus; they go before the console's own. Their actions are the log's."""
+
+
 TURN_KEYS: Final = (
     Key("unfold", "j"),
     Key("lines_up", "up"),
@@ -133,7 +145,7 @@ SETTING_KEYS: Final = (
 )
 """Those of the page of the settings, where they go before the console's own. Their actions are the page's."""
 
-ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *TURN_KEYS, *HAND_KEYS, *SETTING_KEYS)
+ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *LOG_KEYS, *TURN_KEYS, *HAND_KEYS, *SETTING_KEYS)
 
 
 def all_shown(keys: Mapping[str, str]) -> dict[str, str]:

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from engine.perception.sighting import Sight
     from tui.palette.form import Form
     from tui.palette.palette import Palette
+    from tui.shown.facts import LogLine
     from tui.shown.view import View
 
 
@@ -73,7 +74,7 @@ class ConsoleScreen(Screen[None]):
         self._floor = FloorView()
         self._camera = CameraView()
         self._figures = Figures(classes="pane")
-        self._log_view = LogView(classes="pane")
+        self._log_view = LogView(keys, classes="pane")
         self._timeline = Timeline(strings.BROWSE.format(**keys), classes="pane")
         self._mic = MicStrip()
         self._ask = AskLine(keys)
@@ -155,6 +156,16 @@ class ConsoleScreen(Screen[None]):
     def show_log(self, model: ConsoleModel) -> None:
         """Bring the log up to date; it has a slower pace of its own."""
         self._log_view.update_from(model)
+
+    @property
+    def log_pane(self) -> LogView:
+        """The log."""
+        return self._log_view
+
+    def go_to_line(self, line: LogLine) -> None:
+        """Show a line of the log, and give the log the keyboard."""
+        self.go_to("log")
+        self.call_after_refresh(self._log_view.go_to, line)  # it may have got its size only now
 
     def toggle_log(self) -> None:
         """Show the log in place of the conversation, where there is no room for both."""
@@ -298,6 +309,7 @@ class ConsoleScreen(Screen[None]):
         self._map.border_subtitle = Content(strings.MAP_KEYS.format(**self._keys))
         self._timeline.tell(strings.BROWSE.format(**self._keys))
         self.line.prompt()
+        self._log_view.entitle()
         self._entitle()
 
     def reword(self) -> None:

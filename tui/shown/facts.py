@@ -68,6 +68,7 @@ class LogLine(Struct, frozen=True):
     level: Literal["debug", "info", "warning", "error"]
     source: str
     message: str
+    turn: str | None = None  # in which it was told, by its id
 
 
 class Level(Struct, frozen=True):

@@ -108,6 +108,13 @@ ABOUT_KEYS: Final = {
     "map_here": "Tell the robot that it is where the cursor is.",
     "map_turn_left": "Tell the robot that its heading is further to the left.",
     "map_turn_right": "Tell the robot that its heading is further to the right.",
+    "log_level": "Show fewer levels of the log: information, warnings, errors; then all again.",
+    "log_part": "Show the log of one part: the next one; after the last one of all parts.",
+    "log_find": "Search the log.",
+    "log_trouble_before": "Go to the warning or error before.",
+    "log_trouble_after": "Go to the next warning or error.",
+    "log_turn": "Open the turn of the marked line, or of the newest warning or error.",
+    "log_follow": "Show the newest line of the log, and each one that comes.",
     "unfold": "Unfold prompts, what models wrote, and JSON, or fold them.",
     "lines_up": "Scroll up.",
     "lines_down": "Scroll down.",
@@ -421,6 +428,13 @@ SOURCES: Final = {
 }
 """Who tells a line of the log; codes of errors are the same in all languages."""
 
+LOG_LEVELS: Final = {"debug": "all", "info": "from information", "warning": "from warnings", "error": "errors only"}
+LOG_KEYS: Final = (
+    "{log_level} level · {log_part} part · {log_find} search · {log_trouble_before} errors · {log_turn} turn"
+)
+NEW_LINES: Final = "{} new"
+LINE_OF_NO_TURN: Final = "This line belongs to no turn."
+
 # Quitting and failing
 NOT_STARTED: Final = "not started"
 QUIT_QUESTION: Final = "A task is running: {key} again quits, {stop} stops it"
@@ -449,6 +463,7 @@ HELP_BEGIN: Final = "To begin"
 HELP_SIGNS: Final = "Signs"
 HELP_LEAVE: Final = "{newer} {older} more · {help} back · {interrupt} stops all"
 HELP_MAP: Final = "While the map has the keyboard"
+HELP_LOG: Final = "While the log has the keyboard"
 HELP_TURN: Final = "On the page of a turn"
 HELP_HAND: Final = "Driving by hand"
 HELP_SETTINGS: Final = "On the page of the settings"
@@ -510,6 +525,7 @@ KEY_STAYS: Final = " {action} keeps {key}."
 # Palette
 PALETTE: Final = "Everything that can be done"
 PALETTE_RECENT: Final = "What was asked for before"
+PALETTE_LOG: Final = "Log"
 PALETTE_PROMPT: Final = "a part of its name"
 PALETTE_KEYS: Final = "enter chooses · {palette} leaves · {interrupt} stops the robot and leaves"
 NOTHING_FITS: Final = "No matches"
@@ -517,6 +533,7 @@ KIND_PLACE: Final = "place"
 KIND_SKILL: Final = "skill"
 KIND_RECENT: Final = "earlier"
 KIND_MAP: Final = "map"
+KIND_LOG: Final = "log"
 KIND_TURN: Final = "turn"
 KIND_HAND: Final = "by hand"
 KIND_SETTINGS: Final = "settings"

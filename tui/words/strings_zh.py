@@ -104,6 +104,13 @@ ABOUT_KEYS: Final = {
     "map_here": "告诉机器人它在光标处。",
     "map_turn_left": "告诉机器人它的朝向更偏左。",
     "map_turn_right": "告诉机器人它的朝向更偏右。",
+    "log_level": "只显示较重要的日志：信息、警告、错误；然后全部。",
+    "log_part": "只显示一个部分的日志：下一个部分；最后一个之后是全部。",
+    "log_find": "搜索日志。",
+    "log_trouble_before": "转到上一个警告或错误。",
+    "log_trouble_after": "转到下一个警告或错误。",
+    "log_turn": "打开所选行所在的一轮，或最新的警告或错误所在的一轮。",
+    "log_follow": "显示最新一行日志，并一直跟随。",
     "unfold": "展开或折叠提示词、模型写的内容和 JSON。",
     "lines_up": "向上滚动。",
     "lines_down": "向下滚动。",
@@ -406,6 +413,11 @@ SOURCES: Final = {
     "dispatch": "执行",
 }
 
+LOG_LEVELS: Final = {"debug": "全部", "info": "信息以上", "warning": "警告以上", "error": "只看错误"}
+LOG_KEYS: Final = "{log_level} 级别 · {log_part} 部分 · {log_find} 搜索 · {log_trouble_before} 错误 · {log_turn} 该轮"
+NEW_LINES: Final = "{} 条新的"
+LINE_OF_NO_TURN: Final = "这一行不属于任何一轮。"
+
 # Quitting and failing
 NOT_STARTED: Final = "未开始"
 QUIT_QUESTION: Final = "任务进行中：再按 {key} 退出，{stop} 停止任务"
@@ -432,6 +444,7 @@ HELP_BEGIN: Final = "入门"
 HELP_SIGNS: Final = "符号"
 HELP_LEAVE: Final = "{newer} {older} 翻页 · {help} 返回 · {interrupt} 停止一切"
 HELP_MAP: Final = "地图有键盘焦点时"
+HELP_LOG: Final = "日志有键盘焦点时"
 HELP_TURN: Final = "在一轮的详情页"
 HELP_HAND: Final = "手动驾驶"
 HELP_SETTINGS: Final = "在设置页"
@@ -481,6 +494,7 @@ KEY_STAYS: Final = "{action} 仍用 {key}。"
 # Palette
 PALETTE: Final = "所有能做的事"
 PALETTE_RECENT: Final = "以前提过的请求"
+PALETTE_LOG: Final = "日志"
 PALETTE_PROMPT: Final = "名称中的几个字"
 PALETTE_KEYS: Final = "回车选定 · {palette} 离开 · {interrupt} 停止机器人并离开"
 NOTHING_FITS: Final = "没有匹配项"
@@ -488,6 +502,7 @@ KIND_PLACE: Final = "地点"
 KIND_SKILL: Final = "技能"
 KIND_RECENT: Final = "以前"
 KIND_MAP: Final = "地图"
+KIND_LOG: Final = "日志"
 KIND_TURN: Final = "轮"
 KIND_HAND: Final = "手动"
 KIND_SETTINGS: Final = "设置"
