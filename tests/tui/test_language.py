@@ -223,7 +223,7 @@ async def test_a_setting_changes_the_language_of_everything_in_sight_and_back() 
         await desk.until(lambda: "执行中" in desk.text)
         await desk.settled()
         for words in ("对话", "计划", "动作", "地图", "日志", "各轮", "机器人", "esc 停止", "空格 唤醒", "厨房", "夹爪",
-                      "识别", "按 / 输入", "去（厨房）", "离厨房还有2.9米"):  # fmt: skip
+                      "识别", "按 / 输入", "去厨房", "离厨房还有2.9米"):  # fmt: skip
             assert words in desk.text, words
         desk.app.dress("sayso-dark", 8.0, language="en")
         await desk.until(lambda: "ACTING" in desk.text)

@@ -84,6 +84,7 @@ MAP_KEYS: Final = (
     Key("map_farther", "minus", does="map_zoom(-1)"),
     Key("map_whole", "0"),
     Key("map_follow", "f"),
+    Key("map_legend", "L"),
     Key("map_point_left", "left", does="map_cursor(-1, 0)"),
     Key("map_point_right", "right", does="map_cursor(1, 0)"),
     Key("map_point_up", "up", does="map_cursor(0, 1)"),

@@ -39,6 +39,7 @@ from tui.widgets.queue import ActionQueue
 from tui.widgets.status import StatusLine
 from tui.widgets.timeline import Timeline
 from tui.words import strings
+from tui.words.hints import fitting
 from tui.words.language import told
 
 if TYPE_CHECKING:
@@ -223,10 +224,21 @@ class ConsoleScreen(Screen[None]):
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
         self._panes.remember()
+        self._hint_at_map()
 
     def on_descendant_blur(self, event: events.DescendantBlur) -> None:
         if event.widget is self._floor is not self.focused and self._panes.zoomed != "map":
             self.remove_class("-map")
+        self._hint_at_map()
+
+    def _hint_at_map(self) -> None:
+        """Below the map: the keys that act now."""
+        if self.focused is not self._floor:
+            words = strings.MAP_KEYS.format(**self._keys)
+        else:
+            words = fitting(strings.MAP_POINTS.format(**self._keys), max(1, self._map.size.width - 2))
+        if str(self._map.border_subtitle or "") != words:  # another one repaints the frame
+            self._map.border_subtitle = Content(words)
 
     @property
     def camera_shown(self) -> bool:
@@ -306,7 +318,7 @@ class ConsoleScreen(Screen[None]):
 
     def show_keys(self) -> None:
         """Other keys are in use."""
-        self._map.border_subtitle = Content(strings.MAP_KEYS.format(**self._keys))
+        self._hint_at_map()
         self._timeline.tell(strings.BROWSE.format(**self._keys))
         self.line.prompt()
         self._log_view.entitle()

@@ -94,6 +94,7 @@ ABOUT_KEYS: Final = {
     "map_farther": "Look from farther away.",
     "map_whole": "Show the whole map.",
     "map_follow": "Follow the robot, or stop following it.",
+    "map_legend": "Say what the signs on the map mean, and list who and what was seen; or stop that.",
     "map_point_left": "Move the cursor on the map.",
     "map_point_right": "Move the cursor on the map.",
     "map_point_up": "Move the cursor on the map.",
@@ -162,6 +163,20 @@ NO_PICTURE: Final = "waiting for a picture…"
 
 # Map
 MAP_KEYS: Final = "{map} points · {camera} camera"
+MAP_POINTS: Final = "{map_follow} follows · {map_legend} legend · {map_nearer}{map_farther} zoom · {map} back"
+MAP_SIGNS: Final = {
+    "robot": "the robot and its heading",
+    "robot_outside": "the robot is out of the picture there",
+    "path": "its way ahead",
+    "trail": "its way so far",
+    "scan": "an obstacle that the map does not have",
+    "place": "a place",
+    "thing": "a thing in its own colour",
+    "stale": "seen long ago, may have moved",
+    "person": "a person in the colour of their clothes",
+    "hand": "the hand",
+    "held": "the hand holds something",
+}
 GO_TO: Final = "go to the {}"
 GO_TO_NAMED: Final = "go to {}"  # somebody
 GO_TO_HAN: Final = "去{}"  # of a name that is written in Chinese

@@ -90,6 +90,7 @@ ABOUT_KEYS: Final = {
     "map_farther": "缩小地图。",
     "map_whole": "显示整张地图。",
     "map_follow": "跟随机器人，或不再跟随。",
+    "map_legend": "说明地图上的符号，并列出看到的人和东西；或不再显示。",
     "map_point_left": "在地图上移动光标。",
     "map_point_right": "在地图上移动光标。",
     "map_point_up": "在地图上移动光标。",
@@ -157,6 +158,20 @@ NO_PICTURE: Final = "等待画面…"
 
 # Map
 MAP_KEYS: Final = "{map} 指点 · {camera} 相机"
+MAP_POINTS: Final = "{map_follow} 跟随 · {map_legend} 图例 · {map_nearer}{map_farther} 缩放 · {map} 返回"
+MAP_SIGNS: Final = {
+    "robot": "机器人和它的朝向",
+    "robot_outside": "机器人在画面之外的那一边",
+    "path": "前面的路",
+    "trail": "走过的路",
+    "scan": "地图上没有的障碍物",
+    "place": "地点",
+    "thing": "东西，用它自己的颜色",
+    "stale": "很久以前看到的，可能移动了",
+    "person": "人，用衣服的颜色",
+    "hand": "手",
+    "held": "手里拿着东西",
+}
 GO_THERE: Final = "去{}吗？回车：是 · 其他键：否"
 ENTER_GOES: Final = "· 回车前往"
 NO_WAY_TO_SAY: Final = "· 这里没有地名；tab 选一个"
