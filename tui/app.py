@@ -26,10 +26,11 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from config.errors import ConfigError
-from engine.commands import Drive, EndTask, EStop, Here, Interrupt, Quit, Release, Say, Wake
+from engine.commands import Drive, EndTask, EStop, Here, Interrupt, LimitSpeed, Quit, Release, Say, Wake
 from engine.errors import ExitCode, SaysoError
 from tui.keys.bindings import BINDINGS
 from tui.keys.keys import ALL_KEYS
+from tui.keys.speeds import limit_beside
 from tui.looks.themes import CONTRAST, DARK, LIGHT
 from tui.messages import (
     Answered,
@@ -62,6 +63,7 @@ from tui.stage import Stage
 from tui.terminal.driver import listening_driver
 from tui.widgets.ask import Ask
 from tui.widgets.by_hand import ByHand
+from tui.widgets.figures import Figures
 from tui.widgets.floor_view import FloorView
 from tui.widgets.log import LogView
 from tui.widgets.timeline import Timeline
@@ -286,6 +288,15 @@ class SaysoApp(Stage):
     def action_by_hand(self) -> None:
         self.come_back()
         self.main.drive_by_hand()
+
+    def action_speed(self, step: int) -> None:
+        """Another speed limit; the robot that drives already heeds it at once."""
+        if self.screen is self.main and self.handle is not None and (robot := self.handle.robot_state()) is not None:
+            self.send(LimitSpeed(limit_beside(robot.speed_limit, step)))
+            self.redraw()
+
+    def on_figures_limited(self, message: Figures.Limited) -> None:
+        self.action_speed(message.step)
 
     def on_by_hand_driven(self, message: ByHand.Driven) -> None:
         self.send(Drive(message.vx, message.vy, message.wz))

@@ -35,6 +35,7 @@ from engine.commands import (
     Heard,
     Here,
     Interrupt,
+    LimitSpeed,
     Quit,
     Release,
     Say,
@@ -236,6 +237,9 @@ class Session:
             case Here() as here:
                 refused = self._put(here)
                 self._ack(request, refused or "The robot believes you.", ok=not refused)
+            case LimitSpeed(share):
+                refused = self._limit_speed(share)
+                self._ack(request, refused or f"I drive at {100 * share:.0f}% of my speed at most.", ok=not refused)
             case Wake():
                 again = self._again
                 self._start(request, lambda turn: turn.listen(restarted=again)).broke_off = self._broke_off
@@ -425,6 +429,13 @@ class Session:
             robot.relocate(believed, Pose(here.x, here.y, wrap(believed.yaw if here.yaw is None else here.yaw)))
         except RobotError as error:
             return error.message
+        return ""
+
+    def _limit_speed(self, share: float) -> str:
+        """Have the robot drive no faster; why not, in words."""
+        if (robot := self._needs.robot.value) is None:
+            return "The robot is not there yet."
+        robot.limit_speed(share)
         return ""
 
     # What others see

@@ -45,6 +45,8 @@ KEYS: Final = (
     Key("estop", "ctrl+x", everywhere=True),
     Key("release", "R"),
     Key("by_hand", "g"),
+    Key("speed_down", "minus", does="speed(-1)"),
+    Key("speed_up", "plus,equals_sign", does="speed(1)"),
     Key("help", "question_mark"),
     Key("leave", "q"),
     Key("leave_now", "ctrl+c", everywhere=True),

@@ -326,7 +326,7 @@ class ConsoleScreen(Screen[None]):
 
     def reword(self) -> None:
         """Words are in another language now."""
-        self._figures.border_title = strings.PANE_ROBOT
+        self._figures.entitle()
         self.show_keys()
         for pane in self.query(Lines):
             pane.redraw()

@@ -54,6 +54,8 @@ ABOUT_KEYS: Final = {
     "type": "Type a request. Up and down recall earlier ones.",
     "estop": "The emergency stop: nothing moves until it is released.",
     "release": "Release the emergency stop.",
+    "speed_down": "Lower the speed limit of the robot: fast, quick, medium, slow.",
+    "speed_up": "Raise the speed limit of the robot.",
     "by_hand": "Drive by hand, and end the plan; any other key of the console ends that.",
     "help": "Show this page, or leave any page without stopping.",
     "leave": "Quit; asks once more while a task is running.",
@@ -278,6 +280,9 @@ ALL_READY: Final = "all parts ready"
 OTHERS_READY: Final = "all others ready"
 BATTERY: Final = "battery"
 BATTERY_LOW: Final = "battery low"
+SPEED_LIMITS: Final = ("slow", "medium", "quick", "fast")
+SPEED_LIMIT: Final = "{robot} · − {limit} +"
+"""The title of the pane; a click on the signs changes the limit."""
 HEADING: Final = "heading"
 SPEED: Final = "speed"
 TURNING: Final = "turning"

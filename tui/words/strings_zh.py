@@ -50,6 +50,8 @@ ABOUT_KEYS: Final = {
     "type": "输入请求。上下方向键可找回以前的请求。",
     "estop": "急停：解除之前机器人不会动。",
     "release": "解除急停。",
+    "speed_down": "降低机器人的限速：快、较快、中、慢。",
+    "speed_up": "提高机器人的限速。",
     "by_hand": "手动驾驶，并结束计划；按控制台的其他键即结束。",
     "help": "显示本页；不停止机器人而离开任何页面。",
     "leave": "退出；任务进行中时会再问一次。",
@@ -268,6 +270,8 @@ ALL_READY: Final = "各部分就绪"
 OTHERS_READY: Final = "其余就绪"
 BATTERY: Final = "电池"
 BATTERY_LOW: Final = "电量低"
+SPEED_LIMITS: Final = ("慢", "中", "较快", "快")
+SPEED_LIMIT: Final = "{robot} · − {limit} +"
 HEADING: Final = "朝向"
 SPEED: Final = "速度"
 TURNING: Final = "转速"

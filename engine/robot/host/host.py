@@ -83,6 +83,7 @@ class Host:
         self._heed_pause(now, memory.ints[m.PAUSE])
         if not (self._halted or self._braked or self._paused_at is not None):
             self._take_motions()
+        self._controller.limit_speed(memory.times[m.SPEED_LIMIT] or 1.0)
         self._take_signals()
         self._take_correction()
         if self._company is not None:
