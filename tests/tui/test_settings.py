@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from syrupy.assertion import SnapshotAssertion
 
-from config import load
+from config import allowed, load
 from config.changing import Layers
 from engine import events as ev
 from engine.commands import Interrupt, Say
@@ -54,7 +54,7 @@ def page(desk: Desk) -> SettingsScreen:
 
 
 async def go_to(desk: Desk, key: str) -> None:
-    await desk.pilot.press("pageup", *["down"] * SHOWN.index(key))
+    await desk.pilot.press(*["pageup"] * 6, *["down"] * SHOWN.index(key))
     await desk.settled()
     meant = page(desk).meant
     assert meant is not None
@@ -135,7 +135,7 @@ async def test_the_keys_of_the_page_can_be_others_and_the_page_says_which(tmp_pa
         await desk.until(lambda: desk.app.shown_keys["setting_down"] == "n")
         await desk.press("o")
         await desk.until(lambda: page(desk).meant is not None)
-        assert "ctrl+k changes · x default" in desk.text
+        assert "ctrl+k changes · s search · x default" in desk.text
         await desk.press("down", "right")  # which are nobody's keys now
         assert page(desk)._at == 0
         assert desk.app.theme == "sayso-dark"
@@ -340,3 +340,38 @@ async def test_whoever_has_asked_for_something_before_needs_no_tour(tmp_path: Pa
     requests.write_text("nod\n")
     assert not Tour(tmp_path / "toured", requests).read()
     assert Tour(tmp_path / "toured", tmp_path / "none").read()
+
+
+# All of them
+
+
+async def test_everything_that_can_be_set_is_there_in_groups_and_can_be_searched(tmp_path: Path) -> None:
+    async with settings_page(tmp_path) as desk:
+        there = {option.key for option in page(desk)._options}
+        assert there == set(allowed.settings())
+        for heading in strings.SETTING_GROUPS.values():
+            await desk.press("pageup")
+            for _ in range(len(there) + 1):
+                if heading in desk.text:
+                    break
+                await desk.press(*["down"] * 5)
+            assert heading in desk.text, heading
+        await desk.press("s", *"silence")
+        assert [option.key for option in page(desk)._options if option.key == "endpoint.silence_s"]
+        assert all("silence" in f"{one.key} {one.about}".lower() for one in page(desk)._options)
+        await desk.press("enter", "s", *"zzz")
+        assert strings.NOTHING_FITS in desk.text
+
+
+async def test_a_setting_that_only_few_change_is_kept_as_well(tmp_path: Path) -> None:
+    async with settings_page(tmp_path) as desk:
+        await desk.press("s", *"endpoint.silence_s", "enter", "enter", "ctrl+u", *"0.9", "enter")
+        await kept(desk, "endpoint.silence_s")
+        assert "silence_s: 0.9" in written(tmp_path)
+
+
+async def test_the_page_refuses_what_the_check_of_the_configuration_refuses(tmp_path: Path) -> None:
+    async with settings_page(tmp_path) as desk:
+        await desk.press("s", *"robot.scene", "enter", "enter", "ctrl+u", *"flatt", "enter")
+        await desk.until(lambda: "did you mean flat" in desk.text.lower())
+        assert not (tmp_path / "config.yaml").exists()

@@ -145,6 +145,7 @@ SETTING_KEYS: Final = (
     Key("setting_after", "right", does="turn(1)"),
     Key("setting_take", "enter", does="take"),
     Key("setting_default", "d", does="default"),
+    Key("setting_find", "s", does="find"),
 )
 """Those of the page of the settings, where they go before the console's own. Their actions are the page's."""
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
 from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, SETTING_KEYS, TURN_KEYS, Key
-from tui.options import SHOWN
+from tui.options import every
 from tui.shown.facts import LogLine, printable
 from tui.words import strings
 from tui.words.language import told
@@ -155,10 +155,10 @@ def _skills(skills: Sequence[Skill]) -> Iterator[Entry]:
 def _settings() -> Iterator[Entry]:
     from config.changing import described
 
-    for key in SHOWN:
-        about = " ".join((strings.SETTING_ABOUTS[key], described(tuple(key.split(".")))))
+    for key in every():
+        about = " ".join((strings.SETTING_ABOUTS.get(key, ""), described(tuple(key.split(".")))))
         words = " ".join((key, key.replace(".", " ").replace("_", " ")))
-        title = strings.SETTING_ENTRY.format(strings.SETTING_NAMES[key])
+        title = strings.SETTING_ENTRY.format(strings.SETTING_NAMES.get(key, key))
         yield Entry("setting", title, key, Change(key), words, about)
 
 

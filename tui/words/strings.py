@@ -135,6 +135,7 @@ ABOUT_KEYS: Final = {
     "setting_after": "Show the next value.",
     "setting_take": "Save the value that is shown, or take the next one; or type a value.",
     "setting_default": "Go back to the default.",
+    "setting_find": "Search the settings.",
 }
 """On the help page and in the palette, by action."""
 
@@ -650,9 +651,26 @@ DID_YOU_MEAN_THEME: Final = "Did you mean {}?"
 SETTINGS_TITLE: Final = "Settings"
 SETTINGS_KEYS: Final = (
     "{setting_up}{setting_down} {setting_before}{setting_after} look · {setting_take} changes · "
-    "{setting_default} default · {settings} back · {interrupt} stops all"
+    "{setting_find} search · {setting_default} default · {settings} back · {interrupt} stops all"
 )
 SETTINGS_LINE: Final = "enter saves it · up and down discard it"
+SETTINGS_FIND: Final = "a part of a name or of what it means · enter: to the list"
+SETTING_GROUPS: Final = {
+    "usual": "Usual settings",
+    "console": "Console",
+    "audio": "Microphone",
+    "vad": "Voice activity",
+    "endpoint": "End of speech",
+    "asr": "Speech recognition",
+    "planner": "Planner",
+    "models": "Models",
+    "voice": "Voice",
+    "wake": "Waking",
+    "robot": "Robot",
+    "session": "Session",
+    "ros": "ROS graph",
+}
+"""The headings of the page, by section."""
 SETTINGS_READING: Final = "reading the settings…"
 SETTINGS_NOT_READ: Final = "The settings are not read yet, or have mistakes: `sayso config check` lists them."
 SETTING_NAMES: Final = {

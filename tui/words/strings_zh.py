@@ -131,6 +131,7 @@ ABOUT_KEYS: Final = {
     "setting_after": "显示后一个值。",
     "setting_take": "保存显示的值，或取下一个；或自己输入一个。",
     "setting_default": "恢复默认值。",
+    "setting_find": "搜索设置。",
 }
 
 # Panes
@@ -616,9 +617,25 @@ DID_YOU_MEAN_THEME: Final = "是不是 {}？"
 SETTINGS_TITLE: Final = "设置"
 SETTINGS_KEYS: Final = (
     "{setting_up}{setting_down} {setting_before}{setting_after} 查看 · {setting_take} 更改 · "
-    "{setting_default} 默认 · {settings} 返回 · {interrupt} 停止一切"
+    "{setting_find} 搜索 · {setting_default} 默认 · {settings} 返回 · {interrupt} 停止一切"
 )
 SETTINGS_LINE: Final = "回车保存 · 上下键放弃"
+SETTINGS_FIND: Final = "名称或说明中的几个字 · 回车：到列表"
+SETTING_GROUPS: Final = {
+    "usual": "常用设置",
+    "console": "控制台",
+    "audio": "麦克风",
+    "vad": "语音检测",
+    "endpoint": "话音结束",
+    "asr": "语音识别",
+    "planner": "规划",
+    "models": "模型",
+    "voice": "语音",
+    "wake": "唤醒",
+    "robot": "机器人",
+    "session": "会话",
+    "ros": "ROS图",
+}
 SETTINGS_READING: Final = "正在读取设置……"
 SETTINGS_NOT_READ: Final = "设置尚未读取，或有错误：`sayso config check` 会列出它们。"
 SETTING_NAMES: Final = {
