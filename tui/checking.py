@@ -5,12 +5,12 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator, Sequence
 from typing import Final
 
 from config import Explained, Problem
 from config.errors import Where
+from config.nearest import did_you_mean
 from config.schema import Settings
 from engine.errors import SaysoError, UsageError
 
@@ -64,8 +64,7 @@ def _theme(settings: Settings) -> None:
 
     name, known = settings.console.theme, (*BUILTIN_THEMES, *(theme.name for theme in (DARK, LIGHT, CONTRAST)))
     if name not in known:
-        near = difflib.get_close_matches(name, known, 1, 0.5)
-        hint = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}."
+        hint = did_you_mean(name, known) or f"There are: {', '.join(known)}."
         raise UsageError(f"There is no theme called {name!r}.", hint=hint)
 
 

@@ -7,8 +7,9 @@ import itertools
 import math
 import re
 import string
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Mapping, Sequence
 
+from config.nearest import did_you_mean
 from config.schema import Place, Position, Quaternion
 from engine.errors import PlanError
 from engine.han import SIMPLER
@@ -39,6 +40,11 @@ class UnknownPlace(PlanError):
     """A place that is not on the map; the message names those that are."""
 
     code = "unknown_place"
+
+
+def known_names(word: str, names: Sequence[str]) -> str:
+    """What to say to somebody whose ``word`` is none of the ``names``: the nearest of them, and which there are."""
+    return " ".join(filter(None, (did_you_mean(word, names), f"I know: {', '.join(names)}.")))
 
 
 class Places:
@@ -89,7 +95,7 @@ class Places:
             return ZERO_SYMBOL
         if (symbol := self._words.get(key) or self._others.get(key)) is not None:
             return symbol
-        raise UnknownPlace(f"I don't know a place called {word!r}.", hint=f"I know: {', '.join(self.names())}.")
+        raise UnknownPlace(f"I don't know a place called {word!r}.", hint=known_names(word, self.names()))
 
     def symbols(self, words: str) -> tuple[str, ...]:
         """Symbols of the places in a list, separated by commas or "and" (which may also be within a name). Raises
