@@ -98,16 +98,17 @@ class SaysoApp(Stage):
         language: Language = "en",
         clock: Callable[[], float] = time.monotonic,
         passing: Callable[[str], str] = lambda data: data,
+        one_line: bool = False,
     ) -> None:
         """``keymap`` replaces keys by action id (see ``tui.keys.keys``); ``clock`` is monotonic seconds; ``passing``
-        says what is written of what is to be written to the terminal."""
+        says what is written of what is to be written to the terminal; ``one_line``: all of it stands on one line."""
         keys = {key.id: key.key for key in ALL_KEYS} | {
             action: ",".join(_character_to_key(key) if len(key) == 1 else key for key in chosen.split(","))
             for action, chosen in (keymap or {}).items()
         }
         speak(language)
         self._passing = passing
-        super().__init__(keys, clock)
+        super().__init__(keys, clock, one_line=one_line)
         for one in (DARK, LIGHT, CONTRAST):
             self.register_theme(one)
         self._begin_dark()
@@ -177,6 +178,8 @@ class SaysoApp(Stage):
 
     def on_ready(self) -> None:
         """All panes are there: draw them, and begin what takes long only after that."""
+        if self.main.has_class("-one-line"):
+            self.main.type()  # there is nothing else to go to
         self.redraw()
         self.call_after_refresh(self._start)
 
@@ -539,7 +542,10 @@ class SaysoApp(Stage):
 
 
 def run_console(
-    start_engine: Callable[[Callable[..., None]], EngineHandle], passing: Callable[[str], str] = lambda data: data
+    start_engine: Callable[[Callable[..., None]], EngineHandle],
+    passing: Callable[[str], str] = lambda data: data,
+    *,
+    one_line: bool = False,
 ) -> int:
     """Run the console until somebody leaves it, and return the exit code of the process.
 
@@ -547,5 +553,7 @@ def run_console(
     :meth:`SaysoApp.dress`, to tell theme, keys and the like once it has read the settings. ``passing`` is as in
     :meth:`SaysoApp.__init__`.
     """
-    app = SaysoApp(lambda: start_engine(app.dress), language=of_environment(os.environ), passing=passing)
+    app = SaysoApp(
+        lambda: start_engine(app.dress), language=of_environment(os.environ), passing=passing, one_line=one_line
+    )
     return app.leaving.run()

@@ -33,6 +33,7 @@ from tui.widgets.floor_view import FloorView
 from tui.widgets.lines import Lines
 from tui.widgets.log import LogView
 from tui.widgets.mic import MicStrip
+from tui.widgets.one_line import OneLine
 from tui.widgets.plan import PlanView
 from tui.widgets.problem import ProblemPanel
 from tui.widgets.queue import ActionQueue
@@ -62,9 +63,11 @@ class ConsoleScreen(Screen[None]):
     AUTO_FOCUS = ""
     focused: Reactive[Widget | None] = Reactive(None, repaint=False)  # Textual's sends the whole screen each time
 
-    def __init__(self, keys: Mapping[str, str]) -> None:
-        """``keys`` are the keys in use by action id, as they are shown to people."""
+    def __init__(self, keys: Mapping[str, str], *, one_line: bool = False) -> None:
+        """``keys`` are the keys in use by action id, as they are shown to people; ``one_line``: all of it stands on one
+        line, and on a second one that is typed in where there are two."""
         super().__init__()
+        self._one_line = OneLine() if one_line else None
         self._compositor = WholeCompositor()
         self._keys = keys
         self._status = StatusLine()
@@ -106,6 +109,8 @@ class ConsoleScreen(Screen[None]):
 
     def compose(self) -> ComposeResult:
         self._lay_out(self.app.size)  # before there is anything that would be styled anew
+        if self._one_line is not None:
+            yield self._one_line
         yield self._status
         yield self._problem
         with Horizontal(id="main"):
@@ -131,6 +136,9 @@ class ConsoleScreen(Screen[None]):
     def show(self, view: View) -> None:
         """Bring every pane but the log up to date."""
         model = view.model
+        if self._one_line is not None:
+            self._one_line.update_from(view)
+            return
         self._status.update_from(view)
         self._problem.update_from(model.problem)
         self.set_class(model.problem is not None, "-trouble")
@@ -375,7 +383,9 @@ class ConsoleScreen(Screen[None]):
 
     def _lay_out(self, size: Size) -> None:
         """Have the classes that the style sheet goes by."""
-        layout = layout_for(*size)
+        layout = layout_for(*size) if self._one_line is None else "tiny"
+        self.set_class(self._one_line is not None, "-one-line")
+        self.set_class(self._one_line is not None and size.height < 2, "-one-row")
         for name in ("tiny", "narrow", "wide"):
             self.set_class(name == layout, f"-{name}")
         self.set_class(layout in ("narrow", "compact"), "-compact")

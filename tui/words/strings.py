@@ -501,6 +501,8 @@ SIGN_WORDS: Final = (
 TOO_SMALL: Final = (
     "sayso needs at least {min_columns}×{min_rows} characters (this terminal has {columns}×{rows}). Make it larger."
 )
+ONE_LINE: Final = "Type what the robot should do."
+"""On the only line, before anything was asked for."""
 TOO_SMALL_KEYS: Final = "{stop} still stops the robot, {quit} quits."
 TOO_SMALL_SHORT: Final = "{columns}×{rows} is too small"
 STREAMS: Final = ("standard input", "standard output", "standard error")

@@ -111,7 +111,7 @@ class HostedRobot:
         self._speed_limit = 1.0
         self._alive = self._alive_since = self._beaten = 0.0
         self._company = SharedCompany(lambda: self._memory) if build.company else None
-        self._read: tuple[tuple[int, int, int], RobotState] | None = None  # the newest state that was asked for
+        self._read: tuple[tuple[int, int, int, float], RobotState] | None = None  # the newest state that was asked for
 
     @property
     def name(self) -> str:
