@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from rich.cells import cell_len
@@ -80,6 +81,10 @@ def test_every_word_has_a_twin_with_the_same_slots() -> None:
         for key in ours:
             assert slots(ours[key]) == slots(twins[key]), (name, key)
             assert twins[key] or not ours[key], (name, key)
+
+
+def test_every_way_to_a_plan_has_words() -> None:
+    assert strings.PLAN_BY.keys() == set(get_args(ev.PlanSource))
 
 
 def test_every_key_has_a_sentence() -> None:

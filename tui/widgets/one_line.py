@@ -81,4 +81,5 @@ def _where(view: View) -> str:
     pose = view.robot.pose
     if not all(map(math.isfinite, (pose.x, pose.y, pose.yaw))):
         return ""
-    return f"{pose.x + 0.0:.1f} {pose.y + 0.0:.1f} m {round(math.degrees(pose.yaw)) % 360}°"
+    x, y = (round(value, 1) + 0.0 for value in (pose.x, pose.y))  # without the minus of −0
+    return f"{x:.1f} {y:.1f} m {round(math.degrees(pose.yaw)) % 360}°"

@@ -252,6 +252,7 @@ NO_PLAN_CAME: Final = "no plan"
 QUESTION: Final = "asks"
 PLAN_BY: Final = {
     "phrases": "by known phrases",
+    "reader": "by the learned reader",
     "local": "by the local model",
     "openai": "by a cloud model",
     "dify": "by Dify",

@@ -242,6 +242,7 @@ NO_PLAN_CAME: Final = "没有计划"
 QUESTION: Final = "提问"
 PLAN_BY: Final = {
     "phrases": "按已知句式",
+    "reader": "由学习的理解器",
     "local": "由本机模型",
     "openai": "由云端模型",
     "dify": "由 Dify",
