@@ -214,7 +214,7 @@ def test_a_lost_robot_comes_back_where_it_was_and_takes_new_commands(tmp_path: P
         error = running.until("error", lambda error: error["code"] == "robot_lost")
         assert not error["fatal"]
         was = body.pose
-        running.until("log", lambda log: "back where it was" in log["message"])
+        running.until("log", lambda log: "running again where it was" in log["message"])
         assert gone(lost)
         assert body.pose.distance_to(was) < 0.05
         body.stays(0.5)
