@@ -55,7 +55,7 @@ async def test_when_the_engine_is_back_the_console_says_for_how_long_it_was_away
             lambda: "Not responding for 12.3 s" in desk.text and strings.ENGINE_SILENT not in desk.shown_problem
         )
         await desk.settled()
-        assert "The engine did not respond for 12.3 s." in desk.text
+        assert "The engine did not respond for 12.3 s." in [line.message for line in desk.app.shown.model.log]
 
 
 async def test_a_silent_engine_does_not_hide_what_ended_everything() -> None:
