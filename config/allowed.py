@@ -6,11 +6,11 @@ in step. A *path* is the tuple of keys from the top: ``("endpoint", "silence_s")
 
 from __future__ import annotations
 
-import difflib
 import functools
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from typing import Any
 
+from config.nearest import nearest
 from config.schema import Settings
 
 Path = tuple[str, ...]
@@ -135,13 +135,6 @@ def _range(shape: Shape) -> str:
     elif high is not None:
         parts.append(f"up to {high:g}")
     return (" " + " ".join(parts)) if parts else ""
-
-
-def nearest(word: str, choices: Collection[str], cutoff: float = 0.6) -> str:
-    """The choice most like ``word``, letter case aside, or nothing when none is like it."""
-    folded = {choice.casefold(): choice for choice in choices}
-    close = difflib.get_close_matches(word.casefold()[:100], folded, n=1, cutoff=cutoff)
-    return folded[close[0]] if close else ""
 
 
 def nearest_setting(path: Path) -> Path:

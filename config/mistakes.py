@@ -15,6 +15,7 @@ from config import allowed
 from config.allowed import Path
 from config.errors import Problem, Where
 from config.merge import leaves, node_at
+from config.nearest import nearest
 from config.schema import Unfit
 from config.secrets import secrets_of_url
 from config.source import Node
@@ -127,7 +128,7 @@ def _rejected(path: Path, node: Node, item: Any, tree: Node, raw: Mapping[Path, 
         reason = item["ctx"]["error"]
         if isinstance(reason, Unfit):
             node, _ = node_at(tree, reason.path)
-            near = allowed.nearest(str(node.value), reason.choices)
+            near = nearest(str(node.value), reason.choices)
             return Problem(node.where, ".".join(reason.path), str(reason), nearest=near)
         nodes = [node_at(tree, (*path, symbol))[0] for symbol in reversed(getattr(reason, "symbols", ()))]
         by_user = [place for place in nodes if not place.where.name.startswith(PACKAGED)]
@@ -135,7 +136,7 @@ def _rejected(path: Path, node: Node, item: Any, tree: Node, raw: Mapping[Path, 
         return Problem(where, key, str(reason))
     shape = allowed.shape_at(path) or {}
     choices = [str(choice) for choice in shape.get("enum", ())]
-    near = allowed.nearest(str(node.value), choices) if isinstance(node.value, str) else ""
+    near = nearest(str(node.value), choices) if isinstance(node.value, str) else ""
     shown = _rejection(node, raw.get(path), secret=_secret(path))
     return Problem(node.where, key, shown, allowed.describe(path), near)
 

@@ -102,6 +102,15 @@ class Here(Command, frozen=True):
     id: str | None = None
 
 
+class LimitSpeed(Command, frozen=True):
+    """Drive no faster than this share of what the safety envelope allows, until another limit is set. Nothing is
+    interrupted: what drives already gets slower or faster."""
+
+    do: ClassVar[str] = "limit_speed"
+    share: Annotated[float, msgspec.Meta(gt=0, le=1)]
+    id: str | None = None
+
+
 class Audio(Command, frozen=True):
     """Sound for the recogniser, as if from the microphone: 16 kHz mono signed 16-bit little-endian."""
 
@@ -183,7 +192,22 @@ class Halted(Command, frozen=True):
 
 COMMANDS: dict[str, type[Command]] = {
     cls.do: cls
-    for cls in (Say, Wake, Interrupt, EndTask, EStop, Release, Drive, Here, Audio, Drop, Move, Snapshot, Quit)
+    for cls in (
+        Say,
+        Wake,
+        Interrupt,
+        EndTask,
+        EStop,
+        Release,
+        Drive,
+        Here,
+        LimitSpeed,
+        Audio,
+        Drop,
+        Move,
+        Snapshot,
+        Quit,
+    )
 }
 
 

@@ -63,6 +63,7 @@ from engine.parts.words import WordsPart
 from engine.perception.eyes import Eyes
 from engine.perception.memory import World, WorldMemory
 from engine.perception.sighting import Sight
+from engine.plan import Action, InWords, as_written
 from engine.planner.build import build_planner, build_registry
 from engine.planner.phrases.stopping import is_stop
 from engine.planner.planner import Planner
@@ -255,6 +256,9 @@ class Engine:
         def understood() -> str:
             return planner.value.understood if planner.value else ""
 
+        def in_words(action: Action) -> InWords:
+            return planner.value.in_words(action) if planner.value else as_written(action)
+
         voice = SpokenVoice(self._player, patience_s=0.0 if self._stays else PATIENCE_S)
         needs = Needs(
             robot=robot,
@@ -273,6 +277,7 @@ class Engine:
             wording=build_wording(self._settings),
             rounds=self._settings.planner.rounds,
             steps=self._settings.planner.steps,
+            told=in_words,
         )
         hesitation = Hesitation(
             self._robot,
@@ -333,7 +338,7 @@ class Engine:
             return (await planner.get()).beginnings(models.local)
 
         def build() -> Planner:
-            return build_planner(self._settings, registry, models=models)
+            return build_planner(self._settings, registry, models=models, places=places)
 
         def added(symbol: str, place: Place) -> None:
             """Another place is known from now on: whoever plans has to know it, too."""
@@ -413,7 +418,7 @@ class Engine:
         while True:
             away, self._beaten = time.monotonic() - self._beaten, time.monotonic()
             if away > PAUSE_S:
-                message = f"The engine was away for {away:.1f} s. A robot that was moving has stopped by itself."
+                message = f"The engine did not respond for {away:.1f} s. A robot that was moving has stopped by itself."
                 self._emit(events.Log("warning", "engine", message))
                 self._emit(events.Timing("paused", round(away, 3)))
             await asyncio.sleep(PULSE_S)
@@ -422,7 +427,7 @@ class Engine:
         """Keep the robot until this is cancelled, and close it."""
         assert self._session is not None, "made before"
         keeper = Keeper(self._robot, part, self._epoch, self._emit, self._session.request)
-        await keeper.keep(lambda robot: places.remember(robot.state().pose))
+        await keeper.keep(lambda robot: places.begin(robot.state().pose))
 
     async def _keep_model(self, chat: LocalChat, instructions: Instructions) -> None:
         """Get the local model ready, fetching it first if it is missing."""

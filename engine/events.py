@@ -395,6 +395,7 @@ class ActionQueued(Body, frozen=True):
     total: int
     name: str
     args: Mapping[str, Value]
+    told: str = ""  # what is to be done, for people, in English: "Go to the kitchen"
 
 
 @kind("action.started")
@@ -406,6 +407,7 @@ class ActionStarted(Body, frozen=True):
     total: int
     name: str
     args: Mapping[str, Value]
+    told: str = ""  # as when it was queued
 
 
 @kind("action.progress")

@@ -67,6 +67,21 @@ class Action:
         return f"{self.name}({', '.join(_show(value) for value in self.args.values())})"
 
 
+@dataclass(frozen=True, slots=True)
+class InWords:
+    """An action as people are told of it, in English."""
+
+    step: str
+    """What is to be done: "Go to the kitchen"."""
+    doing: str
+    """What goes on then: "going to the kitchen"."""
+
+
+def as_written(action: Action) -> InWords:
+    """An action for which nobody has words, as programs write it."""
+    return InWords(str(action), str(action))
+
+
 _BETTER_TWICE = ("grasp_failed", "dropped", "target_lost", "path_blocked")
 """Error codes of failures by chance."""
 

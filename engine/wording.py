@@ -11,7 +11,7 @@ catalogue stays as it is: nothing that was to be said is lost.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
 from importlib.resources import files
@@ -38,6 +38,9 @@ _KINDS: Final = {"": _SLOT, "n": r"[-+]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?", "s": r"(
 """Slots by their format: words, ``n`` a number, ``s`` somebody else's words, which stay as they are. Any other format
 lists what may stand there: ``{way:ahead|behind}``."""
 _SLOTS: Final = re.compile(r"\{(\w+)(?::([^}]*))?\}")
+_OPTIONAL: Final = re.compile(r"\[([^\[\]]*)\]")
+"""A part of how an action is told that is left out where an argument was not given."""
+_SAID: Final = re.compile(r"([“\"])\{(\w+)\}([”\"])")
 _ENDS: Final = r"""(?=\s|[)）\]”"』」]|$)"""
 _NEXT: Final = re.compile(r"“[^”]*”|[.!?:]\s+|\n+|[。！？：（(]\s*")
 """Behind this a sentence may begin; what somebody said is no sentence of ours."""
@@ -233,6 +236,7 @@ def catalogue() -> Catalogue:
     for section in read["said"].values():
         for written, told in section.items():
             templates.append(Template(written, told))
+    templates += [Template(written, told) for written, told in _of_actions().items()]
     templates.sort(key=lambda template: -template.exactness)
     return Catalogue(
         words | {one.written.casefold(): one.told for one in templates if not one.slots and not one.is_sentence},
@@ -246,6 +250,38 @@ def _of_skills() -> dict[str, str]:
     chinese = {name: record.zh for name, record in records().items()}
     called = {name: words.called for name, words in chinese.items() if words.called}
     return {name: said for words in chinese.values() for name, said in words.arguments.items()} | called
+
+
+def _of_actions() -> dict[str, str]:
+    """How actions are told, as steps and as what goes on, from the records of the skills. Two that English tells alike
+    (navigation, navigate_to_object) are told by the one that may have any name in its slot."""
+    pairs: dict[str, tuple[str, str]] = {}
+    for _, record in sorted(records().items()):
+        chinese = {tuple(one.when.items()): one for one in record.zh.told}
+        for english in record.en.told:
+            if (twin := chinese.get(tuple(english.when.items()))) is None:
+                continue
+            step = twin.step.removesuffix("。")
+            for written, told in ((english.step.removesuffix("."), step), (english.doing, twin.doing or step)):
+                for short, short_told in _with_and_without(written or "", told):
+                    for begun in {short, f"{short[:1].upper()}{short[1:]}"} - {""}:
+                        pairs[_SLOTS.sub("{}", begun)] = begun, short_told
+    return dict(pairs.values())
+
+
+def _with_and_without(english: str, chinese: str) -> Iterator[tuple[str, str]]:
+    """A telling with its optional parts, and without any of them, as pairs of a template; the words that somebody said
+    stay as they are."""
+    given = _OPTIONAL.findall(english)
+    for count in range(1 << len(given)):
+        kept = {slot for number, part in enumerate(given) if count >> number & 1 for slot in _SLOTS.findall(part)}
+
+        def optional(found: re.Match[str], kept: set[tuple[str, str]] = kept) -> str:
+            return found[1] if set(_SLOTS.findall(found[1])) <= kept else ""
+
+        written, told = _OPTIONAL.sub(optional, english), _OPTIONAL.sub(optional, chinese)
+        if {name for name, _ in _SLOTS.findall(told)} == {name for name, _ in _SLOTS.findall(written)}:
+            yield _SAID.sub(r"\1{\2:s}\3", written), told
 
 
 def build_wording(settings: Settings) -> Wording:

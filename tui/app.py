@@ -26,11 +26,12 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from config.errors import ConfigError
-from engine.commands import Drive, EndTask, EStop, Here, Interrupt, Quit, Release, Say, Wake
+from engine.commands import Drive, EndTask, EStop, Here, Interrupt, LimitSpeed, Quit, Release, Say, Wake
 from engine.errors import ExitCode, SaysoError
 from engine.states import REST
 from tui.keys.bindings import BINDINGS
 from tui.keys.keys import ALL_KEYS
+from tui.keys.speeds import limit_beside
 from tui.looks.themes import CONTRAST, DARK, LIGHT
 from tui.messages import (
     Answered,
@@ -65,7 +66,9 @@ from tui.stage import Stage
 from tui.terminal.driver import listening_driver
 from tui.widgets.ask import Ask
 from tui.widgets.by_hand import ByHand
+from tui.widgets.figures import Figures
 from tui.widgets.floor_view import FloorView
+from tui.widgets.log import LogView
 from tui.widgets.queue import ActionQueue
 from tui.widgets.timeline import Timeline
 from tui.words import strings
@@ -99,16 +102,17 @@ class SaysoApp(Stage):
         language: Language = "en",
         clock: Callable[[], float] = time.monotonic,
         passing: Callable[[str], str] = lambda data: data,
+        one_line: bool = False,
     ) -> None:
         """``keymap`` replaces keys by action id (see ``tui.keys.keys``); ``clock`` is monotonic seconds; ``passing``
-        says what is written of what is to be written to the terminal."""
+        says what is written of what is to be written to the terminal; ``one_line``: all of it stands on one line."""
         keys = {key.id: key.key for key in ALL_KEYS} | {
             action: ",".join(_character_to_key(key) if len(key) == 1 else key for key in chosen.split(","))
             for action, chosen in (keymap or {}).items()
         }
         speak(language)
         self._passing = passing
-        super().__init__(keys, clock)
+        super().__init__(keys, clock, one_line=one_line)
         for one in (DARK, LIGHT, CONTRAST):
             self.register_theme(one)
         self._begin_dark()
@@ -180,6 +184,8 @@ class SaysoApp(Stage):
 
     def on_ready(self) -> None:
         """All panes are there: draw them, and begin what takes long only after that."""
+        if self.main.has_class("-one-line"):
+            self.main.type()  # there is nothing else to go to
         self.redraw()
         self.call_after_refresh(self._start)
 
@@ -291,6 +297,15 @@ class SaysoApp(Stage):
     def action_by_hand(self) -> None:
         self.come_back()
         self.main.drive_by_hand()
+
+    def action_speed(self, step: int) -> None:
+        """Another speed limit; the robot that drives already heeds it at once."""
+        if self.screen is self.main and self.handle is not None and (robot := self.handle.robot_state()) is not None:
+            self.send(LimitSpeed(limit_beside(robot.speed_limit, step)))
+            self.redraw()
+
+    def on_figures_limited(self, message: Figures.Limited) -> None:
+        self.action_speed(message.step)
 
     def on_by_hand_driven(self, message: ByHand.Driven) -> None:
         self.send(Drive(message.vx, message.vy, message.wz))
@@ -500,6 +515,18 @@ class SaysoApp(Stage):
         self.drawing.now()
         self.action_turn()
 
+    def on_log_view_opened(self, message: LogView.Opened) -> None:
+        kept = [turn.id for turn in self.drawing.model.turns.kept]
+        if message.turn not in kept:
+            self.keeping.tell(strings.LINE_OF_NO_TURN)
+            return
+        self.drawing.browse_to(message.turn if message.turn != kept[-1] else None)
+        self.drawing.now()
+        self.action_turn()
+
+    async def on_log_view_wanted(self, message: LogView.Wanted) -> None:
+        await self._choosing.search_log()
+
     def action_turn(self) -> None:
         from tui.screens.turn import TurnScreen
 
@@ -555,7 +582,10 @@ class SaysoApp(Stage):
 
 
 def run_console(
-    start_engine: Callable[[Callable[..., None]], EngineHandle], passing: Callable[[str], str] = lambda data: data
+    start_engine: Callable[[Callable[..., None]], EngineHandle],
+    passing: Callable[[str], str] = lambda data: data,
+    *,
+    one_line: bool = False,
 ) -> int:
     """Run the console until somebody leaves it, and return the exit code of the process.
 
@@ -563,5 +593,7 @@ def run_console(
     :meth:`SaysoApp.dress`, to tell theme, keys and the like once it has read the settings. ``passing`` is as in
     :meth:`SaysoApp.__init__`.
     """
-    app = SaysoApp(lambda: start_engine(app.dress), language=of_environment(os.environ), passing=passing)
+    app = SaysoApp(
+        lambda: start_engine(app.dress), language=of_environment(os.environ), passing=passing, one_line=one_line
+    )
     return app.leaving.run()

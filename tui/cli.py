@@ -13,7 +13,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn
@@ -141,6 +141,9 @@ def build_parser() -> argparse.ArgumentParser:
         help="print a completion script for a shell and exit",
     )
     parser.add_argument("--demo", action="store_true", help="play demo speech through a simulated microphone")
+    parser.add_argument(
+        "--line", action="store_true", help="the console on one line, for a small pane beside other work"
+    )
     parser.add_argument("--tab", action="store_true", help=argparse.SUPPRESS)  # how --web starts it
     parser.set_defaults(run="tui.commands.console:run", json=False)
     browser = parser.add_argument_group("the console in a browser")
@@ -268,8 +271,36 @@ class _PrintCompletion(argparse.Action):
 class _Parser(argparse.ArgumentParser):
     """Errors go the way of all errors of sayso: one line for people and exit code 2."""
 
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """As argparse's, with the command or choice that was probably meant."""
+        try:
+            super()._check_value(action, value)
+        except argparse.ArgumentError as error:
+            from config.nearest import did_you_mean
+
+            near = did_you_mean(str(value), map(str, action.choices or ()))
+            error.message = f"{error.message}. {near}".removesuffix(". ")
+            raise
+
+    def _options(self) -> Iterator[str]:
+        """All options, also those of commands."""
+        yield from self._option_string_actions
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                for command in action.choices.values():
+                    yield from command._option_string_actions
+
+    def _meant(self, message: str) -> str:
+        """The options that were probably meant by those that nobody knows."""
+        from config.nearest import did_you_mean
+
+        _, unknown, given = message.partition("unrecognized arguments: ")
+        options = (word.partition("=")[0] for word in given.split() if unknown and word.startswith("--"))
+        return "".join(f" {near}" for option in options if (near := did_you_mean(option, self._options())))
+
     def error(self, message: str) -> NoReturn:
-        say(f"{self.prog}: {message}. Try: {self.prog} --help")
+        message += f".{meant}" if (meant := self._meant(message)) else ""
+        say(f"{self.prog}: {message}{'' if message.endswith('?') else '.'} Try: {self.prog} --help")
         raise SystemExit(int(ExitCode.USAGE))
 
     def parse_args(self, args: Any = None, namespace: Any = None) -> Any:

@@ -31,6 +31,7 @@ SHOWN: Final = (
     "wake.words",
     "planner.profile",
 )
+"""Those that are changed most, which stand first."""
 LIVE: Final = frozenset({"console.theme", "console.language", "console.fps", "console.camera", "console.motion"})
 """Those that need no restart; the engine's own are read once."""
 
@@ -52,6 +53,16 @@ class Option:
     """What goes before the user's files: a variable, an option, a file that was given; empty where they hold."""
 
     @property
+    def group(self) -> str:
+        """Under which heading it stands: its section, or ``usual``."""
+        return "usual" if self.key in SHOWN else self.path[0]
+
+    @property
+    def name(self) -> str:
+        """What people call it; for what only few change, its name in the file."""
+        return strings.SETTING_NAMES.get(self.key) or self.key
+
+    @property
     def live(self) -> bool:
         """It takes effect at once."""
         return self.key in LIVE
@@ -63,18 +74,46 @@ class Option:
 
 
 def options(layers: Layers, themes: Sequence[str]) -> tuple[Option, ...]:
-    """All that are shown. Takes as long as the disk does. Raises ``ConfigError``."""
+    """All that there are. Takes as long as the disk does. Raises ``ConfigError``."""
     from config.changing import choices, described, is_packaged, overriding
 
     found = layers.explain()
     lists = {"console.theme": tuple(themes), "planner.profile": tuple(layers.load().profiles)}
     listed = []
-    for key in SHOWN:
+    for key in every():
         setting, path = found[key], tuple(key.split("."))
         may = lists.get(key) or choices(path)
         origin = "" if is_packaged(setting) else setting.origin
         listed.append(Option(key, setting.value, described(path), may, origin, overriding(setting, layers)))
     return tuple(listed)
+
+
+def every() -> tuple[str, ...]:
+    """The names of all settings: the usual ones, and then the others, section by section. What has a name of one's own
+    (places, platforms, skills, keys) is written in the file."""
+    from config.allowed import settings
+
+    others = dict.fromkeys(settings())
+    sections = {name.partition(".")[0]: None for name in others}
+    return (
+        *SHOWN,
+        *(name for part in sections for name in others if name.startswith(f"{part}.") and name not in SHOWN),
+    )
+
+
+def found(options: Sequence[Option], typed: str) -> tuple[Option, ...]:
+    """Those in whose names, sections or meanings every word that was typed occurs."""
+    wanted = typed.casefold().split()
+    return tuple(
+        option
+        for option in options
+        if all(word in f"{option.key} {option.name} {option.about} {about(option)}".casefold() for word in wanted)
+    )
+
+
+def about(option: Option) -> str:
+    """What it means: in the words of the console, or else in those of the schema, which are English."""
+    return strings.SETTING_ABOUTS.get(option.key) or option.about
 
 
 def shown(value: Any) -> str:
@@ -103,8 +142,10 @@ def origin_of(option: Option) -> str:
 def value_of(option: Option, text: str) -> Value:
     """What was written there; whether it may be that, the schema says."""
     text = text.strip()
-    if option.key == "wake.words":
-        return text if text == "auto" else [word.strip() for word in text.split(",") if word.strip()]
+    if option.key == "wake.words" and text == "auto":
+        return text
+    if option.key == "wake.words" or isinstance(option.value, list | tuple):
+        return [word.strip() for word in text.split(",") if word.strip()]
     if option.choices:
         return text
     if not text or text == strings.NO_VALUE:

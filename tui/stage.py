@@ -29,8 +29,11 @@ if TYPE_CHECKING:
 class Stage(App[None]):
     """A Textual application with one main screen, over which others come and go."""
 
-    def __init__(self, keys: Mapping[str, str], clock: Callable[[], float] = time.monotonic) -> None:
-        """``keys`` are those in use by action id; ``clock`` is monotonic seconds."""
+    def __init__(
+        self, keys: Mapping[str, str], clock: Callable[[], float] = time.monotonic, *, one_line: bool = False
+    ) -> None:
+        """``keys`` are those in use by action id; ``clock`` is monotonic seconds; ``one_line``: the main screen is a
+        line."""
         super().__init__()
         self.clock = clock
         self.shown_keys = all_shown(keys)
@@ -39,7 +42,7 @@ class Stage(App[None]):
         """The engine, once it is there."""
         self.offer: Offer | None = None
         """What can be asked of it."""
-        self.main = ConsoleScreen(self.shown_keys)
+        self.main = ConsoleScreen(self.shown_keys, one_line=one_line)
 
     @property
     def shown(self) -> View:

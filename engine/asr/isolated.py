@@ -213,7 +213,7 @@ class IsolatedRecogniser:
 
     @staticmethod
     def _nonsense(what: str) -> ModelError:
-        return RecogniserLost(f"The recogniser process gave an answer that makes no sense: {what}.", hint=_AGAIN)
+        return RecogniserLost(f"The recogniser process sent something unreadable: {what}.", hint=_AGAIN)
 
 
 def _raw(samples: NDArray[np.float32]) -> bytes:

@@ -195,7 +195,7 @@ class WhisperRecogniser:
             )
             found = judge(segment.text.strip(), decoding, self._settings, vocabulary)
             if isinstance(found, Transcript) and segment.compression_ratio > REPETITIVE:
-                found = Rejected("low_confidence", "It says the same again and again.", found.text, decoding)
+                found = Rejected("low_confidence", "The recogniser repeats the same words.", found.text, decoding)
             yield Stretch(segment.start, segment.end, found)
             began = time.perf_counter()
 

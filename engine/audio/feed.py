@@ -79,7 +79,7 @@ class Door:
                 opened.callback(self._path.unlink, missing_ok=True)
                 server = await asyncio.start_unix_server(self._knock, sock=_listening(self._path))
             except BlockingIOError as error:
-                raise DeviceError("Another sayso of yours takes the sound of `sayso mic`.") from error
+                raise DeviceError("Another sayso of yours already gets the sound of `sayso mic`.") from error
             except OSError as error:
                 why = f"{self._path}: {error.strerror or error}"
                 raise StorageError(f"Sound from outside (`sayso mic`) cannot be taken: {why}.") from error

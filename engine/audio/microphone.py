@@ -126,7 +126,7 @@ class Microphone:
                 length = int.from_bytes(await reader.readexactly(LENGTH_BYTES), "little")
                 message = MESSAGES.decode(await reader.readexactly(length))
         except TimeoutError as error:
-            raise DeviceError(f"The {self.name} hangs.", hint="It is tried again.") from error
+            raise DeviceError(f"The {self.name} hangs.", hint="sayso tries again.") from error
         except (asyncio.IncompleteReadError, OSError) as error:
             if self._child is None:
                 return None
@@ -153,7 +153,7 @@ class Lost(DeviceError):
 
 
 def _nonsense(answer: object) -> DeviceError:
-    return DeviceError(f"The microphone process says what makes no sense: {type(answer).__name__}.")
+    return DeviceError(f"The microphone process sent something unreadable: {type(answer).__name__}.")
 
 
 def _times(count: int) -> str:

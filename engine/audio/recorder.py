@@ -129,7 +129,7 @@ class Recorder:
             block = self._blocks.get(timeout=limit_s)
         except queue.Empty:
             raise DeviceError(
-                f"The {self.name} delivers no sound.", hint="Check that it is plugged in: it is looked for."
+                f"The {self.name} delivers no sound.", hint="Check that it is plugged in. sayso keeps looking for it."
             ) from None
         if isinstance(block, DeviceError):
             raise block
@@ -169,7 +169,7 @@ class Recorder:
     def _finished(self) -> None:
         """PortAudio's thread: the stream ended, by us or because the device is gone."""
         if not self._starting:
-            self._put(DeviceError(f"The {self.name} is gone.", hint="Plug it in again: it is looked for."))
+            self._put(DeviceError(f"The {self.name} is gone.", hint="Plug it in again. sayso keeps looking for it."))
 
     def _put(self, block: Samples | DeviceError) -> None:
         if self._blocks.full():

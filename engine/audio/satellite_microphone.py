@@ -69,4 +69,4 @@ class SatelliteMicrophone:
                 self._queue.put(replace(frame, at=now))
 
     def lose(self, error: DeviceError) -> None:
-        self._queue.end(DeviceError(error.message, hint="It is looked for."))
+        self._queue.end(DeviceError(error.message, hint="sayso keeps looking for it."))

@@ -78,7 +78,7 @@ class Intake:
         """The source that can be listened to. Raises why there is none."""
         error = self._missing or self.ring.error
         if self._source is None or error is not None:
-            raise error or DeviceError("There is nothing to hear with.")
+            raise error or DeviceError("There is no source of sound.")
         return self._source
 
     @property

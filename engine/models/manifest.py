@@ -7,7 +7,6 @@ refused. Reading the manifest touches no network and no model file.
 
 from __future__ import annotations
 
-import difflib
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 import yaml
 
+from config.nearest import did_you_mean
 from engine.errors import ModelError
 
 FileName = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=100)]
@@ -119,9 +119,8 @@ class Manifest:
         try:
             return self.models[name]
         except KeyError:
-            near = difflib.get_close_matches(name, self.models, n=1, cutoff=0.4)
-            meant = f"Did you mean {near[0]}? " if near else ""
-            raise ModelError(f"There is no model {name!r}.", hint=f"{meant}`sayso models list` names them.") from None
+            hints = (did_you_mean(name, self.models, 0.4), "`sayso models list` names them.")
+            raise ModelError(f"There is no model {name!r}.", hint=" ".join(filter(None, hints))) from None
 
     def defaults(self) -> tuple[Model, ...]:
         """The models that sayso needs as it is configured out of the box."""

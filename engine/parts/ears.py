@@ -125,7 +125,7 @@ class Ears:
                     both.create_task(self._keep_door())
                     both.create_task(self._attend(hearing))
             else:
-                self._microphone.fail(DeviceError("Nobody listens at the microphone without a recogniser."))
+                self._microphone.fail(DeviceError("Without a recogniser nothing is heard at the microphone."))
             await asyncio.Event().wait()
 
     async def _load(self, closing: AsyncExitStack) -> Hearing:

@@ -53,7 +53,7 @@ class EmergencyStop:
             try:
                 write(self._file, pressed)
             except OSError as error:
-                self._warn(f"The emergency stop is not kept in {self._file}: {error.strerror}.")
+                self._warn(f"The emergency stop could not be saved in {self._file}: {error.strerror}.")
 
     async def keep(self) -> None:
         """Look for what other processes do with it, until this is cancelled."""

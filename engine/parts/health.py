@@ -105,7 +105,7 @@ class Health:
 
 
 WELL: Final = {
-    "battery": "The battery is well again.",
+    "battery": "The battery is fine again.",
     "disk": "The disk has room again.",
     "temperature": "The machine has cooled down.",
     "clock": "The clock has been set.",

@@ -73,10 +73,10 @@ class Keeper:
 
     async def _get_back(self, error: RobotError) -> None:
         self._tell(Halted(error.message, lost=True))
-        self._emit(ErrorRaised(error.code, error.message, "It stands. It is being started again where it was."))
+        self._emit(ErrorRaised(error.code, error.message, "It has stopped. It is being restarted where it was."))
         await self._part.load(lambda: self._start_again(error), _name)
         if self._part.value is not None:
-            self._emit(Log("info", "robot", "The robot is back where it was."))
+            self._emit(Log("info", "robot", "The robot is running again where it was."))
 
     async def _start_again(self, lost: RobotError) -> Robot:
         """The robot, after as many tries as it takes and is allowed. Raises what the last one failed with."""

@@ -54,7 +54,7 @@ class Kept(Generic[T]):
         try:
             write_whole(file, text.encode(), mode=0o644)
         except OSError as error:
-            raise StorageError(f"What was learnt is not kept in {file}: {error.strerror}.") from error
+            raise StorageError(f"What was learnt could not be saved in {file}: {error.strerror}.") from error
 
 
 PLACES: Final = Kept(

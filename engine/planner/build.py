@@ -74,20 +74,22 @@ def build_planner(
     models: Models | None = None,
     world: World | None = None,
     reader: bool = True,
+    places: Places | None = None,
 ) -> Planner:
     """The planner of these settings, for another world than that of the scene if one is given; without the
-    learned one where ``reader`` is False. The phrases of a language are read when it is spoken."""
+    learned one where ``reader`` is False. The phrases of a language are read when it is spoken. ``places`` are those
+    of the running robot, which knows where it started."""
     skills = registry or build_registry(settings, world=world)
-    places = settings.places if world is None else world.places
+    mapped = settings.places if world is None else world.places
     vocabulary = build_vocabulary(settings) if world is None else world.vocabulary()
 
     @cache
     def phrases(language: Language) -> Phrases:
-        return Phrases(places, language, vocabulary=vocabulary, skills=skills)
+        return Phrases(mapped, language, vocabulary=vocabulary, skills=skills, robot=places)
 
     @cache
     def made(language: Language, brief: bool, sees: bool) -> Prompts:
-        return Prompts(language, skills, _words(places, vocabulary), brief=brief, sees=sees)
+        return Prompts(language, skills, _words(mapped, vocabulary), brief=brief, sees=sees)
 
     def prompts(language: Language, chat: Chat) -> Prompts:
         return made(language, chat.held, chat.sees)

@@ -18,7 +18,7 @@ from engine.commands import MAX_TEXT, too_long
 from engine.errors import ExitCode, PlanError
 from engine.hearing.readings import Afterthought, Completeness
 from engine.llm.chat import Chat, ChatError, Message
-from engine.plan import Action, ActionCall, Plan, parse_calls
+from engine.plan import Action, ActionCall, InWords, Plan, parse_calls
 from engine.planner.afterthoughts import afterthought
 from engine.planner.completeness import completeness
 from engine.planner.happened import last_question, last_said, rounds
@@ -76,6 +76,12 @@ class Planner:
         self._asked = Asked(registry)
         self._validation = Validation(registry, vocabulary, max_actions)
         self._learned = None if reader is None else Understood(reader, phrases, self._validation, vocabulary, tell)
+
+    def in_words(self, action: Action) -> InWords:
+        """How people are told of an action, in English."""
+        told = self._tell((replace(action, alongside=False),), "en")
+        step, doing = told.steps[0].removesuffix("."), told.response.removesuffix(".")
+        return InWords(step, f"{doing[:1].lower()}{doing[1:]}" or step)
 
     @property
     def understood(self) -> str:

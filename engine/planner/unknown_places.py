@@ -6,9 +6,9 @@ A name may mean several pieces of furniture, or one that is no place of its own 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 from typing import Final
 
+from config.nearest import nearest
 from engine.errors import ExitCode
 from engine.plan import ActionCall
 from engine.planner.request import Language, NoPlan
@@ -22,22 +22,19 @@ NEAR: Final = 0.75
 def unknown(text: str, name: str, known: Sequence[str], language: Language) -> NoPlan:
     """That nobody knows it: the offer to go to the one of ``known`` whose name is nearest, else which places there
     are."""
-    if near := nearest(name, known):
+    if near := nearest_place(name, known):
         question = SAID[language]["nearest"].format(name=name, near=near)
         return NoPlan(text, "unknown_place", question, ExitCode.CLARIFY, suggestions=(near,), offer=_going(near))
     answer = SAID[language]["unknown_place"].format(name=name, known=", ".join(known))
     return NoPlan(text, "unknown_place", answer, suggestions=tuple(known))
 
 
-def nearest(name: str, known: Sequence[str]) -> str:
+def nearest_place(name: str, known: Sequence[str]) -> str:
     """The one of ``known`` that ``name`` may be a misspelling of; empty where none is near. A word in front that is
     misspelt as well ("teh kichen") may be an article."""
     words = name.casefold().split()
-    names = {word.casefold(): word for word in known}
-    for said in (" ".join(words), " ".join(words[1:])):
-        if said and (found := get_close_matches(said, names, n=1, cutoff=NEAR)):
-            return names[found[0]]
-    return ""
+    found = (nearest(said, known, NEAR) for said in (" ".join(words), " ".join(words[1:])) if said)
+    return next(filter(None, found), "")
 
 
 def room_instead(text: str, name: str, vocabulary: Vocabulary, language: Language) -> NoPlan | None:

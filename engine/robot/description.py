@@ -6,7 +6,6 @@ What a robot has decides which skills it is offered for; what it may do at most 
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
@@ -20,6 +19,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 
 from config import paths
 from config.editing import NotEditable, Value, with_value
+from config.nearest import did_you_mean
 from config.schema import Section
 from config.writing import write_whole
 from engine import yaml_file
@@ -358,8 +358,7 @@ def described(name: str) -> Description:
     :class:`UsageError`."""
     path = file_of(name)
     if not _is_file(path):
-        near = difflib.get_close_matches(name, known(), 1, 0.5)
-        hint = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known())}; or give a file."
+        hint = did_you_mean(name, known()) or f"There are: {', '.join(known())}; or give a file."
         raise UsageError(f"There is no robot called {name!r}.", hint=hint)
     return _read(path.resolve(), path.stat().st_mtime_ns)
 

@@ -32,7 +32,9 @@ PAUSE_LIMIT_S: Final = 1.5
 """A pause that nobody has ended after this makes the robot halt, s."""
 EMERGENCY_STOP: Final = "the emergency stop is pressed"
 """Why it has halted then."""
-UNDECIDED: Final = "somebody may have said stop, and nobody could tell"
+SLOWEST: Final = 0.1
+"""The smallest speed limit, as a share of what the envelope allows: slower, a drive would count as held back."""
+UNDECIDED: Final = "somebody may have said stop, and this could not be checked"
 """Why it has halted then."""
 
 
@@ -80,6 +82,7 @@ class RobotState:
     paused: bool = False  # it stands until it is resumed
     paused_s: float = 0.0  # s of ``t`` in which it was paused
     estop: bool = False  # the emergency stop is pressed
+    speed_limit: float = 1.0  # share of the envelope's speeds that is allowed now
     battery: BatteryState | None = None  # where something measures it
     going: Going | None = None  # of a robot that finds its way itself
     arm_fault: str = ""  # why an arm that finds its own way did not carry out its last motion, in words for people
@@ -181,6 +184,12 @@ class Robot(Protocol):
     def press(self, pressed: bool) -> None:
         """Press the emergency stop, or release it. While it is pressed nothing moves, in no epoch, and it stays so over
         a loss of the robot; after it was released, a new epoch is needed. Thread-safe, never blocks."""
+        ...
+
+    def limit_speed(self, share: float) -> None:
+        """Drive no faster than this share, ``SLOWEST`` … 1, of what the safety envelope allows; what drives already
+        gets slower, and no epoch changes that. A robot that finds its way itself chooses its speed on the way there.
+        Thread-safe, never blocks."""
         ...
 
     def pause(self, epoch: int) -> int:

@@ -35,7 +35,7 @@ from engine.events import (
 from engine.llm.chat import ChatError
 from engine.perception.eyes import Eyes
 from engine.perception.sighting import EVERYTHING, Part, Sight, as_json
-from engine.plan import Action, Plan
+from engine.plan import Action, InWords, Plan, as_written
 from engine.robot.camera import Picture
 from engine.robot.geometry import ZERO, Pose
 from engine.robot.robot import Robot
@@ -76,6 +76,7 @@ class Report:
     never_started: tuple[Action, ...]
     failure: Ran | None = None
     """The action that ended the plan early, unless that was an interruption: it failed, or it asked a question."""
+    told: Callable[[Action], InWords] = as_written
 
     @property
     def question(self) -> str | None:
@@ -96,7 +97,7 @@ class Report:
             return " ".join(filter(None, told))
         text = self.failure.result.message
         if self.never_started:
-            text += f" I did not start: {', '.join(str(action) for action in self.never_started)}."
+            text += f" I did not start: {', '.join(self.told(action).doing for action in self.never_started)}."
         return text
 
 
@@ -116,6 +117,8 @@ class Run:
     """Asks somebody and gives the answer, where one can be heard."""
     worded: Worded = lambda text, language=None: text
     """Puts a sentence of ours into the language of the request."""
+    told: Callable[[Action], InWords] = as_written
+    """How people are told of an action."""
     ran: list[Ran] = field(default_factory=list)
     started: set[int] = field(default_factory=set)
     running: set[str] = field(default_factory=set)  # keys of the actions that have started and not ended
@@ -124,7 +127,7 @@ class Run:
     def report(self) -> Report:
         """The books as of now."""
         never = tuple(action for index, action in enumerate(self.plan.actions) if index not in self.started)
-        return Report(tuple(self.ran), never, self.failure)
+        return Report(tuple(self.ran), never, self.failure, self.told)
 
 
 class Begun(NamedTuple):
@@ -177,7 +180,8 @@ class Dispatcher:
         """Run the plan. ``run`` is up to date at every moment, also when this is cancelled half-way."""
         actions, keys = run.plan.actions, [str(ULID()) for _ in run.plan.actions]
         for index, (action, key) in enumerate(zip(actions, keys, strict=True), 1):
-            run.emit(ActionQueued(key, index, len(actions), action.name, action.args))
+            told = run.told(action).step
+            run.emit(ActionQueued(key, index, len(actions), action.name, action.args, told))
         for group in run.plan.groups():
             if run.failure is not None or not self._epoch.is_current(run.epoch):
                 break
@@ -199,7 +203,8 @@ class Dispatcher:
                 raise _Failed
             run.started.add(index)
             run.running.add(key)
-            run.emit(ActionStarted(key, index + 1, len(run.plan.actions), action.name, action.args))
+            told = run.told(action).step
+            run.emit(ActionStarted(key, index + 1, len(run.plan.actions), action.name, action.args, told))
             result = await self._perform(run, action, key)
             if not result.ok or result.error_code == "needs_answer":
                 raise _Failed
@@ -239,7 +244,7 @@ class Dispatcher:
             self._write(run, begun, self._cut(run, action, remains))
             raise
         except RobotError as error:
-            result = Result("uncertain", "robot_lost", f"{error.message} How far {action} got is not known.")
+            result = Result("uncertain", "robot_lost", f"{error.message} {_unknown(run, action)}")
         except CameraError as error:
             result = fail("camera_lost", error.message)
         except Exception as error:  # noqa: BLE001 - a fault in one skill ends that action, not the session
@@ -283,23 +288,23 @@ class Dispatcher:
     def _cut(self, run: Run, action: Action, remains: Remains[Result]) -> Result:
         """The outcome of an action that was cancelled."""
         if run.cut_by() == "robot_lost":
-            return Result("uncertain", "robot_lost", f"The robot was lost. How far {action} got is not known.")
+            return Result("uncertain", "robot_lost", f"The robot was lost. {_unknown(run, action)}")
         if remains.let_go:
             return self._interrupted(run, action, remains.found)
-        message = f"{action} did not let go within {GRACE_S:g} s of its interruption{self._where()}."
+        message = f"{_subject(run, action)}: did not stop within {GRACE_S:g} s{self._where()}."
         return Result("uncertain", run.cut_by(), message)
 
     def _interrupted(self, run: Run, action: Action, said: object) -> Result:
-        why = "" if run.failure is None else f" because {run.failure.action} failed"
-        message = f"{action} was interrupted{why}{self._where()}."
+        why = "" if run.failure is None else f" because {run.told(run.failure.action).doing} failed"
+        message = f"{_subject(run, action)}: stopped{why}{self._where()}."
         if isinstance(said, Result) and said.message:
-            message += f" It had just reported: {said.message}"
+            message += f" Its last report: {said.message}"
         return Result("interrupted", run.cut_by(), message)
 
     @staticmethod
     def _drop(run: Run, action: Action, found: Result | BaseException) -> None:
         """An action ended long after its outcome was written: for the record, and without any effect."""
-        run.emit(Log("warning", "dispatch", f"{action} ended late, after it was given up: {found!r}."))
+        run.emit(Log("warning", "dispatch", f"{_subject(run, action)}: ended late, after it was given up: {found!r}."))
 
     def _progress(self, run: Run, key: str, name: str) -> Progress:
         last = -PROGRESS_PERIOD_S
@@ -420,3 +425,13 @@ class Dispatcher:
             return ""
         held = self._eyes.world.held
         return f" at x {pose.x:.2f} m, y {pose.y:.2f} m{f', holding the {held.name}' if held else ''}"
+
+
+def _subject(run: Run, action: Action) -> str:
+    """An action as the subject of a sentence."""
+    doing = run.told(action).doing
+    return f"{doing[:1].upper()}{doing[1:]}"
+
+
+def _unknown(run: Run, action: Action) -> str:
+    return f"{_subject(run, action)}: how far it got is not known."

@@ -37,6 +37,7 @@ from engine.commands import (
     Heard,
     Here,
     Interrupt,
+    LimitSpeed,
     Move,
     Quit,
     Release,
@@ -245,6 +246,9 @@ class Session:
             case Here() as here:
                 refused = self._put(here)
                 self._ack(request, refused or "The robot believes you.", ok=not refused)
+            case LimitSpeed(share):
+                refused = self._limit_speed(share)
+                self._ack(request, refused or f"I drive at {100 * share:.0f}% of my speed at most.", ok=not refused)
             case Wake():
                 again = self._again
                 self._start(request, lambda turn: turn.listen(restarted=again)).broke_off = self._broke_off
@@ -510,6 +514,13 @@ class Session:
             return error.message
         self._cycle.put_after, _ = self._cycle.acted_last()
         self._offer()
+        return ""
+
+    def _limit_speed(self, share: float) -> str:
+        """Have the robot drive no faster; why not, in words."""
+        if (robot := self._needs.robot.value) is None:
+            return "The robot is not there yet."
+        robot.limit_speed(share)
         return ""
 
     # What others see

@@ -28,7 +28,7 @@ from engine.hearing.afterwards import More
 from engine.hearing.hearing import NothingHeard
 from engine.llm.chat import ChatError
 from engine.parts.part import Loading
-from engine.plan import Plan
+from engine.plan import Action, InWords, Plan, as_written
 from engine.planner.intent import with_intent
 from engine.planner.phrases.stopping import is_emergency, is_stop
 from engine.planner.request import Happened, Language, NoPlan, PlanRequest, Plans
@@ -96,6 +96,8 @@ class Needs:
     """Actions that one request may lead to."""
     around: Callable[[], Around | None] = lambda: None
     """Those around the robot, who hear it and may answer."""
+    told: Callable[[Action], InWords] = as_written
+    """How people are told of an action."""
 
 
 PRESSED: Final = "The emergency stop is pressed: nothing moves until it is released."
@@ -387,6 +389,7 @@ class Turn:
     async def _run(self, dispatcher: Dispatcher, plan: Plan) -> Report:
         """Act and speak the response at the same time; what never started is on record however it ends."""
         run = Run(plan, self.epoch, self.emit, self._speak, self._record, lambda: self.cut_by, self._ask, self.worded)
+        run.told = self._needs.told
         try:
             async with asyncio.TaskGroup() as scope:
                 if plan.response:

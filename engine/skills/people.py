@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Mapping
+from typing import Final
 
+from config.nearest import nearest
 from config.schema import KnownPerson
 from engine.errors import ExitCode
 from engine.han import SIMPLER
 from engine.perception.people import Looks
 from engine.perception.someone import Someone, UnknownPerson, someone
+
+NEAR: Final = 0.8
+"""How alike the name of somebody who is known has to be, 0 to 1: many names differ by a letter."""
 
 
 class People:
@@ -44,8 +48,8 @@ class People:
         found = someone(words)
         if found.name and (name := self.name(found.name)):
             return Someone(name)
-        if found.name and (near := difflib.get_close_matches(found.name, self._people, 1, 0.8)):
-            error = UnknownPerson(f"I don't know {found.name}. Do you mean {near[0]}?")
+        if found.name and (near := nearest(found.name, self._people, NEAR)):
+            error = UnknownPerson(f"I don't know {found.name}. Do you mean {near}?")
             error.exit_code = ExitCode.CLARIFY
             raise error
         return found

@@ -1,4 +1,5 @@
-"""The places the robot knows: those of the map, and ``zero``, the pose it was told to remember."""
+"""The places the robot knows: those of the map, and ``zero``: where it started, until it is told to
+remember another pose."""
 
 from __future__ import annotations
 
@@ -6,8 +7,9 @@ import itertools
 import math
 import re
 import string
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Mapping, Sequence
 
+from config.nearest import did_you_mean
 from config.schema import Place, Position, Quaternion
 from engine.errors import PlanError
 from engine.han import SIMPLER
@@ -40,12 +42,18 @@ class UnknownPlace(PlanError):
     code = "unknown_place"
 
 
+def known_names(word: str, names: Sequence[str]) -> str:
+    """What to say to somebody whose ``word`` is none of the ``names``: the nearest of them, and which there are."""
+    return " ".join(filter(None, (did_you_mean(word, names), f"I know: {', '.join(names)}.")))
+
+
 class Places:
     """Looks places up by symbol, name or alias, and remembers one pose."""
 
     def __init__(self, places: Mapping[str, Place]) -> None:
         self._places = dict(places)
         self._zero: Pose | None = None
+        self._is_start = True
         self.on_added: Callable[[str, Place], object] = lambda symbol, place: None
         self._words = {
             word.casefold().translate(SIMPLER): symbol
@@ -67,9 +75,18 @@ class Places:
         self.on_added(symbol, place)
         return symbol
 
-    def remember(self, pose: Pose) -> None:
-        """Make ``pose`` the place ``zero``."""
+    def begin(self, pose: Pose) -> None:
+        """The robot starts at ``pose``: this is ``zero`` until it is told to remember another one."""
         self._zero = pose
+
+    def remember(self, pose: Pose) -> None:
+        """Make ``pose`` the place ``zero``, as somebody asked for."""
+        self._zero, self._is_start = pose, False
+
+    @property
+    def zero_is_start(self) -> bool:
+        """Whether ``zero`` is where the robot started, and nobody has asked to remember another pose."""
+        return self._is_start
 
     def symbol(self, word: str) -> str:
         """Symbol of the place that people call ``word``. Raises :class:`UnknownPlace`."""
@@ -78,7 +95,7 @@ class Places:
             return ZERO_SYMBOL
         if (symbol := self._words.get(key) or self._others.get(key)) is not None:
             return symbol
-        raise UnknownPlace(f"I don't know a place called {word!r}.", hint=f"I know: {', '.join(self.names())}.")
+        raise UnknownPlace(f"I don't know a place called {word!r}.", hint=known_names(word, self.names()))
 
     def symbols(self, words: str) -> tuple[str, ...]:
         """Symbols of the places in a list, separated by commas or "and" (which may also be within a name). Raises
@@ -117,7 +134,9 @@ class Places:
 
     def name(self, symbol: str) -> str:
         """What people call it."""
-        return "the remembered place" if symbol == ZERO_SYMBOL else f"the {self._places[symbol].name}"
+        if symbol == ZERO_SYMBOL:
+            return "my starting point" if self._is_start else "the remembered place"
+        return f"the {self._places[symbol].name}"
 
     @staticmethod
     def _key(word: str) -> str:

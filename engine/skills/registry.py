@@ -8,13 +8,13 @@ arguments, or says why not. This is the only door between text and motion.
 
 from __future__ import annotations
 
-import difflib
 import inspect
 import re
 from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
+from config.nearest import did_you_mean, nearest
 from config.schema import SkillRecord
 from engine.errors import ExitCode, PlanError
 from engine.events import Value
@@ -257,7 +257,7 @@ class SkillRegistry:
         given = dict(zip(names, call.positional, strict=False))
         for name, argument in call.named.items():
             if name not in names:
-                raise PlanError(f"{skill.signature} has no argument {name!r}.")
+                raise PlanError(f"{skill.signature} has no argument {name!r}.", hint=did_you_mean(name, names))
             if name in given:
                 raise PlanError(f"{skill.signature}: {name} is given twice.")
             given[name] = argument
@@ -293,8 +293,8 @@ class SkillRegistry:
     def _unknown(self, name: str) -> str:
         if name in self._impossible:
             return f"This robot has nothing to do {name} with."
-        near = difflib.get_close_matches(name, self._skills, n=1)
-        return f"There is no skill {name!r}{f'; did you mean {near[0]}?' if near else '.'}"
+        near = nearest(name, self._skills)
+        return f"There is no skill {name!r}{f'; did you mean {near}?' if near else '.'}"
 
 
 def any_of(word: str, said: str) -> bool:

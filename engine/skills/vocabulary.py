@@ -12,13 +12,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, get_args
 
+from config.nearest import did_you_mean
 from engine.errors import ExitCode, PlanError
 from engine.han import SIMPLER
 from engine.perception.naming import CHINESE, UnknownObject, Wanted, parted, ranked, wanted
 from engine.perception.sighting import Colour
 from engine.robot.floor_map import Furniture, Room
 from engine.skills.people import People
-from engine.skills.places import ZERO_SYMBOL, Places, UnknownPlace
+from engine.skills.places import ZERO_SYMBOL, Places, UnknownPlace, known_names
 from engine.skills.synonyms import synonyms
 
 BIN: Final = "bin"
@@ -120,7 +121,8 @@ class Vocabulary:
                 raise Ambiguous(f"Which {plain}: {', '.join(names[:-1])} or {names[-1]}?", names) from None
             if not (names := self.things()):
                 raise
-            raise UnknownObject(unknown.message, hint=f"{unknown.hint} And: {', '.join(names)}.") from None
+            hints = (did_you_mean(plain, names), f"{unknown.hint} And: {', '.join(names)}.")
+            raise UnknownObject(unknown.message, hint=" ".join(filter(None, hints))) from None
 
     def any_of(self, words: str) -> str:
         """What is looked for where each thing of a kind will do ("a fruit", "the drinks"), as ``str(Wanted)``; empty
@@ -165,15 +167,15 @@ class Vocabulary:
         """A colour of things. Raises :class:`UnknownColour` with those that are told apart."""
         colour = _plain(word)
         if colour not in get_args(Colour):
-            raise UnknownColour(f"I cannot tell what is {word!r}.", hint=f"I know: {', '.join(get_args(Colour))}.")
+            raise UnknownColour(f"I cannot tell what is {word!r}.", hint=known_names(word, get_args(Colour)))
         return colour
 
     def room(self, word: str) -> str:
         """The name of a room, also by the name of the place in it. Raises :class:`UnknownPlace` with all rooms."""
         room = self._room(_plain(word))
         if room is None:
-            known = ", ".join(room.name for room in self._rooms.values()) or "no rooms"
-            raise UnknownPlace(f"I don't know a room called {word!r}.", hint=f"I know: {known}.")
+            known = [room.name for room in self._rooms.values()] or ["no rooms"]
+            raise UnknownPlace(f"I don't know a room called {word!r}.", hint=known_names(word, known))
         return room
 
     def surface(self, word: str) -> str:
@@ -197,8 +199,8 @@ class Vocabulary:
             return alike[0]
         if alike:
             raise Ambiguous(f"Which {plain}: {', '.join(alike[:-1])} or {alike[-1]}?", alike)
-        known = ", ".join((*(piece.name for piece in self._furniture.values()), FLOOR))
-        raise UnknownPlace(f"I don't know where {word!r} is.", hint=f"I know: {known}.")
+        known = (*(piece.name for piece in self._furniture.values()), FLOOR)
+        raise UnknownPlace(f"I don't know where {word!r} is.", hint=known_names(word, known))
 
     def surfaces(self) -> tuple[str, ...]:
         """Every word for a surface, also those that mean several."""

@@ -185,4 +185,4 @@ class IsolatedVoice:
 
     @staticmethod
     def _nonsense() -> VoiceLost:
-        return VoiceLost("The voice process gave an answer that makes no sense.")
+        return VoiceLost("The voice process sent something unreadable.")

@@ -76,7 +76,7 @@ def opened(path: str) -> Any:
     return serial_port.opened(path, "wake.serial.port", _LOOK)
 
 
-_LOOK: Final = "Plug the wake module in: it is found by itself. `sayso doctor` lists the ports there are."
+_LOOK: Final = "Plug the wake module in. sayso finds it by itself. `sayso doctor` lists the ports there are."
 
 
 def _named(path: str, known: Known | None) -> Wanted:

@@ -222,7 +222,7 @@ class WakeReader:
         news = self._settled or self._known is None  # else it has been missed for a while
         self._settled, self._pauses, self._next_look, self._trouble = False, 0, 0.0, "absent"
         if news:
-            hint = "Plug it in again: it is found by itself."
+            hint = "Plug it in again. sayso finds it by itself."
             self._tell(Lost(DeviceError(f"The wake module is gone: {line} was unplugged.", hint=hint)))
 
     def _take(self, line: _Line) -> None:

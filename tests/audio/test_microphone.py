@@ -98,7 +98,7 @@ def test_a_lost_microphone_is_an_error_and_another_one_waits_until_it_is_back(se
                 with pytest.raises(DeviceError, match="is gone") as caught:
                     async for _ in microphone:
                         pass
-                assert "it is looked for" in caught.value.hint
+                assert "keeps looking for it" in caught.value.hint
             patient = Microphone(patient=True)
             finding = asyncio.create_task(patient.__aenter__())
             await until_recording()

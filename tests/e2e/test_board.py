@@ -133,4 +133,4 @@ def test_with_a_low_battery_it_refuses_what_is_long_and_goes_to_its_dock(tmp_pat
             assert running.until("state.changed", ended)["result"]["outcome"] == "done"
             state = board.until(lambda state: state["volts"] > 11)
             assert math.dist((state["x"], state["y"]), (4.2, -0.3)) < 0.15
-            running.until("log", lambda body: body["message"] == "The battery is well again.")
+            running.until("log", lambda body: body["message"] == "The battery is fine again.")

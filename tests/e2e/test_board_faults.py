@@ -173,7 +173,7 @@ def test_a_host_that_hung_for_long_does_not_go_on_by_itself(board: Emulator) -> 
         first = board.until(stands)
         board.until(lambda state: state["t"] > first["t"] + 1.3)
         host.resume()
-        assert "was away" in turning.until("halted")["why"]
+        assert "did not respond" in turning.until("halted")["why"]
         stays(board)
         turn(board, turning)
 

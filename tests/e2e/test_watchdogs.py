@@ -214,7 +214,7 @@ def test_a_lost_robot_comes_back_where_it_was_and_takes_new_commands(tmp_path: P
         error = running.until("error", lambda error: error["code"] == "robot_lost")
         assert not error["fatal"]
         was = body.pose
-        running.until("log", lambda log: "back where it was" in log["message"])
+        running.until("log", lambda log: "running again where it was" in log["message"])
         assert gone(lost)
         assert body.pose.distance_to(was) < 0.05
         body.stays(0.5)
@@ -238,7 +238,7 @@ def test_a_paused_console_leaves_a_robot_that_stands_and_says_for_how_long(tmp_p
         body.until_resting(blow)
         body.stays(1.5)
         os.kill(terminal.pid, signal.SIGCONT)
-        terminal.until(lambda: "stopped by itself" in terminal.text and "away for" in terminal.text)
+        terminal.until(lambda: "stopped by itself" in terminal.text and "Not responding for" in terminal.text)
         body.stays(0.5)
         terminal.type("/")
         terminal.type(FAR + "\r")
@@ -263,7 +263,7 @@ def test_a_lost_robot_is_shown_until_it_is_back(tmp_path: Path) -> None:
         body = driving_console(terminal)
         body.process.kill()
         terminal.until(lambda: "SIGKILL" in terminal.text)
-        terminal.until(lambda: "the robot is back where it was" in terminal.text and "✓ robot" in terminal.text)
+        terminal.until(lambda: "the robot is connected again" in terminal.text and "✓ robot" in terminal.text)
         assert "Something failed" not in terminal.text
         terminal.type("q")
         assert terminal.wait() == ExitCode.DONE

@@ -326,6 +326,7 @@ async def begin(
     holds = Holds()
     planner = SlowPlanner(reader or build_planner(settings, registry))
     hearing = ScriptedHearing()
+    in_words = build_planner(settings, registry, reader=False)
     needs = Needs(
         robot=await _ready("robot", robot),
         planner=await _ready("planner", planner),
@@ -340,6 +341,7 @@ async def begin(
         wording=build_wording(settings),
         rounds=settings.planner.rounds,
         steps=settings.planner.steps,
+        told=in_words.in_words,
     )
     session = Session(settings.session, bus, epoch, needs)
     ducked: list[bool] = []

@@ -55,6 +55,7 @@ class KinematicRobot:
         self._light = (0, 0, 0)
         self._pauses = 0
         self._paused: asyncio.TimerHandle | None = None
+        self.speed_limit = 1.0
         self.on_halt: Callable[[str, int], None] = lambda reason, epoch: None
         """Told of a pause that nobody ended, and of its epoch."""
         self._at = self._loop.time()
@@ -68,6 +69,9 @@ class KinematicRobot:
     def press(self, pressed: bool) -> None:
         self._advance()
         self.estop, self._twist = pressed, ZERO
+
+    def limit_speed(self, share: float) -> None:
+        self.speed_limit = share
 
     def go(self, goal: Pose, epoch: int) -> int:
         raise AssertionError("it does not navigate")

@@ -343,7 +343,7 @@ def test_the_next_request_tells_the_planner_what_ran_what_was_cut_where_and_what
         assert [in_words(entry) for entry in rest if isinstance(entry, Ran | Noted)] == [
             "move_left(90, 1) ok. Turned 90° left.",
             "Interruption: the user gave another command.",
-            "move_forward(10, 0.3) interrupted. move_forward(10, 0.3) was interrupted at x 0.00 m, y 0.30 m.",
+            "move_forward(10, 0.3) interrupted. Driving 10 metres forward: stopped at x 0.00 m, y 0.30 m.",
             "Never started: beep(0.2).",
         ]
 

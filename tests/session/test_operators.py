@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from engine import events
-from engine.commands import Command, Drive, EndTask, EStop, Heard, Here, Interrupt, Release, Say
+from engine.commands import Command, Drive, EndTask, EStop, Heard, Here, Interrupt, LimitSpeed, Release, Say
 from engine.errors import ExitCode
 from engine.robot.geometry import Pose
 from engine.robot.robot import BatteryState
@@ -229,3 +229,20 @@ def test_a_hand_ends_what_was_asked_for_while_it_drove() -> None:
         assert abs(talk.robot.state().pose.yaw) < 0.1
 
     converse(test, "session.busy=queue")
+
+
+# The speed limit
+
+
+def test_a_speed_limit_reaches_a_robot_that_drives_and_interrupts_nothing() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        epoch = talk.epoch.current
+        talk.send(LimitSpeed(0.25, id="slow"))
+        assert (await talk.until(events.Ack, lambda body: body.id == "slow")).ok
+        assert talk.robot.speed_limit == 0.25
+        assert talk.epoch.current == epoch
+        assert not talk.robot.state().twist.is_zero
+        assert not talk.bodies(events.ActionFinished)
+
+    converse(test)

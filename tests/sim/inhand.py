@@ -89,6 +89,9 @@ class HandRobot:
     def press(self, pressed: bool) -> None:
         raise NotImplementedError("no skill presses the emergency stop")
 
+    def limit_speed(self, share: float) -> None:
+        raise NotImplementedError("no skill limits the speed")
+
     def pause(self, epoch: int) -> int:
         raise NotImplementedError("no skill pauses a robot")
 

@@ -233,3 +233,32 @@ def test_joints_are_kept_within_their_ranges() -> None:
     assert clamp_joints((5, -5), ranges) == (1.0, 0.0)
     assert clamp_joints((math.nan, 0), ranges) is None
     assert clamp_joints((0.0,), ranges) is None
+
+
+def driven(envelope: Envelope, twist: Twist) -> Twist:
+    """What the motors are told once nothing changes any more, with nothing around."""
+    envelope.command(twist, 0.0)
+    for _ in range(400):
+        told = envelope.shape(0.0, DT, NOTHING).twist
+    return told
+
+
+@settings(deadline=None)
+@given(twists, st.floats(0.1, 1.0))
+def test_a_speed_limit_only_ever_takes_away_and_keeps_the_direction(wanted: Twist, share: float) -> None:
+    envelope = Envelope(LIMITS, HULL)
+    envelope.limit_speed(share)
+    told, most = driven(envelope, wanted), clamp(wanted, LIMITS)
+    assert max(abs(told.vx), abs(told.vy)) <= share * LIMITS.linear_speed + 1e-9
+    assert abs(told.wz) <= min(share * LIMITS.angular_speed, abs(most.wz)) + 1e-9
+    assert math.hypot(told.vx, told.vy) <= math.hypot(most.vx, most.vy) + 1e-9
+    assert told.vx * most.vy == pytest.approx(told.vy * most.vx, abs=1e-6)
+
+
+def test_a_speed_limit_slows_down_what_drives_already_and_no_value_lets_anything_be_faster_than_the_limits() -> None:
+    envelope = Envelope(LIMITS, HULL)
+    speeds = []
+    for share in (1.0, 0.25, -3.0, 7.0, math.nan):
+        envelope.limit_speed(share)
+        speeds.append(driven(envelope, Twist(3.0)).vx / LIMITS.linear_speed)
+    assert speeds == pytest.approx([1.0, 0.25, 0.1, 1.0, 1.0])

@@ -249,3 +249,14 @@ def test_the_time_of_a_pause_is_told() -> None:
             rig.resume(number=number)
             rig.let_pass(0.5, beating=True)
         assert abs(float(rig.memory.state.get()["paused_s"]) - 1.0) < 0.02
+
+
+def test_a_speed_limit_slows_down_a_robot_at_speed_and_halts_nothing() -> None:
+    with driving() as rig:
+        rig.memory.times[m.SPEED_LIMIT] = 0.25
+        rig.let_pass(0.6, beating=True, speed=FULL_SPEED)
+        assert abs(rig.world.twist.vx - 0.25 * FULL_SPEED) < 0.01
+        assert not rig.halted
+        rig.memory.times[m.SPEED_LIMIT] = 0.0  # as it is before anybody set one
+        rig.let_pass(0.6, beating=True, speed=FULL_SPEED)
+        assert abs(rig.world.twist.vx - FULL_SPEED) < 0.01

@@ -13,7 +13,7 @@ import msgspec
 
 from engine import events as ev
 from engine.robot.arm import ARM_INITIAL
-from tests.tui.scripted import OPENING, ScriptedEngine, Step
+from tests.tui.scripted import OPENING, ScriptedEngine, Step, queued, started
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,8 +125,8 @@ SPOKEN = Scene(
         Step(0.001, PLAN),
         Step(0.0, ev.StateChanged("PLANNING", "ACTING", "1 actions")),
         Step(0.0, ev.SpeechStarted("Going to the kitchen.", True)),
-        Step(0.0, ev.ActionQueued("a1", 1, 1, "navigation", KITCHEN)),
-        Step(0.002, ev.ActionStarted("a1", 1, 1, "navigation", KITCHEN)),
+        Step(0.0, queued("a1", 1, 1, "navigation", KITCHEN)),
+        Step(0.002, started("a1", 1, 1, "navigation", KITCHEN)),
         driving(0.05),
         Step(1.2, ev.SpeechEnded("Going to the kitchen.", "Going to the kitchen.", "ok")),
         Step(4.1, ev.ActionFinished("a1", "navigation", KITCHEN, "ok", None, "I am at the kitchen.", 5.16, {"x": 0.2})),
@@ -213,7 +213,7 @@ AGAIN = msgspec.structs.replace(
     prompt_tokens=3_168,
     reply_tokens=31,
 )
-_BRING = ({"object": "red box"}, {"place": "A"}, {"angle": 90.0, "angular_speed": 1.0})
+_BRING = ({"object": "red box"}, {"object": "red box", "place": "A"}, {"angle": 90.0, "angular_speed": 1.0})
 _NAMES = ("pick_object", "carry", "move_left")
 BY_MODEL = Scene(
     "T6",
@@ -242,12 +242,12 @@ BY_MODEL = Scene(
         ),
         Step(0.0, ev.StateChanged("PLANNING", "ACTING", "3 actions")),
         Step(0.0, ev.SpeechStarted("I bring it.", True)),
-        *(Step(0.0, ev.ActionQueued(f"b{n}", n, 3, _NAMES[n - 1], _BRING[n - 1])) for n in (1, 2, 3)),
-        Step(0.003, ev.ActionStarted("b1", 1, 3, _NAMES[0], _BRING[0])),
+        *(Step(0.0, queued(f"b{n}", n, 3, _NAMES[n - 1], _BRING[n - 1])) for n in (1, 2, 3)),
+        Step(0.003, started("b1", 1, 3, _NAMES[0], _BRING[0])),
         driving(0.06),
         Step(0.7, ev.SpeechEnded("I bring it.", "I bring it.", "ok")),
         Step(6.2, ev.ActionFinished("b1", _NAMES[0], _BRING[0], "ok", None, "I hold the red box.", 6.9, {"gap": 0.03})),
-        Step(0.0, ev.ActionStarted("b2", 2, 3, _NAMES[1], _BRING[1])),
+        Step(0.0, started("b2", 2, 3, _NAMES[1], _BRING[1])),
         Step(2.4, ev.SpeechStarted("On my way to the kitchen.", True)),
         Step(0.4, ev.InterruptRaised("interrupt", "key", "ACTING")),
         Step(0.001, ev.SpeechEnded("On my way to the kitchen.", "On my", "interrupted")),
@@ -255,7 +255,7 @@ BY_MODEL = Scene(
             0.001,
             ev.ActionFinished(
                 "b2", _NAMES[1], _BRING[1], "interrupted", "cancelled",
-                "carry(A) was interrupted at x 0.45 m, y -1.05 m, holding the red box.", 2.8,
+                "Bringing the red box to the kitchen: stopped at x 0.45 m, y -1.05 m, holding the red box.", 2.8,
             ),
         ),
         resting(),

@@ -47,7 +47,7 @@ class Desk:
         and the log comes behind at a pace of its own."""
         log, drawing = self.app.screen_stack[0].query_one(LogView), self.app.drawing
         known = drawing.view.model is drawing.model and drawing.model.t >= self.engine.t
-        return known and not drawing.due and log.items == drawing.model.log and self._is_laid_out
+        return known and not drawing.due and log.known == drawing.model.log and self._is_laid_out
 
     @property
     def _is_laid_out(self) -> bool:
@@ -94,10 +94,19 @@ async def console(
     theme: str = "sayso-dark",
     language: Language = "en",
     wording: Telling | None = None,
+    one_line: bool = False,
 ) -> AsyncIterator[Desk]:
     """A console on a terminal of this size. Its clock stands still: durations come from events alone."""
     engine = engine or ScriptedEngine(robot=robot_at(-1.35, 0.05, 0.4), floor=flat())
-    app = SaysoApp(start or (lambda: engine), fps=30, clock=lambda: 0.0, keymap=keymap, theme=theme, language=language)
+    app = SaysoApp(
+        start or (lambda: engine),
+        fps=30,
+        clock=lambda: 0.0,
+        keymap=keymap,
+        theme=theme,
+        language=language,
+        one_line=one_line,
+    )
     try:
         async with app.run_test(size=size) as pilot:
             desk = Desk(app, engine, pilot)

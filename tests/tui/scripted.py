@@ -14,6 +14,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -27,11 +28,15 @@ from engine.handle import PartStatus
 from engine.offer import Offer
 from engine.perception.memory import World
 from engine.perception.sighting import Colour, Kind, Sight, Sighting
+from engine.plan import Action
+from engine.planner.phrases.phrases import Phrases
+from engine.planner.validation import as_call
 from engine.robot.arm import ARM_INITIAL
 from engine.robot.camera import Lens, Mount, Picture
 from engine.robot.floor_map import FloorMap, Furniture, Room
 from engine.robot.geometry import ZERO, Pose, Twist
 from engine.robot.robot import RobotState, Scan
+from engine.skills.library import LIBRARY
 
 PARTS_READY = tuple(PartStatus(name, "ready") for name in ("robot", "microphone", "recogniser", "planner", "voice"))
 PARTS_LOADING = (
@@ -243,6 +248,29 @@ def listening() -> list[Step]:
     ]
 
 
+@cache
+def _phrases() -> Phrases:
+    return Phrases(PLACES)
+
+
+def in_words(name: str, args: Mapping[str, ev.Value]) -> str:
+    """What is to be done, as the engine tells it."""
+    skill = next((skill for skill in LIBRARY if skill.name == name), None)
+    if skill is None:
+        return ""
+    given = {parameter.name: args.get(parameter.name, parameter.default) for parameter in skill.parameters}
+    call = as_call(skill, Action(name, {key: value for key, value in given.items() if value is not None}))
+    return _phrases().told([call]).steps[0].removesuffix(".")
+
+
+def queued(action: str, index: int, total: int, name: str, args: Mapping[str, ev.Value]) -> ev.ActionQueued:
+    return ev.ActionQueued(action, index, total, name, args, in_words(name, args))
+
+
+def started(action: str, index: int, total: int, name: str, args: Mapping[str, ev.Value]) -> ev.ActionStarted:
+    return ev.ActionStarted(action, index, total, name, args, in_words(name, args))
+
+
 def acting() -> list[Step]:
     """The robot is on its way, with more to do."""
     calls = (
@@ -277,13 +305,13 @@ def acting() -> list[Step]:
                 "phrases",
             ),
         ),
-        *(Step(0.0, ev.ActionQueued(f"a{n}", n, len(calls), *calls[n - 1])) for n in range(1, len(calls) + 1)),
+        *(Step(0.0, queued(f"a{n}", n, len(calls), *calls[n - 1])) for n in range(1, len(calls) + 1)),
         Step(0.0, ev.SpeechStarted("Going to the kitchen.", False)),
         Step(0.0, ev.SpeechEnded("Going to the kitchen.", "Going to the kitchen.", "ok")),
         Step(0.0, ev.StateChanged("PLANNING", "ACTING", "plan")),
-        Step(0.0, ev.ActionStarted("a1", 1, 4, *calls[0])),
+        Step(0.0, started("a1", 1, 4, *calls[0])),
         Step(0.1, ev.ActionFinished("a1", *calls[0], "ok", None, "", 0.1, {"x": -3.0, "y": -1.6})),
-        Step(0.0, ev.ActionStarted("a2", 2, 4, *calls[1])),
+        Step(0.0, started("a2", 2, 4, *calls[1])),
         Step(0.1, ev.ActionProgress("a2", "navigation", 0.0, "", PATH)),
         Step(4.6, ev.ActionProgress("a2", "navigation", 0.42, "2.9 m to the kitchen")),
     ]
@@ -299,7 +327,7 @@ def done() -> list[Step]:
     steps = [*acting(), Step(4.1, ev.ActionFinished("a2", *calls["a2"], "ok", None, "", 8.8))]
     for number, (action, seconds) in enumerate((("a3", 1.2), ("a4", 2.0)), 3):
         steps += [
-            Step(0.0, ev.ActionStarted(action, number, 4, *calls[action])),
+            Step(0.0, started(action, number, 4, *calls[action])),
             Step(seconds, ev.ActionFinished(action, *calls[action], "ok", None, "", seconds)),
         ]
     answer = "I am in the kitchen, and I have turned left 90 degrees."
@@ -320,9 +348,9 @@ def tidying() -> list[Step]:
         Step(3.0, ev.TranscriptFinal(request, "text", "", 1.0, 0.0, 0.0, 0.0, 0.0)),
         Step(0.0, ev.StateChanged("IDLE", "PLANNING", "a request was understood")),
         Step(0.0, ev.PlanMade(request, ("Clean the room.",), (ev.ActionView("clean_room", args),), "", "phrases")),
-        Step(0.0, ev.ActionQueued("a1", 1, 1, "clean_room", args)),
+        Step(0.0, queued("a1", 1, 1, "clean_room", args)),
         Step(0.0, ev.StateChanged("PLANNING", "ACTING", "1 actions")),
-        Step(0.0, ev.ActionStarted("a1", 1, 1, "clean_room", args)),
+        Step(0.0, started("a1", 1, 1, "clean_room", args)),
         Step(41.0, ev.CameraFrame(160, 120)),
         Step(0.0, ev.PerceptionResult(names)),
         Step(22.0, ev.ActionProgress("a1", "clean_room", None, "2 put into the bin, now the blue cup", PATH)),
@@ -364,7 +392,7 @@ def queueing() -> list[Step]:
     """Of a long plan one action is done, one has failed, one was cut off, one runs, and two wait."""
     calls = (
         ("pick_object", {"object": "red box"}),
-        ("navigation", {"place": "H"}),
+        ("navigation", {"place": "B"}),
         ("pick_object", {"object": "blue cup"}),
         ("carry", {"object": "green bottle", "place": "A"}),
         ("navigation", {"place": "F"}),
@@ -381,21 +409,27 @@ def queueing() -> list[Step]:
             0.2,
             ev.PlanMade(
                 request,
-                ("Look for the red box.", "Go to the sofa.", "Pick up the cup.", "Carry the bottle.", "Go and charge."),
+                (
+                    "Look for the red box.",
+                    "Go to the living room.",
+                    "Pick up the cup.",
+                    "Carry the bottle.",
+                    "Go and charge.",
+                ),
                 tuple(ev.ActionView(name, args) for name, args in calls),
                 "",
                 "local",
             ),
         ),
-        *(Step(0.0, ev.ActionQueued(f"q{n}", n, len(calls), *calls[n - 1])) for n in range(1, len(calls) + 1)),
+        *(Step(0.0, queued(f"q{n}", n, len(calls), *calls[n - 1])) for n in range(1, len(calls) + 1)),
         Step(0.0, ev.StateChanged("PLANNING", "ACTING", "plan")),
-        Step(0.0, ev.ActionStarted("q1", 1, 6, *calls[0])),
+        Step(0.0, started("q1", 1, 6, *calls[0])),
         Step(18.2, ev.ActionFinished("q1", *calls[0], "failed", "object_not_found", found, 18.2)),
-        Step(0.0, ev.ActionStarted("q2", 2, 6, *calls[1])),
+        Step(0.0, started("q2", 2, 6, *calls[1])),
         Step(7.5, ev.ActionFinished("q2", *calls[1], "uncertain", None, held, 7.5)),
-        Step(0.0, ev.ActionStarted("q3", 3, 6, *calls[2])),
+        Step(0.0, started("q3", 3, 6, *calls[2])),
         Step(9.1, ev.ActionFinished("q3", *calls[2], "ok", None, "", 9.1)),
-        Step(0.0, ev.ActionStarted("q4", 4, 6, *calls[3])),
+        Step(0.0, started("q4", 4, 6, *calls[3])),
         Step(12.4, ev.ActionProgress("q4", "carry", 0.62, "holding the green bottle, 1.8 m to the kitchen", PATH)),
     ]
 

@@ -93,7 +93,7 @@ def test_where_nothing_can_be_written_stderr_tells_the_fault_and_that(
     assert crashed(Faulty(ScriptedEngine)) == 1
     told = capsys.readouterr().err
     assert "RuntimeError: 27 letters" in told
-    assert "could not be written down" in told
+    assert "could not be saved" in told
 
 
 def test_an_engine_that_fails_unexpectedly_is_written_down_as_well(

@@ -142,4 +142,4 @@ async def test_before_the_settings_are_read_it_says_so() -> None:
     async with console() as desk:
         await desk.press("d")
         assert isinstance(desk.app.screen, ConsoleScreen)
-        assert "nothing to examine" in desk.text
+        assert "The settings are not read yet" in desk.text

@@ -158,6 +158,6 @@ async def test_a_history_that_cannot_be_kept_is_said_in_the_log_and_typing_goes_
     (tmp_path / "requests").mkdir()
     async with console() as desk:
         desk.app.dress("sayso-dark", 30, history=RequestHistory(tmp_path / "requests"))
-        await desk.until(lambda: any("not kept" in line.message for line in desk.app.shown.model.log))
+        await desk.until(lambda: any("not saved" in line.message for line in desk.app.shown.model.log))
         await desk.press("slash", *"nod", "enter")
         assert desk.engine.sent == [Say("nod")]

@@ -10,7 +10,7 @@ from textual import events
 from textual.drivers.headless_driver import HeadlessDriver
 
 from engine import events as ev
-from engine.commands import Drive, EndTask, EStop, Interrupt, Quit, Release, Say, Wake
+from engine.commands import Command, Drive, EndTask, EStop, Interrupt, LimitSpeed, Quit, Release, Say, Wake
 from engine.errors import DeviceError, ExitCode, RobotError
 from engine.handle import EngineHandle
 from tests.tui import scripted
@@ -325,7 +325,7 @@ async def test_the_log_is_there_on_a_large_terminal() -> None:
     async with console() as desk:
         desk.engine.play(scripted.OPENING)
         await desk.settled()
-        assert desk.app.screen.query_one(LogView).items == desk.app.shown.model.log
+        assert desk.app.screen.query_one(LogView).known == desk.app.shown.model.log
         assert "ready: whisper-base" in desk.text
 
 
@@ -375,3 +375,26 @@ async def test_whoever_types_drives_no_more() -> None:
         assert desk.engine.sent == [Drive(0.2, 0.0, 0.0)]
         assert "by hand" not in desk.text
         assert "wa" in desk.text
+
+
+async def test_plus_and_minus_set_the_speed_limit_and_so_does_a_click_on_them() -> None:
+    async with console() as desk:
+
+        def limit(command: Command) -> None:
+            if isinstance(command, LimitSpeed):
+                assert desk.engine.robot is not None
+                desk.engine.robot = replace(desk.engine.robot, speed_limit=command.share)
+
+        desk.engine.on_command = limit
+        assert "− fast +" in desk.text
+        await desk.press("minus", "minus")
+        assert "− medium +" in desk.text
+        await desk.press("plus")
+        assert desk.engine.sent == [LimitSpeed(0.75), LimitSpeed(0.5), LimitSpeed(0.75)]
+        for sign, words in (("−", "− medium +"), ("+", "− quick +"), ("+", "− fast +"), ("+", "− fast +")):
+            rows = desk.text.splitlines()
+            y = next(number for number, row in enumerate(rows) if "Robot · −" in row)
+            at = rows[y].index("Robot · −")
+            await desk.pilot.click(offset=(rows[y].index(sign, at), y))
+            await desk.settled()
+            assert words in desk.text

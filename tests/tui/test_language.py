@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from rich.cells import cell_len
@@ -80,6 +81,10 @@ def test_every_word_has_a_twin_with_the_same_slots() -> None:
         for key in ours:
             assert slots(ours[key]) == slots(twins[key]), (name, key)
             assert twins[key] or not ours[key], (name, key)
+
+
+def test_every_way_to_a_plan_has_words() -> None:
+    assert strings.PLAN_BY.keys() == set(get_args(ev.PlanSource))
 
 
 def test_every_key_has_a_sentence() -> None:
@@ -223,7 +228,7 @@ async def test_a_setting_changes_the_language_of_everything_in_sight_and_back() 
         await desk.until(lambda: "执行中" in desk.text)
         await desk.settled()
         for words in ("对话", "计划", "动作", "地图", "日志", "各轮", "机器人", "esc 停止", "空格 唤醒", "厨房", "夹爪",
-                      "识别", "按 / 输入", "去（厨房）", "离厨房还有2.9米"):  # fmt: skip
+                      "识别", "按 / 输入", "去厨房", "离厨房还有2.9米"):  # fmt: skip
             assert words in desk.text, words
         desk.app.dress("sayso-dark", 8.0, language="en")
         await desk.until(lambda: "ACTING" in desk.text)
@@ -305,11 +310,15 @@ async def test_the_log_is_told_in_chinese_with_who_tells_it() -> None:
     async with console(size=(200, 50), language="zh", wording=wording()) as desk:
         desk.engine.play(scripted.OPENING)
         desk.engine.publish(
-            ev.Log("warning", "engine", "The engine was away for 2.5 s. A robot that was moving has stopped by itself.")
+            ev.Log(
+                "warning",
+                "engine",
+                "The engine did not respond for 2.5 s. A robot that was moving has stopped by itself.",
+            )
         )
         await desk.settled()
         for words in ("会话 sayso 0.1.0，模拟机器人（flat）", "机器人 就绪：模拟机器人（flat）", "规划 就绪",
-                      "识别 就绪：whisper-base", "引擎 引擎离开了2.5秒。正在移动的机器人已自己停下。"):  # fmt: skip
+                      "识别 就绪：whisper-base", "引擎 引擎2.5秒没有响应。正在移动的机器人已自己停下。"):  # fmt: skip
             assert words in desk.text, words
 
 
@@ -320,7 +329,12 @@ async def test_the_doctor_finds_in_chinese() -> None:
         Finding("voice", "limited", "espeak-ng; piper sounds better in English", "pip install 'sayso[voice]'"),
         Finding("graphics", "limited", "no OpenGL: camera 160×120 by ray casting", "apt install libosmesa6"),
         Finding("serial ports", "limited", "none: no wake module attached"),
-        Finding("microphone", "missing", "There is no microphone.", "Check that it is plugged in: it is looked for."),
+        Finding(
+            "microphone",
+            "missing",
+            "There is no microphone.",
+            "Check that it is plugged in. sayso keeps looking for it.",
+        ),
     )
     async with console(language="zh", wording=wording()) as desk:
         checks = [Check(one.name, lambda settings, one=one: one) for one in findings]  # type: ignore[misc]
@@ -328,7 +342,7 @@ async def test_the_doctor_finds_in_chinese() -> None:
         await desk.press("d")
         await desk.until(lambda: "3 受限" in desk.text or "4 受限" in desk.text)
         for words in ("3.12.1，2个核", "实时优先级已关闭", "英语用piper更好听", "没有OpenGL：相机160×120，用光线投射",
-                      "没有：未接唤醒模块", "没有麦克风。", "我正在找它"):  # fmt: skip
+                      "没有：未接唤醒模块", "没有麦克风。", "sayso会一直找它"):  # fmt: skip
             assert words in desk.text, words
 
 

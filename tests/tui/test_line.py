@@ -82,9 +82,9 @@ def test_a_bad_line_is_spared_and_the_console_says_so() -> None:
     with slow_session(before="import tui.terminal.link; tui.terminal.link.CALM_S = 1.0") as (_, line):
         line.until(lambda: "LISTENING" in line.text)
         line.rate = 1_500
-        line.until(lambda: "The line to this terminal is" in line.text and "kB/s" in line.text)
+        line.until(lambda: "ms a frame" in line.text and "kB/s" in line.text)
         line.rate = 1_000_000
-        line.until(lambda: "The line to this terminal is good" in line.text and "kB/s" not in line.text)
+        line.until(lambda: "good again" in line.text and "kB/s" not in line.text)
 
 
 def test_a_terminal_that_never_reports_is_drawn_on_all_the_same() -> None:
@@ -93,7 +93,7 @@ def test_a_terminal_that_never_reports_is_drawn_on_all_the_same() -> None:
         sent = line.sent
         line.until(lambda: line.sent > sent + 10_000)
         os.write(console.terminal, b"i")
-        line.until(lambda: "line untold" in line.text)
+        line.until(lambda: "delay unknown" in line.text)
 
 
 def test_a_storm_of_sizes_ends_in_the_layout_of_the_last_one() -> None:

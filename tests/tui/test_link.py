@@ -139,12 +139,12 @@ def test_the_meter_tells_what_was_sent_in_the_last_seconds() -> None:
     figures = link.figures(9.95)
     assert round(figures.delay or 0.0, 3) == 0.04
     assert (round(figures.bytes_per_s), round(figures.frames_per_s, 1)) == (5000, 10.0)
-    assert link_words(figures, 40) == "line 40 ms · 5.0 kB/s · 10.0/s"
+    assert link_words(figures, 40) == "delay 40 ms · 5.0 kB/s · 10.0/s"
     assert link_words(figures, 28) == "40 ms · 5.0 kB/s · 10.0/s", "on little room without words"
     assert link_words(figures, 20) == "40 ms · 5.0 kB/s", "and never with a figure that is cut"
     for step in range(20, 40):  # nothing more
         link.look(step / 2, written)
-    assert link_words(link.figures(20.0), 40) == "line – ms · 0.0 kB/s · 0.0/s"
+    assert link_words(link.figures(20.0), 40) == "delay – ms · 0.0 kB/s · 0.0/s"
 
 
 def test_a_terminal_that_does_not_report_has_no_delay_and_no_worse_fare() -> None:
@@ -153,7 +153,7 @@ def test_a_terminal_that_does_not_report_has_no_delay_and_no_worse_fare() -> Non
         link.sent(step / 10)
         assert not link.look(step / 10, 100_000 * step)
     assert link.figures(20.0).delay is None
-    assert link_words(link.figures(20.0), 40).startswith("line untold")
+    assert link_words(link.figures(20.0), 40).startswith("delay unknown")
 
 
 def test_a_report_that_is_long_awaited_is_a_bad_line_before_it_comes() -> None:
@@ -169,8 +169,8 @@ def test_a_report_that_is_long_awaited_is_a_bad_line_before_it_comes() -> None:
 
 async def test_i_shows_how_good_the_line_is_and_takes_it_away() -> None:
     async with console() as desk:
-        assert "line untold" not in desk.text
+        assert "delay unknown" not in desk.text
         await desk.press("i")
-        assert "line untold" in desk.text
+        assert "delay unknown" in desk.text
         await desk.press("i")
-        assert "line untold" not in desk.text
+        assert "delay unknown" not in desk.text

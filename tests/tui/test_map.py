@@ -432,3 +432,59 @@ async def test_the_robot_is_told_on_the_map_where_it_is() -> None:
         assert isinstance(turned, Here)
         assert (turned.x, turned.y) == (HERE.pose.x, HERE.pose.y)
         assert turned.yaw == pytest.approx(HERE.pose.yaw + TURN)
+
+
+# Where the robot is, and what the signs mean
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "sign", "where"),
+    [(9.0, 0.0, "▶", "right"), (-9.0, 0.0, "◀", "left"), (0.0, 9.0, "▲", "top"), (0.0, -9.0, "▼", "bottom")],
+)
+def test_an_arrow_at_the_edge_shows_where_the_robot_is_out_of_the_picture(
+    x: float, y: float, sign: str, where: str
+) -> None:
+    frame = Viewport(4.0, (0.0, 0.0)).within(fit(FLAT, 40, 14))
+    plan = draw(FLAT, PLACES, frame)
+    (at,) = [at for at, cell in overlay(Moving(robot_at(x, y, 0.0)), frame, plan).items() if cell.char in "▶◀▲▼"]
+    edges = {"right": at[1] == 39, "left": at[1] == 0, "top": at[0] == 0, "bottom": at[0] == 12}
+    assert edges[where]
+    assert overlay(Moving(robot_at(x, y, 0.0)), frame, plan)[at].char == sign
+    inside = overlay(Moving(robot_at(0.1, 0.1, 0.0)), frame, plan)
+    assert not any(cell.char in "▶◀▲▼" for cell in inside.values())
+
+
+async def test_the_picture_that_was_there_before_pointing_is_there_again_afterwards() -> None:
+    async with console(engine()) as desk:
+        before = view(desk).viewport
+        await desk.press("m", "plus", "plus", "shift+left")
+        assert view(desk).viewport != before
+        await desk.press("m")
+        assert view(desk).viewport == before
+
+
+async def test_following_goes_on_when_pointing_ends_and_ends_where_somebody_shifts_the_picture() -> None:
+    async with console(engine()) as desk:
+        await desk.press("m", "f", "m")
+        assert view(desk).viewport.follows
+        desk.engine.robot = robot_at(3.0, 2.0, 0.0)
+        desk.app.drawing.ask()
+        await desk.settled()
+        frame = view(desk)._frame
+        assert frame is not None
+        assert frame.cell(3.0, 2.0) is not None
+        await desk.press("m", "h")
+        assert not view(desk).viewport.follows
+
+
+async def test_the_legend_says_what_the_signs_mean_and_who_and_what_was_seen_where_and_when() -> None:
+    scene = ScriptedEngine(robot=HERE, floor=FLAT, seen=World((RED,), people=(ANNA,)))
+    async with console(scene) as desk:
+        await desk.press("m", "z")
+        assert "seen long ago" not in desk.text
+        await desk.press("L")
+        for words in ("the robot and its heading", "its way ahead", "Anna · living room · just now",
+                      "red box · bedroom · 2 min ago"):  # fmt: skip
+            assert words in desk.text, words
+        await desk.press("L")
+        assert "the robot and its heading" not in desk.text

@@ -58,8 +58,8 @@ def test_a_wake_that_nobody_gave_by_hand_stands_in_the_log() -> None:
 def test_a_pause_for_what_may_have_been_a_stop_stands_in_the_log_and_so_does_that_it_was_false() -> None:
     model = after(ev.MotionPaused("word", "stop"), ev.MotionResumed("not_a_stop", 0.31, 3))
     assert [line.message for line in model.log] == [
-        "somebody may have said “stop”: motion pauses",
-        "a false pause of 0.3 s, number 3 in this session: motion goes on",
+        "“stop” may have been said: the robot pauses",
+        "it was not said: the robot goes on after 0.3 s (false pause 3 of this session)",
     ]
 
 

@@ -25,7 +25,7 @@ def notices(desk: Desk) -> list[str]:
 async def test_a_microphone_that_is_unplugged_is_told_with_what_still_works() -> None:
     async with console() as desk:
         await turns(desk, "microphone", "failed", "The microphone was unplugged.")
-        assert notices(desk) == ["! The microphone is gone: typing still works."]
+        assert notices(desk) == ["! The microphone is not connected. Typing still works."]
         assert "The microphone was unplugged." in desk.text
 
 
@@ -34,7 +34,7 @@ async def test_it_is_told_on_every_page_in_the_language_of_the_console() -> None
         await desk.press("question_mark")
         await turns(desk, "wake", "ready")
         await turns(desk, "wake", "failed", "The port is gone.")
-        assert notices(desk) == ["! 唤醒模块不见了：空格键仍可唤醒。"]
+        assert notices(desk) == ["! 唤醒模块未连接。空格键仍可唤醒。"]
 
 
 async def test_coming_back_at_once_is_not_told_at_once() -> None:
@@ -55,4 +55,4 @@ async def test_a_service_that_another_one_stands_in_for_is_told() -> None:
     async with console() as desk:
         desk.engine.publish(ev.Log("warning", "model", "No answer. The platform local is asked instead."), turn=None)
         await desk.settled()
-        assert notices(desk) == ["! A model does not answer, another one is asked: that may take longer."]
+        assert notices(desk) == ["! A model does not answer. Another one is asked, which may take longer."]

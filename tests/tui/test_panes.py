@@ -243,7 +243,9 @@ async def test_the_log_in_place_of_all_else_is_scrolled_without_the_keyboard() -
         assert "line 59" not in desk.text
 
 
-@pytest.mark.parametrize(("key", "words", "others"), [("3", "navigation(A)", "robot"), ("5", "ready", "navigation")])
+@pytest.mark.parametrize(
+    ("key", "words", "others"), [("3", "Go to the kitchen", "robot"), ("5", "ready", "navigation")]
+)
 async def test_what_is_copied_is_the_pane_with_the_keyboard(key: str, words: str, others: str) -> None:
     async with console(robot()) as desk:
         desk.engine.play(scripted.acting())

@@ -23,8 +23,8 @@ async def test_what_runs_and_what_comes_next_are_in_view(size: tuple[int, int]) 
     async with console(size=size) as desk:
         desk.engine.play(scripted.queueing())
         await desk.settled()
-        assert "carry(object=" in desk.text
-        assert "navigation(F)" in desk.text
+        assert "Bring the green bottle" in desk.text
+        assert "Go to the charging dock" in desk.text
         assert "12.4 s" in desk.text
 
 

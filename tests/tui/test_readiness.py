@@ -54,7 +54,7 @@ async def test_a_request_that_waits_says_for_what() -> None:
         engine.publish(ev.PlanMade("nod", ("Nod.",), (ev.ActionView("arm_nod", {}),), "", "phrases"))
         await desk.until(lambda: "LOADING" in line(desk, 0) and "waits for the robot" in desk.text)
         engine.parts = PARTS_READY
-        await desk.until(lambda: "PLANNING" in line(desk, 0) and "by phrases" in desk.text)
+        await desk.until(lambda: "PLANNING" in line(desk, 0) and "by known phrases" in desk.text)
 
 
 async def test_while_a_request_is_thought_over_it_is_not_ready_for_another() -> None:
@@ -68,7 +68,7 @@ async def test_while_a_request_is_thought_over_it_is_not_ready_for_another() -> 
 async def test_what_happened_before_anything_was_asked_leaves_the_welcome_where_it_is() -> None:
     async with console(size=(80, 24)) as desk:
         desk.engine.publish(ev.Timing("paused", 1.3))
-        await desk.until(lambda: "away for 1.3 s" in desk.text)
+        await desk.until(lambda: "Not responding for 1.3 s" in desk.text)
         assert "Press space and speak" in desk.text
         assert "go to the kitchen" in desk.text
         desk.engine.publish(typed("nod"))

@@ -67,7 +67,7 @@ async def test_a_session_without_a_log_keeps_its_picture_and_says_so(folders: Pa
         await desk.until(lambda: desk.app.keeping.told)
         (folder,) = (folders.state / "saved").iterdir()
         assert [path.name for path in folder.iterdir()] == [PICTURE]
-        assert desk.app.keeping.told == f"only the picture is saved, as there is no log of this session: {folder}"
+        assert desk.app.keeping.told == f"this session has no log; only the picture is saved: {folder}"
 
 
 async def test_a_folder_that_takes_nothing_is_told_in_the_console_which_goes_on(folders: Paths) -> None:

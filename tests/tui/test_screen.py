@@ -83,7 +83,7 @@ async def test_a_storm_of_resizes_ends_in_the_right_arrangement() -> None:
             await desk.pilot.resize_terminal(sizes.randint(1, 200), sizes.randint(1, 70))
         await desk.pilot.resize_terminal(80, 24)
         await desk.settled()
-        assert "navigation(A)" in desk.text
+        assert "Go to the kitchen" in desk.text
         assert "Log" not in desk.text
         await desk.pilot.resize_terminal(120, 40)
         await desk.settled()
@@ -95,7 +95,7 @@ async def test_every_usable_size_shows_state_stop_key_and_input(size: tuple[int,
     async with console(size=size) as desk:
         desk.engine.play(scripted.acting())
         await desk.settled()
-        for words in ("ACTING", "esc stop", "navigation(A)", "Going to the kitchen.", "Press / and type"):
+        for words in ("ACTING", "esc stop", "Go to the kitchen", "Going to the kitchen.", "Press / and type"):
             assert words in desk.text
 
 
@@ -115,7 +115,7 @@ async def test_without_a_microphone_one_line_offers_typing_and_the_demo() -> Non
 
 
 @pytest.mark.parametrize(
-    ("reason", "word"), [("no_speech", "nobody spoke"), ("cancelled", "broken off"), ("silence", "end of speech")]
+    ("reason", "word"), [("no_speech", "nobody spoke"), ("cancelled", "cancelled"), ("silence", "end of speech")]
 )
 async def test_on_one_line_a_mark_has_its_sign_once(
     reason: Literal["no_speech", "cancelled", "silence"], word: str
@@ -155,7 +155,7 @@ async def test_a_part_that_fails_later_is_noticed() -> None:
 async def test_a_session_that_ends_by_itself_says_so_and_how_to_leave() -> None:
     async with console() as desk:
         desk.engine.publish(ev.SessionEnded("stopped from outside"))
-        await desk.until(lambda: "q quits; ended: stopped from outside" in desk.text)
+        await desk.until(lambda: "q quits; session ended: stopped from outside" in desk.text)
         assert "ENDED" in desk.text
 
 

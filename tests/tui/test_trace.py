@@ -38,7 +38,7 @@ def marks(trace: Trace) -> list[tuple[str, str, str]]:
             talk.SPOKEN,
             [
                 ("wake", "woken by key", ""),
-                ("endpoint", "end of speech", "1.7 s of it"),
+                ("endpoint", "end of speech", "1.7 s of speech"),
                 ("understood", "understood", "confidence 85 %"),
             ],
         ),
@@ -46,7 +46,7 @@ def marks(trace: Trace) -> list[tuple[str, str, str]]:
             talk.UNHEARD,
             [
                 ("wake", "woken by the module", ""),
-                ("endpoint", "end of speech", "1.3 s of it"),
+                ("endpoint", "end of speech", "1.3 s of speech"),
                 ("rejected", "not understood clearly", "mean log-probability −1.4 “goat the kitten”"),
             ],
         ),

@@ -22,7 +22,7 @@ BACK, ON = "left_square_bracket", "right_square_bracket"
 
 async def test_the_newest_turn_is_on_the_screen_with_its_stages_and_the_wait() -> None:
     async with console() as desk:
-        assert "How long each stage of a request took appears here." in desk.text
+        assert "The time that each stage of a request takes appears here." in desk.text
         talk.play(desk.engine, talk.ALL)
         await desk.settled()
         for words in (
@@ -76,7 +76,7 @@ async def test_enter_shows_the_whole_turn_and_enter_comes_back() -> None:
             "I am hungry, bring me the red box and turn around.", "■ interrupted", "2.3 s of speech", "woken by key",
             "confidence 91 %", "by the local model", "Carry it to the kitchen.", "says “I bring it.”",
             "▸ the plan as JSON", "cancelled", "holding the red box", "not started", "cut off after “On my”",
-            "cut off while acting: the stop key",
+            "interrupted while acting: the stop key",
             "to motion", "from the end of speech",
             "▸ asked  local  decision · qwen2.5-coder-1.5b", "402 → 27 tokens · 1.46 s",
             "execution · qwen2.5-coder-1.5b · again", "3168 → 31 tokens · 0.92 s",
@@ -108,7 +108,7 @@ async def test_the_same_key_unfolds_what_models_were_told_and_what_they_wrote() 
         await desk.press("j")
         for words in (
             "▾ asked  local",
-            "first 9812 characters that such questions always begin with (SHA-256 a81d44e07b6c2f95…)",
+            "fixed beginning, 9812 characters (SHA-256 a81d44e07b6c2f95…)",
             "Request: I am hungry",
             '{"action": ["pick_object(red box)", "carry(A)"]}',
             "You left out: “turn around”",
@@ -123,7 +123,7 @@ async def test_the_same_key_unfolds_what_models_were_told_and_what_they_wrote() 
     ("changes", "told"),
     [
         ({"reply": "", "error_code": "model_unreachable", "error": "local cannot be reached."}, "✗ model_unreachable"),
-        ({"reply": '{"act', "cancelled": True}, "■ broken off"),
+        ({"reply": '{"act', "cancelled": True}, "■ cancelled"),
         ({"cut_off": True}, "cut off"),
     ],
 )
@@ -144,7 +144,7 @@ async def test_the_page_follows_its_turn_while_it_goes_on() -> None:
         assert "There has been no turn yet." in desk.text
         talk.play(desk.engine, [Scene("T1", 2, talk.SPOKEN.steps[:-9])])
         await desk.settled()
-        assert "◌ under way" in desk.text
+        assert "◌ in progress" in desk.text
         talk.play(desk.engine, [Scene("T1", 2, talk.SPOKEN.steps[-9:])])
         await desk.settled()
         assert "✓ done" in desk.text
@@ -242,7 +242,7 @@ async def test_what_happens_beneath_the_page_has_it_not_drawn_as_a_whole(monkeyp
         assert set(drawn) == {"ChopsUpdate"}
         monkeypatch.undo()
         await desk.press("enter")
-        assert "navigation(A)  2" in desk.text
+        assert "Go to the kitchen  2" in desk.text
 
 
 async def test_brackets_that_are_typed_are_brackets() -> None:

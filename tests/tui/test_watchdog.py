@@ -49,11 +49,13 @@ async def test_when_the_engine_is_back_the_console_says_for_how_long_it_was_away
     async with console() as desk:
         await silent(desk)
         desk.engine.silence = 0.0
-        desk.engine.publish(ev.Log("warning", "engine", "The engine was away for 12.3 s."), turn=None)
+        desk.engine.publish(ev.Log("warning", "engine", "The engine did not respond for 12.3 s."), turn=None)
         desk.engine.publish(ev.Timing("paused", 12.3), turn=None)
-        await desk.until(lambda: "away for 12.3 s" in desk.text and strings.ENGINE_SILENT not in desk.shown_problem)
+        await desk.until(
+            lambda: "Not responding for 12.3 s" in desk.text and strings.ENGINE_SILENT not in desk.shown_problem
+        )
         await desk.settled()
-        assert "The engine was away for 12.3 s." in desk.text
+        assert "The engine did not respond for 12.3 s." in [line.message for line in desk.app.shown.model.log]
 
 
 async def test_a_silent_engine_does_not_hide_what_ended_everything() -> None:

@@ -53,7 +53,7 @@ def test_each_command_is_read_from_its_line(line: str | bytes, command: Command)
 
 def test_the_commands_are_those_that_were_promised() -> None:
     assert set(COMMANDS) == {
-        "say", "wake", "interrupt", "end_task", "estop", "release", "drive", "here", "audio",
+        "say", "wake", "interrupt", "end_task", "estop", "release", "drive", "here", "limit_speed", "audio",
         "drop", "move", "snapshot", "quit",
     }  # fmt: skip
 

@@ -193,7 +193,7 @@ def test_no_mistake_hides_another_one(
         "  profile: nope": "planner.profile: there is no profile called nope",
         "robot:": "",
         "  scene: nowhere": "robot.scene: There is no scene called 'nowhere'",
-        "console: {theme: pink, keys: {wake: zz9}}": "console.keys.wake: zz9 is no key",
+        "console: {theme: pink, keys: {wake: zz9}}": "console.keys.wake: zz9 is not a key",
         "places:": "",
         "  zero: {name: q, position: {x: 1, y: 1, z: 0}}": "places: zero is the pose",
         "  shed: {position: {x: 1, y: 1, z: 0}}": "places.shed.name: is missing",

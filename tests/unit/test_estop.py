@@ -110,7 +110,7 @@ def test_one_that_cannot_be_kept_is_pressed_all_the_same_and_told(tmp_path: Path
     robot = Robot(tmp_path / "state" / "estop")
     robot.estop.press(True)
     assert robot.pressed
-    assert "The emergency stop is not kept in" in robot.warned[0]
+    assert "The emergency stop could not be saved in" in robot.warned[0]
 
 
 def test_whoever_comes_last_counts_for_the_robot_and_for_the_file(tmp_path: Path) -> None:

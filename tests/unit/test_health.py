@@ -66,7 +66,7 @@ def test_a_low_battery_is_told_once_and_when_it_is_charged(looked: Looked) -> No
     assert looked.look() == ["warning: The battery is low (10.1 V): charge it soon."]
     assert looked.look() == []
     looked.battery = BatteryState(12.4, 0.9, False)
-    assert looked.look() == ["info: The battery is well again."]
+    assert looked.look() == ["info: The battery is fine again."]
 
 
 def test_heat_is_told(looked: Looked) -> None:
@@ -107,6 +107,6 @@ def test_a_battery_that_is_low_only_while_the_robot_drives_stays_low_until_it_is
     assert looked.seen == [10.1, 10.3, 10.1, 10.4]
     assert looked.told == [], "the last look told nothing new"
     looked.battery = BatteryState(11.0, 0.5, False)
-    assert looked.look() == ["info: The battery is well again."]
+    assert looked.look() == ["info: The battery is fine again."]
     looked.battery = BatteryState(10.0, 0.2, True)
     assert looked.look() == ["warning: The battery is low (10 V): charge it soon."]

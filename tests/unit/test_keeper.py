@@ -124,7 +124,7 @@ def test_a_lost_robot_is_started_again_in_an_epoch_of_its_own_and_those_who_need
             assert it.robot.starts[-1][1] == epoch + 1, "the epoch had advanced before the robot was started"
             assert it.told == [Halted("The robot process died.", lost=True)]
             assert [(error.code, error.fatal) for error in it.errors()] == [("robot_lost", False)]
-            await it.until(lambda: "The robot is back where it was." in it.logs())
+            await it.until(lambda: "The robot is running again where it was." in it.logs())
             assert it.begun == 1, "coming back is no new beginning"
 
     virtual_time.run(main())

@@ -167,7 +167,7 @@ def test_it_says_that_it_runs_once_it_sounds_and_counts_what_is_lost(card: Sound
     assert second.overruns == 1
     card.stream.finished_callback()
     assert recording.wait() == Failed(
-        "The microphone (Test card) is gone.", "Plug it in again: it is looked for.", for_good=False
+        "The microphone (Test card) is gone.", "Plug it in again. sayso keeps looking for it.", for_good=False
     )
 
 

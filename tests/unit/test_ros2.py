@@ -324,7 +324,7 @@ def test_a_goal_that_was_lost_is_called_back_when_the_door_is_open_again() -> No
     assert table.calls == [], "nobody hears it"
     table.trouble = ""
     table.takes["/odom"](odometry(5.0, 5.0, math.pi / 2))
-    assert body.trouble == "nobody knows whether its navigation has stopped"
+    assert body.trouble == "it is not known whether its navigation has stopped"
     table.speeds()
     for _ in range(100):
         body.step()
@@ -495,7 +495,7 @@ def test_a_motion_of_the_arm_that_was_lost_is_called_back() -> None:
     body = table.body(WITH_ARM)
     body.send_arm((0.5, 0.0, 0.0, 0.0, 0.0), 0.5)
     table.goals[-1].then(Outcome("lost"))
-    assert body.trouble == "nobody knows whether its arm has stopped"
+    assert body.trouble == "it is not known whether its arm has stopped"
     table.answer = Outcome("succeeded", {"return_code": 0, "goals_canceling": []})
     for _ in range(round(2 * QUIET_S / AGAIN_S)):
         table.t += AGAIN_S

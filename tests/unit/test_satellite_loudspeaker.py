@@ -247,7 +247,7 @@ def test_ears_at_a_satellite_say_once_when_it_goes_and_once_when_it_is_back(
                 assert (await told.get()).state == "ready"
             gone = await told.get()
             assert gone.state == "missing"
-            assert gone.detail.endswith("closed the connection. It is looked for.")
+            assert gone.detail.endswith("closed the connection. sayso keeps looking for it.")
             await asyncio.sleep(10 * satellite_module.AGAIN_S)
             assert told.empty()
             async with peer.there(peer.Satellite(address)) as there:

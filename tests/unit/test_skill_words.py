@@ -13,15 +13,19 @@ from pydantic import ValidationError
 
 from config import load
 from config.schema import ExternalSkill, Settings, SkillWords
-from engine.plan import Plan
+from engine.plan import Action, Plan
 from engine.planner.build import build_planner, build_registry
 from engine.planner.request import NoPlan, PlanRequest
+from engine.robot.geometry import Pose
+from engine.skills.places import Places
 from engine.skills.record import records
 from engine.skills.registry import Skill
 from engine.wording import build_wording
 
 SETTINGS = load(environ={})
 REGISTRY = build_registry(SETTINGS)
+PLANNER = build_planner(SETTINGS, REGISTRY, reader=False)
+WORDING = build_wording(SETTINGS)
 SILENT = {"grasp_obj", "track", "get_dist", "ask_user", "finishtask"}
 """Skills that only models use: nobody is told about them by name."""
 
@@ -150,3 +154,37 @@ def test_what_is_wrong_with_such_actions_is_said(text: str, says: str) -> None:
 
 def test_the_words_of_a_language_may_be_left_out() -> None:
     assert SkillWords() == SkillWords.model_validate({})
+
+
+EXAMPLES: dict[str | None, str] = {
+    "place": "A", "places": "A,B", "object": "red box", "surface": "sofa", "room": "kitchen", "person": "Anna",
+    "colour": "red", "thing_colour": "red", "sentence": "Ж",
+}  # fmt: skip
+
+
+def an_action(skill: Skill) -> Action:
+    numbers = {p.name: max(p.low or 0.0, 1.0) for p in skill.parameters if p.type == "number"}
+    words = {p.name: EXAMPLES[p.word] for p in skill.parameters if p.type != "number"}
+    return Action(skill.name, {p.name: {**numbers, **words}[p.name] for p in skill.parameters})
+
+
+@pytest.mark.parametrize("skill", [one for one in REGISTRY if one.name not in SILENT], ids=lambda skill: skill.name)
+def test_people_are_told_of_an_action_in_words_and_in_chinese_words(skill: Skill) -> None:
+    told = PLANNER.in_words(an_action(skill))
+    for words in (told.step, told.doing):
+        assert words
+        assert not re.search(r"[(){}_=]", words), "as a program writes it"
+        in_chinese = WORDING.told(f"{words[0].upper()}{words[1:]}: stopped.")
+        assert not re.search(r"[A-Za-z]{3,}", in_chinese.replace("Anna", "")), in_chinese
+
+
+def test_the_place_where_the_robot_started_is_not_called_a_remembered_one_before_somebody_asked_for_that() -> None:
+    places = Places(SETTINGS.places)
+    places.begin(Pose(0, 0, 0))
+    planner = build_planner(SETTINGS, REGISTRY, reader=False, places=places)
+    action = Action("carry", {"object": "red box", "place": "zero", "source": ""})
+    assert planner.in_words(action).step == "Bring the red box to my starting point"
+    assert places.name("zero") == "my starting point"
+    places.remember(Pose(1, 0, 0))
+    assert planner.in_words(action).doing == "bringing the red box to the remembered place"
+    assert places.name("zero") == "the remembered place"

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import contextlib
-import difflib
 from argparse import Namespace
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import yaml
 
-from config import ConfigError, Explained, Problem, examine, explain, load, paths
-from config.errors import Where
-from config.schema import Settings
-from engine.errors import ExitCode, SaysoError, UsageError
+from config import ConfigError, Explained, examine, explain, load, paths
+from engine.errors import ExitCode
+from tui.checking import wrong_names
 from tui.commands.settings import overrides
 from tui.output import data, json_line, say
 
 _ORIGIN_COLUMN = 44
-_KEYS = ("console", "keys")
 
 
 def run(arguments: Namespace) -> int:
@@ -74,7 +71,7 @@ def config_check(files: Sequence[Path] = (), flags: Sequence[str] = (), *, json:
     problems = [*examined.problems]
     if (settings := examined.settings) is not None:
         told = {problem.key for problem in problems}
-        names = (problem for problem in _wrong_names(settings, examined.explained) if problem.key not in told)
+        names = (problem for problem in wrong_names(settings, examined.explained) if problem.key not in told)
         problems = [*examined.in_order((*problems, *names))]
     for problem in problems:
         if json:
@@ -95,78 +92,6 @@ def config_check(files: Sequence[Path] = (), flags: Sequence[str] = (), *, json:
         return ConfigError.exit_code
     say("sayso: the configuration is right.")
     return int(ExitCode.DONE)
-
-
-def _wrong_names(settings: Settings, found: Sequence[Explained]) -> Iterator[Problem]:
-    """What stands for something that there is not, or cannot be: beyond the schema, by whoever it is a name for."""
-    from engine.skills.library import LIBRARY
-
-    by_key = {setting.key: setting for setting in found}
-    yield from _wrong_keys([setting for setting in found if setting.path[:2] == _KEYS != setting.path])
-    for key, look in (("robot.scene", _scene), ("asr.model", _recogniser), ("console.theme", _theme)):
-        try:
-            look(settings)
-        except SaysoError as error:
-            yield _problem(by_key[key], str(error))
-    taken = {skill.name for skill in LIBRARY} & settings.skills.keys()
-    for name in sorted(taken):
-        setting = next(setting for setting in found if setting.path[:2] == ("skills", name))
-        yield Problem(
-            _where(setting), f"skills.{name}", "there is a built-in skill of this name; give yours another one"
-        )
-
-
-def _scene(settings: Settings) -> None:
-    """Raises :class:`SceneError`."""
-    from engine.robot.sim.scene_file import load_scene, scene_path
-
-    load_scene(scene_path(settings.robot.scene))
-
-
-def _recogniser(settings: Settings) -> None:
-    """Whether there is such a model; it need not be fetched. Raises :class:`ModelError`."""
-    from engine.asr.sizes import is_size, listed
-    from engine.parts.loading import model_store, speech_folder
-
-    name = settings.asr.model
-    if settings.asr.backend != "whisper" or speech_folder(settings) is not None:
-        return
-    manifest = model_store(settings).manifest
-    if listed(name, manifest.models) is None and not is_size(name):
-        manifest[name]
-
-
-def _theme(settings: Settings) -> None:
-    """Raises :class:`UsageError`."""
-    from textual.theme import BUILTIN_THEMES  # 0.1 s, and here alone outside of the console
-
-    from tui.looks.themes import CONTRAST, DARK, LIGHT
-
-    name, known = settings.console.theme, (*BUILTIN_THEMES, *(theme.name for theme in (DARK, LIGHT, CONTRAST)))
-    if name not in known:
-        near = difflib.get_close_matches(name, known, 1, 0.5)
-        hint = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}."
-        raise UsageError(f"There is no theme called {name!r}.", hint=hint)
-
-
-def _wrong_keys(chosen: Sequence[Explained]) -> Iterator[Problem]:
-    """What is wrong with the keys that somebody chose for the console."""
-    if not chosen:
-        return
-    from tui.keys.keymap import keymap
-
-    by_action = {setting.path[-1]: setting for setting in chosen}
-    for mistake in keymap({action: str(setting.value) for action, setting in by_action.items()}).mistakes:
-        yield _problem(by_action[mistake.action], mistake.message)
-
-
-def _problem(setting: Explained, message: str) -> Problem:
-    return Problem(_where(setting), setting.key, message)
-
-
-def _where(setting: Explained) -> Where:
-    name, _, line = setting.origin.rpartition(":")
-    return Where(name, int(line)) if name and line.isdecimal() else Where(setting.origin)
 
 
 def _as_yaml(settings: Sequence[Explained]) -> list[str]:

@@ -28,7 +28,7 @@ def run(arguments: Namespace) -> int:
         raise UsageError(reason)
     make_state_folder()
     launch = LaunchPicture(paths().launch, os.environ)
-    if not arguments.tab:
+    if not (arguments.tab or arguments.line):
         launch.show()
     gc.disable()  # imports make no garbage worth looking for; the console enables it after the first picture
     os.environ.setdefault("ESCDELAY", "25")  # ms that Textual waits to tell the key from the start of a sequence
@@ -61,7 +61,8 @@ def run(arguments: Namespace) -> int:
             wording=wording_of(settings) if language == "zh" else None,
             doctor=lambda: _doctor(settings),
         )
-        launch.keep()
+        if not arguments.line:
+            launch.keep()
         from engine.engine import Engine
         from engine.parts.loading import Sound
 
@@ -72,7 +73,7 @@ def run(arguments: Namespace) -> int:
     try:
         from tui.app import run_console
 
-        return run_console(start, launch.passing)
+        return run_console(start, launch.passing, one_line=arguments.line)
     finally:
         launch.withdraw()
 

@@ -7,7 +7,7 @@ from typing import Final
 
 from textual.binding import Binding, BindingType
 
-from tui.keys.keys import HAND_KEYS, KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS
+from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS
 
 BINDINGS: Final[list[BindingType]] = [
     Binding(key.key, key.does or key.id, key.word or key.about, show=False, priority=key.everywhere, id=key.id)
@@ -20,6 +20,10 @@ MAP_BINDINGS: Final[list[BindingType]] = [
 
 QUEUE_BINDINGS: Final[list[BindingType]] = [
     Binding(key.key, key.does, key.about, show=False, id=key.id) for key in QUEUE_KEYS
+]
+
+LOG_BINDINGS: Final[list[BindingType]] = [
+    Binding(key.key, key.does or key.id, key.about, show=False, id=key.id) for key in LOG_KEYS
 ]
 
 TURN_BINDINGS: Final[list[BindingType]] = [

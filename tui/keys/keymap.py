@@ -6,16 +6,16 @@ that stops it. Knows no Textual, so that ``sayso config check`` can say the same
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from tui.keys.keys import HAND_KEYS, KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
+from config.nearest import nearest
+from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
 from tui.words import strings
 
-GROUPS: Final[tuple[tuple[Key, ...], ...]] = (KEYS, MAP_KEYS, QUEUE_KEYS, TURN_KEYS, HAND_KEYS, SETTING_KEYS)
+GROUPS: Final[tuple[tuple[Key, ...], ...]] = (KEYS, MAP_KEYS, QUEUE_KEYS, LOG_KEYS, TURN_KEYS, HAND_KEYS, SETTING_KEYS)
 """Those of the console, and those that go before them while the map, or a page, has the keyboard."""
 
 _PUNCTUATION: Final = {
@@ -79,8 +79,8 @@ def keymap(chosen: Mapping[str, str], groups: Sequence[Sequence[Key]] = GROUPS) 
 def _unknown(action: str, known: Sequence[str]) -> str:
     if action in known:
         return ""
-    near = difflib.get_close_matches(action, known, n=1)
-    return strings.NO_ACTION.format(strings.DID_YOU_MEAN.format(near[0]) if near else ", ".join(known))
+    near = nearest(action, known)
+    return strings.NO_ACTION.format(strings.DID_YOU_MEAN.format(near) if near else ", ".join(known))
 
 
 def _unfit(keys: Sequence[str], action: Key) -> str:

@@ -45,6 +45,8 @@ KEYS: Final = (
     Key("estop", "ctrl+x", everywhere=True),
     Key("release", "R"),
     Key("by_hand", "g"),
+    Key("speed_down", "minus", does="speed(-1)"),
+    Key("speed_up", "plus,equals_sign", does="speed(1)"),
     Key("help", "question_mark"),
     Key("resume", "k"),
     Key("undo", "u"),
@@ -87,6 +89,7 @@ MAP_KEYS: Final = (
     Key("map_farther", "minus", does="map_zoom(-1)"),
     Key("map_whole", "0"),
     Key("map_follow", "f"),
+    Key("map_legend", "L"),
     Key("map_point_left", "left", does="map_cursor(-1, 0)"),
     Key("map_point_right", "right", does="map_cursor(1, 0)"),
     Key("map_point_up", "up", does="map_cursor(0, 1)"),
@@ -115,6 +118,16 @@ QUEUE_KEYS: Final = (
 )
 """Those of the actions, while requests wait and it has the focus; they go before the console's own. Their actions are
 that pane's."""
+LOG_KEYS: Final = (
+    Key("log_level", "v"),
+    Key("log_part", "p"),
+    Key("log_find", "s"),
+    Key("log_trouble_before", "n", does="log_trouble(-1)"),
+    Key("log_trouble_after", "N", does="log_trouble(1)"),
+    Key("log_turn", "enter"),
+    Key("log_follow", "f,end"),
+)
+"""Those of the log, while it has the focus; they go before the console's own. Their actions are the log's."""
 
 
 TURN_KEYS: Final = (
@@ -145,10 +158,11 @@ SETTING_KEYS: Final = (
     Key("setting_after", "right", does="turn(1)"),
     Key("setting_take", "enter", does="take"),
     Key("setting_default", "d", does="default"),
+    Key("setting_find", "s", does="find"),
 )
 """Those of the page of the settings, where they go before the console's own. Their actions are the page's."""
 
-ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *QUEUE_KEYS, *TURN_KEYS, *HAND_KEYS, *SETTING_KEYS)
+ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *QUEUE_KEYS, *LOG_KEYS, *TURN_KEYS, *HAND_KEYS, *SETTING_KEYS)
 
 
 def all_shown(keys: Mapping[str, str]) -> dict[str, str]:

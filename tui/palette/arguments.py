@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from config.nearest import nearest
 from tui.palette.calls import Values
 from tui.shown.facts import printable
 from tui.words import strings
@@ -57,6 +58,14 @@ def _blank(parameter: Parameter, offer: Offer, seen: tuple[str, ...]) -> Blank:
     if parameter.word == "object":
         choices = tuple(dict.fromkeys((*seen, *choices)))
     return Blank(parameter.name, "", shown, printable(", ".join(choices)) or strings.FORM_WORDS, choices, parameter)
+
+
+def nearest_choice(blank: Blank, written: str) -> str:
+    """What was probably meant, where what was written is none of what is known; empty where it is, or none is near.
+    Other words may be right as well: who knows is the planner."""
+    words = written.strip().casefold()
+    begun = any(choice.casefold().startswith(words) for choice in blank.choices)
+    return "" if begun else nearest(words, blank.choices)
 
 
 def value_of(blank: Blank, written: str) -> float | str | None:

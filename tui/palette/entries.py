@@ -10,9 +10,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
-from tui.keys.keys import HAND_KEYS, KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
-from tui.options import SHOWN
-from tui.shown.facts import printable
+from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
+from tui.options import every
+from tui.shown.facts import LogLine, printable
 from tui.words import strings
 from tui.words.language import told
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from config.schema import Place
     from engine.skills.registry import Skill
 
-Where = Literal["console", "map", "queue", "turn", "hand", "settings"]
-Kind = Literal["action", "place", "skill", "recent", "setting", "file"]
+Where = Literal["console", "map", "queue", "log", "turn", "hand", "settings"]
+Kind = Literal["action", "place", "skill", "recent", "setting", "file", "log"]
 MAX_RECENT: Final = 50
 
 
@@ -61,7 +61,14 @@ class Change:
     setting: str
 
 
-Choice = Act | Write | Fill | Tell | Change
+@dataclass(frozen=True, slots=True)
+class Show:
+    """A line of the log, where it stands."""
+
+    line: LogLine
+
+
+Choice = Act | Write | Fill | Tell | Change | Show
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +111,14 @@ def requests(recent: Sequence[str]) -> tuple[Entry, ...]:
     return tuple(Entry("recent", printable(text), strings.KIND_RECENT, Write(text)) for text in newest)
 
 
+def log_lines(lines: Sequence[LogLine]) -> tuple[Entry, ...]:
+    """The lines of the log, the newest first."""
+    return tuple(
+        Entry("log", told(line.message), strings.SOURCES.get(line.source, line.source), Show(line), line.source)
+        for line in reversed(lines)
+    )
+
+
 def _places(places: Mapping[str, Place]) -> Iterator[Entry]:
     for symbol, place in places.items():
         name = told(place.name)
@@ -120,6 +135,8 @@ def _actions(keys: Mapping[str, str]) -> Iterator[Entry]:
         yield Entry("action", key.about, f"{strings.KIND_MAP} {keys[key.id]}", Act(key, "map"), key.id)
     for key in QUEUE_KEYS:
         yield Entry("action", key.about, f"{strings.KIND_QUEUE} {keys[key.id]}", Act(key, "queue"), key.id)
+    for key in LOG_KEYS:
+        yield Entry("action", key.about, f"{strings.KIND_LOG} {keys[key.id]}", Act(key, "log"), key.id)
     for key in TURN_KEYS:
         yield Entry("action", key.about, f"{strings.KIND_TURN} {keys[key.id]}", Act(key, "turn"), key.id)
     for key in HAND_KEYS:
@@ -140,10 +157,10 @@ def _skills(skills: Sequence[Skill]) -> Iterator[Entry]:
 def _settings() -> Iterator[Entry]:
     from config.changing import described
 
-    for key in SHOWN:
-        about = " ".join((strings.SETTING_ABOUTS[key], described(tuple(key.split(".")))))
+    for key in every():
+        about = " ".join((strings.SETTING_ABOUTS.get(key, ""), described(tuple(key.split(".")))))
         words = " ".join((key, key.replace(".", " ").replace("_", " ")))
-        title = strings.SETTING_ENTRY.format(strings.SETTING_NAMES[key])
+        title = strings.SETTING_ENTRY.format(strings.SETTING_NAMES.get(key, key))
         yield Entry("setting", title, key, Change(key), words, about)
 
 

@@ -16,7 +16,7 @@ from textual.message import Message
 from textual.widgets import Input, Static
 
 from engine.skills.registry import Skill
-from tui.palette.arguments import Blank, NotRight, values
+from tui.palette.arguments import Blank, NotRight, nearest_choice, values
 from tui.palette.calls import as_written
 from tui.palette.entries import about_skill
 from tui.palette.over import Over
@@ -150,9 +150,12 @@ class Form(Over):
 
     def _show(self) -> None:
         """What may stand in the line that has the keyboard, and what the request is."""
-        here = next((line.blank for line in self._lines if line.has_focus), None)
-        self._choices.update(here.limits if here is not None and here.choices else "")
-        self._choices.display = here is not None and bool(here.choices)
+        here = next((line for line in self._lines if line.has_focus), None)
+        near = nearest_choice(here.blank, here.value) if here is not None else ""
+        limits = here.blank.limits if here is not None and here.blank.choices else ""
+        question = Content.styled(f"{strings.DID_YOU_MEAN.format(told(near))} ", "$text-warning") if near else ""
+        self._choices.update(Content.assemble(question, limits))
+        self._choices.display = here is not None and bool(here.blank.choices)
         try:
             text = self._composed()
         except NotRight as error:

@@ -160,6 +160,7 @@ def _put_robot(
     pose = robot.pose
     at = frame.cell(pose.x, pose.y)
     if at is None:
+        _point_to(cells, pose.x, pose.y, frame)
         return
     for row, column in _hull(robot, frame):
         cells[row, column] = Cell(" ", "robot", "robot")
@@ -173,6 +174,18 @@ def _put_robot(
             sign = "◆" if held is not None else "◇"
             cells[hand] = Cell(sign, "thing" if held else "hand", ground, held.colour if held else "")
     cells[at] = Cell(arrow(pose.yaw), "robot", "floor")
+
+
+def _point_to(cells: Overlay, x: float, y: float, frame: Frame) -> None:
+    """At the edge of the picture, where the robot is beyond it: one row above the last, which may be the cursor's."""
+    if not (math.isfinite(x) and math.isfinite(y)):
+        return
+    column, row = frame.at(x, y)
+    right = (column - frame.columns / 2) / frame.columns
+    down = (row - frame.rows / 2) / frame.rows
+    sign = ("▶" if right > 0 else "◀") if abs(right) >= abs(down) else ("▼" if down > 0 else "▲")
+    at = max(0, min(frame.rows - 2, int(row))), max(0, min(frame.columns - 1, int(column)))
+    cells[at] = Cell(sign, "robot", "floor")
 
 
 def _hull(robot: RobotState, frame: Frame) -> Iterable[tuple[int, int]]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import queue
 import threading
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tui.messages import Settled
@@ -18,6 +19,7 @@ from tui.words import strings
 
 if TYPE_CHECKING:
     from config.changing import Layers
+    from config.editing import Value
     from tui.options import Option
     from tui.screens.settings import SettingsScreen
     from tui.stage import Stage
@@ -59,8 +61,10 @@ class Changing:
             self._dressing.theme = text  # until it is known otherwise, so that nothing flickers
 
         def job(layers: Layers, themes: Sequence[str]) -> Settled:
-            from config.changing import change
+            from config.changing import NotWritten, change
 
+            if why := _wrong(layers, option, value):
+                raise NotWritten(why)
             return self._settled(layers, themes, option, str(change(layers, option.path, value).file))
 
         self._do(job, before)
@@ -121,6 +125,20 @@ class Changing:
         settings = layers.load()
         words = wording_of(settings) if option.key == "console.language" and language_of(settings) == "zh" else None
         return Settled(_options(layers, themes), option.key, settings=settings, wording=words, file=file)
+
+
+def _wrong(layers: Layers, option: Option, value: Value) -> str:
+    """Why `sayso config check` would not have this value, beyond the schema, which is asked where it is written."""
+    from config.editing import NotEditable, as_yaml
+    from config.errors import ConfigError
+    from tui.checking import wrong_names
+
+    try:
+        as_set = replace(layers, overrides=(*layers.overrides, f"{option.key}={as_yaml(value)}"))
+        problems = list(wrong_names(as_set.load(), tuple(as_set.explain().values())))
+    except (ConfigError, NotEditable):
+        return ""
+    return next((problem.message for problem in problems if problem.key == option.key), "")
 
 
 def _options(layers: Layers, themes: Sequence[str]) -> tuple[Option, ...]:

@@ -47,9 +47,15 @@ class Choosing:
         typed = main.line.value if self._stage.screen is main else ""
         await self._show(requests(main.line.history), strings.PALETTE_RECENT, typed)
 
+    async def search_log(self) -> None:
+        """The lines of the log, to find one of them."""
+        from tui.palette.entries import log_lines
+
+        await self._show(log_lines(self._stage.shown.model.log), strings.PALETTE_LOG)
+
     async def chosen(self, choice: Choice) -> None:
         """Do what was chosen."""
-        from tui.palette.entries import Act, Change, Fill, Tell, Write
+        from tui.palette.entries import Act, Change, Fill, Show, Tell, Write
 
         stage = self._stage
         await stage.main.uncover()
@@ -63,6 +69,8 @@ class Choosing:
                 stage.note("info", printable(text))
             case Change(setting):
                 self._change(setting)
+            case Show(line):
+                stage.main.go_to_line(line)
             case Fill(skill):
                 await self._fill(skill)
 
@@ -96,6 +104,10 @@ class Choosing:
         if where == "queue":
             stage.main.go_to("actions")
             await stage.run_action(action, stage.main.queue)
+            return
+        if where == "log":
+            stage.main.go_to("log")
+            await stage.run_action(action, stage.main.log_pane)
             return
         if where == "hand":
             await stage.run_action(action, stage.main.drive_by_hand())

@@ -128,9 +128,9 @@ class Dressing:
         if message.theme in stage.available_themes:
             stage.theme = self.theme = message.theme
         else:
-            from difflib import get_close_matches
+            from config.nearest import nearest
 
-            near = get_close_matches(message.theme, sorted(stage.available_themes), 1, 0.5)
+            near = filter(None, [nearest(message.theme, stage.available_themes)])
             words = (strings.UNKNOWN_THEME.format(message.theme), *map(strings.DID_YOU_MEAN_THEME.format, near))
             stage.note("warning", " ".join(words))
         rooms.viewing.choose(message.graphics)

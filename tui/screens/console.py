@@ -34,12 +34,14 @@ from tui.widgets.floor_view import FloorView
 from tui.widgets.lines import Lines
 from tui.widgets.log import LogView
 from tui.widgets.mic import MicStrip
+from tui.widgets.one_line import OneLine
 from tui.widgets.plan import PlanView
 from tui.widgets.problem import ProblemPanel
 from tui.widgets.queue import ActionQueue
 from tui.widgets.status import StatusLine
 from tui.widgets.timeline import Timeline
 from tui.words import strings
+from tui.words.hints import fitting
 from tui.words.language import told
 
 if TYPE_CHECKING:
@@ -49,6 +51,7 @@ if TYPE_CHECKING:
     from engine.perception.sighting import Sight
     from tui.palette.form import Form
     from tui.palette.palette import Palette
+    from tui.shown.facts import LogLine
     from tui.shown.view import View
 
 
@@ -61,9 +64,11 @@ class ConsoleScreen(Screen[None]):
     AUTO_FOCUS = ""
     focused: Reactive[Widget | None] = Reactive(None, repaint=False)  # Textual's sends the whole screen each time
 
-    def __init__(self, keys: Mapping[str, str]) -> None:
-        """``keys`` are the keys in use by action id, as they are shown to people."""
+    def __init__(self, keys: Mapping[str, str], *, one_line: bool = False) -> None:
+        """``keys`` are the keys in use by action id, as they are shown to people; ``one_line``: all of it stands on one
+        line, and on a second one that is typed in where there are two."""
         super().__init__()
+        self._one_line = OneLine() if one_line else None
         self._compositor = WholeCompositor()
         self._keys = keys
         self._status = StatusLine()
@@ -74,7 +79,7 @@ class ConsoleScreen(Screen[None]):
         self._floor = FloorView()
         self._camera = CameraView()
         self._figures = Figures(classes="pane")
-        self._log_view = LogView(classes="pane")
+        self._log_view = LogView(keys, classes="pane")
         self._timeline = Timeline(strings.BROWSE.format(**keys), classes="pane")
         self._mic = MicStrip()
         self._ask = AskLine(keys)
@@ -105,6 +110,8 @@ class ConsoleScreen(Screen[None]):
 
     def compose(self) -> ComposeResult:
         self._lay_out(self.app.size)  # before there is anything that would be styled anew
+        if self._one_line is not None:
+            yield self._one_line
         yield self._status
         yield self._problem
         with Horizontal(id="main"):
@@ -130,6 +137,9 @@ class ConsoleScreen(Screen[None]):
     def show(self, view: View) -> None:
         """Bring every pane but the log up to date."""
         model = view.model
+        if self._one_line is not None:
+            self._one_line.update_from(view)
+            return
         self._status.update_from(view)
         self._problem.update_from(model.problem)
         self.set_class(model.problem is not None, "-trouble")
@@ -157,6 +167,16 @@ class ConsoleScreen(Screen[None]):
     def show_log(self, model: ConsoleModel) -> None:
         """Bring the log up to date; it has a slower pace of its own."""
         self._log_view.update_from(model)
+
+    @property
+    def log_pane(self) -> LogView:
+        """The log."""
+        return self._log_view
+
+    def go_to_line(self, line: LogLine) -> None:
+        """Show a line of the log, and give the log the keyboard."""
+        self.go_to("log")
+        self.call_after_refresh(self._log_view.go_to, line)  # it may have got its size only now
 
     def toggle_log(self) -> None:
         """Show the log in place of the conversation, where there is no room for both."""
@@ -214,10 +234,21 @@ class ConsoleScreen(Screen[None]):
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
         self._panes.remember()
+        self._hint_at_map()
 
     def on_descendant_blur(self, event: events.DescendantBlur) -> None:
         if event.widget is self._floor is not self.focused and self._panes.zoomed != "map":
             self.remove_class("-map")
+        self._hint_at_map()
+
+    def _hint_at_map(self) -> None:
+        """Below the map: the keys that act now."""
+        if self.focused is not self._floor:
+            words = strings.MAP_KEYS.format(**self._keys)
+        else:
+            words = fitting(strings.MAP_POINTS.format(**self._keys), max(1, self._map.size.width - 2))
+        if str(self._map.border_subtitle or "") != words:  # another one repaints the frame
+            self._map.border_subtitle = Content(words)
 
     @property
     def camera_shown(self) -> bool:
@@ -297,14 +328,15 @@ class ConsoleScreen(Screen[None]):
 
     def show_keys(self) -> None:
         """Other keys are in use."""
-        self._map.border_subtitle = Content(strings.MAP_KEYS.format(**self._keys))
+        self._hint_at_map()
         self._timeline.tell(strings.BROWSE.format(**self._keys))
         self.line.prompt()
+        self._log_view.entitle()
         self._entitle()
 
     def reword(self) -> None:
         """Words are in another language now."""
-        self._figures.border_title = strings.PANE_ROBOT
+        self._figures.entitle()
         self.show_keys()
         for pane in self.query(Lines):
             pane.redraw()
@@ -358,7 +390,9 @@ class ConsoleScreen(Screen[None]):
 
     def _lay_out(self, size: Size) -> None:
         """Have the classes that the style sheet goes by."""
-        layout = layout_for(*size)
+        layout = layout_for(*size) if self._one_line is None else "tiny"
+        self.set_class(self._one_line is not None, "-one-line")
+        self.set_class(self._one_line is not None and size.height < 2, "-one-row")
         for name in ("tiny", "narrow", "wide"):
             self.set_class(name == layout, f"-{name}")
         self.set_class(layout in ("narrow", "compact"), "-compact")

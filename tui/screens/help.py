@@ -12,7 +12,7 @@ from textual.content import Content
 from textual.screen import Screen
 from textual.widgets import Static
 
-from tui.keys.keys import HAND_KEYS, KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
+from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
 from tui.widgets.status import StatusLine, is_pressed
 from tui.words import strings
 from tui.words.widths import right
@@ -68,6 +68,7 @@ class HelpScreen(Screen[None]):
             for title, keys in (
                 (strings.HELP_MAP, MAP_KEYS),
                 (strings.HELP_QUEUE, QUEUE_KEYS),
+                (strings.HELP_LOG, LOG_KEYS),
                 (strings.HELP_TURN, TURN_KEYS),
                 (strings.HELP_HAND, HAND_KEYS),
                 (strings.HELP_SETTINGS, SETTING_KEYS),

@@ -16,7 +16,7 @@ from textual.screen import Screen
 from textual.widgets import Input, Static
 
 from tui.keys.bindings import SETTING_BINDINGS
-from tui.options import Option, origin_of, shown, written
+from tui.options import Option, about, found, origin_of, shown, written
 from tui.shown.facts import printable
 from tui.widgets.lines import Drawn, Lines
 from tui.widgets.status import StatusLine
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from tui.messages import Settled
     from tui.shown.view import View
 
-_NAME: Final = 20
+_NAME: Final = 30
 _VALUE: Final = 26
 _DIM: Final = "$foreground 60%"
 Row = tuple[str, str, str, bool, bool]
@@ -55,10 +55,12 @@ class Wardrobe(Protocol):
         ...
 
 
-class OptionList(Lines[Row]):
-    """One line a setting; a sign says which one is meant."""
+class OptionList(Lines[Row | str]):
+    """One line a setting, under the heading of its group; a sign says which one is meant."""
 
-    def drawn(self, item: Row) -> Drawn:
+    def drawn(self, item: Row | str) -> Drawn:
+        if isinstance(item, str):
+            return Drawn(Content(""), Content.styled(item, "bold $text-primary"), nowrap=True)
         name, value, origin, meant, tried = item
         style = "bold $text-accent" if meant else "$foreground"
         text = Content(f"‹ {value} ›" if tried else value).truncate(_VALUE, ellipsis=True)
@@ -94,7 +96,10 @@ class SettingsScreen(Screen[None]):
         self._about = Static(id="about", markup=False)
         self._line = Line(id="line", compact=True, max_length=500)
         self._line.cursor_blink = False
-        self._options: tuple[Option, ...] = ()
+        self._every: tuple[Option, ...] = ()
+        self._options: tuple[Option, ...] = ()  # of these, the ones that are shown
+        self._finding = False  # the line is where one searches
+        self._typed = ""  # what is searched for
         self._begin_at = at
         self._at = 0
         self._tried: str | None = None  # a value that is looked at, but not taken
@@ -127,9 +132,11 @@ class SettingsScreen(Screen[None]):
         if message.failed:
             self._told = Content.styled(f"✗ {message.failed}", "$text-error")
         else:
-            if not self._options:
-                self._at = next((n for n, option in enumerate(message.options) if option.key == self._begin_at), 0)
-            self._options = message.options
+            first, meant = not self._every, self.meant
+            self._every = message.options
+            self._options = found(self._every, self._typed)
+            at = self._begin_at if first else meant.key if meant is not None else ""
+            self._at = next((n for n, option in enumerate(self._options) if option.key == at), 0)
             self._told = Content.assemble(*self._outcome(message))
         self._tried = None
         self._draw()
@@ -144,13 +151,13 @@ class SettingsScreen(Screen[None]):
         self.show(self._view)
 
     def scroll_page(self, direction: int) -> None:
-        """To the first setting or the last one."""
-        self.action_step(direction * len(self._options))
+        """As many settings further as there is room for."""
+        self.action_step(direction * max(1, self._list.size.height - 2))
 
     @property
     def meant(self) -> Option | None:
         """The setting that keys act on."""
-        return self._options[self._at] if self._options else None
+        return self._options[self._at] if self._at < len(self._options) else None
 
     def action_step(self, step: int) -> None:
         """To another setting; what was only tried or half written is let go."""
@@ -184,8 +191,28 @@ class SettingsScreen(Screen[None]):
             self._try(None)
             self._wardrobe.give_back(self.meant)
 
+    def action_find(self) -> None:
+        """Show those settings alone in which what is typed occurs."""
+        self._try(None)
+        self._finding, self._line.display, self._line.value = True, True, self._typed
+        self.set_focus(self._line)
+        self._draw()
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        event.stop()
+        if self._finding and event.value != self._typed:
+            meant = self.meant
+            self._typed = event.value
+            self._options = found(self._every, self._typed)
+            self._at = next((n for n, option in enumerate(self._options) if option is meant), 0)
+            self._draw()
+
     def on_input_submitted(self, event: Input.Submitted) -> None:
         event.stop()
+        if self._finding:
+            self._close_line()
+            self._draw()
+            return
         if self.meant is not None:
             self._wardrobe.keep(self.meant, event.value)
         self._close_line()
@@ -204,35 +231,44 @@ class SettingsScreen(Screen[None]):
             self._wardrobe.try_on(self._tried)
 
     def _open_line(self, option: Option) -> None:
+        self._finding = False
         self._line.value = written(option.value)
         self._line.display = True
         self.set_focus(self._line)
         self._draw()
 
     def _close_line(self) -> None:
-        self._line.display = False
+        self._line.display = self._finding = False
         self.set_focus(None)
 
     def _draw(self) -> None:
-        title = f"{strings.NAME} · {strings.SETTINGS_TITLE}"
+        title = f"{strings.NAME} · {strings.SETTINGS_TITLE}{f' · {self._typed}' if self._typed else ''}"
         self._list.border_title = Content(title)
         hints = fitting(strings.SETTINGS_KEYS.format(**self._keys), self.size.width - EDGES, last=2)
         self._list.border_subtitle = Content(hints)
-        self._list.show([self._row(number, option) for number, option in enumerate(self._options)], matters=self._at)
+        rows: list[Row | str] = []
+        matters = 0
+        for number, option in enumerate(self._options):
+            if not number or option.group != self._options[number - 1].group:
+                rows.append(strings.SETTING_GROUPS.get(option.group, option.group))
+            matters = len(rows) if number == self._at else matters
+            rows.append(self._row(number, option))
+        if not rows and self._every:
+            rows.append(strings.NOTHING_FITS)
+        self._list.show(rows, matters=matters)
         self._about.update(Content("\n").join(self._explained()))
 
     def _row(self, number: int, option: Option) -> Row:
         meant = number == self._at
         tried = self._tried if meant else None
         value = strings.SETTING_VALUES.get(tried or shown(option.value), tried or shown(option.value))
-        return strings.SETTING_NAMES[option.key], value, origin_of(option), meant, tried is not None
+        return option.name, value, origin_of(option), meant, tried is not None
 
     def _explained(self) -> Iterator[Content]:
         """What there is to know of the setting that is meant."""
         option = self.meant
         if option is not None:
-            about = strings.SETTING_ABOUTS[option.key] or option.about
-            yield Content.assemble((f"{option.key}  ", "bold $text-primary"), (printable(about), "$foreground"))
+            yield Content.assemble((f"{option.key}  ", "bold $text-primary"), (printable(about(option)), "$foreground"))
             words = ", ".join(strings.SETTING_VALUES.get(word, word) for word in option.choices)
             if words:
                 yield Content.styled(words, _DIM)
@@ -240,7 +276,7 @@ class SettingsScreen(Screen[None]):
             if option.over:
                 yield Content.styled(f"▲ {_overridden(option)}", "$text-warning")
         if self._line.display:
-            yield Content.styled(strings.SETTINGS_LINE, _DIM)
+            yield Content.styled(strings.SETTINGS_FIND if self._finding else strings.SETTINGS_LINE, _DIM)
         elif self._told.plain:
             yield self._told
 
@@ -248,8 +284,7 @@ class SettingsScreen(Screen[None]):
         if not message.key:
             return
         option = next(option for option in message.options if option.key == message.key)
-        name = strings.SETTING_NAMES[option.key]
-        yield strings.SETTING_KEPT.format(name=name, file=printable(message.file)), "$text-success"
+        yield strings.SETTING_KEPT.format(name=option.name, file=printable(message.file)), "$text-success"
         if not option.live and not option.over:
             yield f" {strings.SETTING_RESTART}", "$text-warning"
 

@@ -9,7 +9,7 @@ from typing import Final, Literal
 
 from msgspec import Struct
 
-from engine.events import Value
+from engine.events import ActionQueued, ActionStarted, Value
 
 MAX_TEXT: Final = 2000
 """Characters of one text that are shown."""
@@ -47,7 +47,7 @@ class Row(Struct, frozen=True):
     action: str
     turn: str | None
     index: int
-    call: str  # ``navigate_to(place=A)``
+    call: str  # what is to be done, in words: ``Go to the kitchen``
     phase: Phase
     started: float | None = None  # s, event time
     duration_s: float | None = None
@@ -76,6 +76,7 @@ class LogLine(Struct, frozen=True):
     level: Literal["debug", "info", "warning", "error"]
     source: str
     message: str
+    turn: str | None = None  # in which it was told, by its id
 
 
 class Level(Struct, frozen=True):
@@ -117,3 +118,8 @@ def call(name: str, args: Mapping[str, Value]) -> str:
     if len(values) > 1:
         values = [f"{key}={value}" for key, value in zip(args, values, strict=True)]
     return printable(f"{name}({', '.join(values)})")
+
+
+def in_words(body: ActionQueued | ActionStarted) -> str:
+    """What is to be done, for people; as it is written where the engine has no words for it."""
+    return printable(body.told) or call(body.name, body.args)

@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 from engine import events as ev
 from engine.states import EXPRESSING
-from tui.shown.facts import Line, LogLine, Path, Plan, Problem, Row, Waiting, call, printable
+from tui.shown.facts import Line, LogLine, Path, Plan, Problem, Row, Waiting, call, in_words, printable
 from tui.shown.trace import Trace
 from tui.shown.trace import after as trace_after
 from tui.shown.turns import Turns
@@ -87,8 +87,10 @@ class ConsoleModel(Struct, frozen=True):
     def with_line(self, line: Line) -> ConsoleModel:
         return replace(self, conversation=(*self.conversation[1 - MAX_LINES :], line))
 
-    def with_log(self, level: Literal["debug", "info", "warning", "error"], source: str, text: str) -> ConsoleModel:
-        line = LogLine(self.t, level, printable(source), printable(text))
+    def with_log(
+        self, level: Literal["debug", "info", "warning", "error"], source: str, text: str, turn: str | None = None
+    ) -> ConsoleModel:
+        line = LogLine(self.t, level, printable(source), printable(text), turn)
         return replace(self, log=(*self.log[1 - MAX_LINES :], line))
 
     def with_row(self, row: Row) -> ConsoleModel:
@@ -109,7 +111,7 @@ def _fold(body: ev.Body, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
 @_fold.register
 def _(body: ev.SessionStarted, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
     model = replace(model, mode=body.mode, ended=None)
-    return model.with_log("info", "session", f"sayso {body.version}, {body.robot}, {body.mode}")
+    return model.with_log("info", "session", f"sayso {body.version}, {body.robot}, {body.mode}", event.turn)
 
 
 @_fold.register
@@ -189,7 +191,7 @@ def _(body: ev.WakeHeard, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
         return model
     where = [] if body.angle_deg is None else [strings.WOKEN_FROM.format(angle=body.angle_deg)]
     phrase = [f"“{body.phrase}”"] if body.phrase else []
-    return model.with_log("info", "wake", ", ".join([strings.WOKEN[body.source], *phrase, *where]))
+    return model.with_log("info", "wake", ", ".join([strings.WOKEN[body.source], *phrase, *where]), event.turn)
 
 
 @_fold.register
@@ -253,12 +255,12 @@ def _(body: ev.RefusalMade, model: ConsoleModel, event: ev.Event) -> ConsoleMode
 
 @_fold.register
 def _(body: ev.ActionQueued, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    return model.with_row(Row(body.action, event.turn, body.index, call(body.name, body.args), "queued"))
+    return model.with_row(Row(body.action, event.turn, body.index, in_words(body), "queued"))
 
 
 @_fold.register
 def _(body: ev.ActionStarted, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    row = Row(body.action, event.turn, body.index, call(body.name, body.args), "running", started=event.t)
+    row = Row(body.action, event.turn, body.index, in_words(body), "running", started=event.t)
     return model.with_row(row)
 
 
@@ -305,28 +307,28 @@ def _(body: ev.RobotStateView, model: ConsoleModel, event: ev.Event) -> ConsoleM
 
 @_fold.register
 def _(body: ev.MotionPaused, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    return model.with_log("info", "stop", strings.MOTION_PAUSED.format(phrase=printable(body.phrase)))
+    return model.with_log("info", "stop", strings.MOTION_PAUSED.format(phrase=printable(body.phrase)), event.turn)
 
 
 @_fold.register
 def _(body: ev.MotionResumed, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
     told = strings.MOTION_RESUMED.format(seconds=body.paused_s, number=body.false_pauses)
-    return model.with_log("info", "stop", told)
+    return model.with_log("info", "stop", told, event.turn)
 
 
 @_fold.register
 def _(body: ev.PerceptionResult, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    return model.with_log("info", "camera", body.description) if body.description else model
+    return model.with_log("info", "camera", body.description, event.turn) if body.description else model
 
 
 @_fold.register
 def _(body: ev.Log, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    return model.with_log(body.level, body.source, body.message)
+    return model.with_log(body.level, body.source, body.message, event.turn)
 
 
 @_fold.register
 def _(body: ev.ErrorRaised, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    model = model.with_log("error", body.code, body.message)
+    model = model.with_log("error", body.code, body.message, event.turn)
     if model.problem is not None and model.problem.fatal:  # what comes after the end explains less than the end
         return model
     return replace(model, problem=_problem(body))
@@ -341,7 +343,7 @@ def _(body: ev.Timing, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
 
 @_fold.register
 def _(body: ev.Ack, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    return model if body.ok else model.with_log("warning", body.do, body.message)
+    return model if body.ok else model.with_log("warning", body.do, body.message, event.turn)
 
 
 def _problem(body: ev.ErrorRaised) -> Problem:

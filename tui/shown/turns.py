@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from engine import events as ev
 from engine.robot.geometry import heading_in_degrees
-from tui.shown.facts import call, printable, printable_lines
+from tui.shown.facts import call, in_words, printable, printable_lines
 from tui.shown.turn import STAGES, VOICE, Action, Answer, Asked, Sample, Span, Stage, Thought, Turn
 from tui.words import strings
 
@@ -261,7 +261,7 @@ def _(body: ev.RefusalMade, turn: Turn, event: ev.Event) -> Turn:
 
 @_fold.register
 def _(body: ev.ActionQueued, turn: Turn, event: ev.Event) -> Turn:
-    return _acted(turn, Action(body.action, body.index, call(body.name, body.args), "queued")) if turn.open else turn
+    return _acted(turn, Action(body.action, body.index, in_words(body), "queued")) if turn.open else turn
 
 
 @_fold.register
@@ -269,7 +269,7 @@ def _(body: ev.ActionStarted, turn: Turn, event: ev.Event) -> Turn:
     old = _action(turn, body.action)
     if not turn.open or (old is not None and old.phase != "queued"):
         return turn
-    turn = _acted(turn, Action(body.action, body.index, call(body.name, body.args), "running"))
+    turn = _acted(turn, Action(body.action, body.index, in_words(body), "running"))
     return _begun(replace(turn, resting=None), "act", event.t, body.action)
 
 

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Final
 from rich.cells import cell_len
 from textual import events
 from textual.content import Content
+from textual.message import Message
 
 from engine.robot.geometry import heading_in_degrees
+from tui.keys.speeds import LIMITS, limit_beside
 from tui.plan.chart import posture
 from tui.terminal.link import LinkFigures
 from tui.widgets.lines import Drawn, Lines
@@ -31,6 +33,8 @@ _PART_SIGNS: Final = {
 }
 _SIDES: Final = 4
 """Columns of the frame beside what is in it."""
+_TITLE_AT: Final = 3
+"""Column of the first character of the title, in the frame."""
 WIDE: Final = 50
 """Columns from which all figures fit in two lines, and all parts in one."""
 
@@ -44,9 +48,36 @@ class Figures(Lines[tuple[Piece, ...]]):
     _link: LinkFigures | None = None
     _given: tuple[RobotState | None, Sequence[PartStatus], Thing | None] = (None, (), None)
 
+    class Limited(Message):
+        """The robot may drive so many steps faster."""
+
+        def __init__(self, step: int) -> None:
+            super().__init__()
+            self.step = step
+
+    def entitle(self) -> None:
+        """Write the title: how fast the robot may drive, and the signs that change that."""
+        robot = self._given[0]
+        title = strings.PANE_ROBOT
+        if robot is not None:
+            limit = strings.SPEED_LIMITS[LIMITS.index(limit_beside(robot.speed_limit, 0))]
+            title = strings.SPEED_LIMIT.format(robot=title, limit=limit)
+        if str(self.border_title or "") != title:  # another one repaints the pane
+            self.border_title = Content(title)
+
+    def on_click(self, event: events.Click) -> None:
+        """On a sign of the title: another speed limit."""
+        title = str(self.border_title or "")
+        if event.y != 0:
+            return
+        for sign, step in (("−", -1), ("+", 1)):
+            if sign in title and abs(_TITLE_AT + cell_len(title[: title.index(sign)]) - event.x) <= 1:
+                self.post_message(self.Limited(step))
+
     def update_from(self, robot: RobotState | None, parts: Sequence[PartStatus], held: Thing | None = None) -> None:
         """``held`` is what the gripper holds."""
         self._given = robot, parts, held
+        self.entitle()
         self._arrange()
 
     def on_resize(self, event: events.Resize) -> None:

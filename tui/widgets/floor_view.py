@@ -25,6 +25,7 @@ from tui.looks.themes import THING_COLOURS
 from tui.plan import chart, floor
 from tui.plan.chart import Moving, Overlay, Spot
 from tui.plan.floor import Cell, Frame
+from tui.plan.legend import Row, legend
 from tui.plan.targets import Target, pointed_at, targets
 from tui.plan.viewport import Viewport
 from tui.words import strings
@@ -99,6 +100,7 @@ class FloorView(Widget, can_focus=True):
         self._overlay: Overlay = {}
         self._styles: dict[tuple[str, str, int], Style] = {}
         self._cursor: Spot | None = None
+        self._legend: tuple[Row, ...] | None = None  # None: nobody wants to read it
         self._asked: Target | None = None  # where to go: the question that stands…
         self._answering: Target | None = None  # …when the key that acts now was pressed
 
@@ -124,6 +126,7 @@ class FloorView(Widget, can_focus=True):
         if self._viewport.follows and self._whole is not None and (here := self._robot_spot) is not None:
             self._look(self._viewport.showing(here, self._whole))
         self._update()
+        self._explain()
 
     # Drawing
 
@@ -158,6 +161,29 @@ class FloorView(Widget, can_focus=True):
             last = column if plan[column + 1 : column + 2] == [] or plan[column + 1].char else column + 1
             self.refresh(Region(first, row, last - first + 1, 1))
 
+    def _explain(self) -> None:
+        """Bring the legend up to date, where somebody reads it."""
+        if self._legend is None or self._map is None:
+            return
+        rows = legend(self._moving, self._map, self.size.width - 2, self.size.height // 2)
+        if rows != self._legend:
+            top = self._legend_top
+            self._legend = rows
+            top = min(top, self._legend_top)
+            self.refresh(Region(0, top, self.size.width, self.size.height - top))
+
+    @property
+    def _legend_top(self) -> int:
+        """The line that the legend begins with; the last one is the cursor's."""
+        return self.size.height - 1 - len(self._legend or ())
+
+    def _explained(self, row: Row, width: int) -> Strip:
+        style = self.get_component_rich_style("floor--caption")
+        segments = [Segment(" ", style)]
+        for entry in row:
+            segments += [Segment(entry.sign.char, self._style(entry.sign)), Segment(f" {entry.words}  ", style)]
+        return Strip(segments).adjust_cell_length(width, style)
+
     def _overlaid(self) -> Overlay:
         return {} if self._frame is None else chart.overlay(self._moving, self._frame, self._cells)
 
@@ -168,6 +194,8 @@ class FloorView(Widget, can_focus=True):
             return Strip([Segment(text, self.get_component_rich_style("floor--hint"))], width)
         if self._cursor is not None and y == self.size.height - 1:
             return self._captioned(width)
+        if self._legend and 0 <= (number := y - self._legend_top) < len(self._legend):
+            return self._explained(self._legend[number], width)
         segments: list[Segment] = []
         text, style = "", Style.null()
         for cell in self._row(y):
@@ -223,10 +251,12 @@ class FloorView(Widget, can_focus=True):
 
     def on_resize(self, event: events.Resize) -> None:
         self._measure()
+        self._explain()
 
     def reword(self) -> None:
         """Names are in another language now."""
         self._redraw()
+        self._explain()
 
     def notify_style_update(self) -> None:
         """Another theme: colours are looked up anew."""
@@ -338,6 +368,12 @@ class FloorView(Widget, can_focus=True):
         self._look(self._viewport.following())
         if self._viewport.follows and (here := self._robot_spot) is not None:
             self._look(replace(self._viewport, centre=here))
+
+    def action_map_legend(self) -> None:
+        """Say what the signs mean, and who and what was seen; or no longer."""
+        self._legend = () if self._legend is None else None
+        self._explain()
+        self.refresh()
 
     def action_map_whole(self) -> None:
         """Show the whole map again."""

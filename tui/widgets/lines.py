@@ -3,6 +3,7 @@
 On a slow link bytes are what counts: a pane that repaints as a whole for one new figure costs kilobytes. This one keeps
 the drawn strips of every item, compares line by line, and marks the changed lines alone. It has no scroll bar; it shows
 the line that matters (the newest, or the one that runs) until somebody scrolls, and again after scrolling to the end.
+Who has scrolled keeps the lines in sight, also when lines before them are dropped.
 """
 
 from __future__ import annotations
@@ -58,8 +59,9 @@ class Lines(Widget, Generic[Item], can_focus=False):
         """Show these items; the one at index ``matters`` (default: the last) is kept in view."""
         items = tuple(items)
         if (items, matters) != (self._items, self._matters):
+            first = self._item_at(self._top) if self._held else None
             self._items, self._matters = items, matters
-            self._update()
+            self._update(first)
 
     def scroll_lines(self, lines: int) -> None:
         """Scroll by that many lines, down when positive."""
@@ -69,12 +71,28 @@ class Lines(Widget, Generic[Item], can_focus=False):
             self._top = top
             self.refresh()
 
+    def _show_line(self, number: int) -> None:
+        """Scroll as far as the item of this number needs to be seen, and stay there."""
+        before = sum(len(self._cache[item]) for item in self._items[:number])
+        after = before + len(self._cache[self._items[number]])
+        top = min(max(self._top, after - self.size.height), before)
+        self.scroll_lines(top - self._top)
+
+    def _item_at(self, strip: int) -> tuple[Item, int] | None:
+        """The item that stands at a line of all of them, and how many of its own lines stand before that."""
+        for item in self._items:
+            height = len(self._cache.get(item, ()))
+            if strip < height:
+                return item, strip
+            strip -= height
+        return None
+
     @property
     def _last_top(self) -> int:
         return max(0, len(self._strips) - self.size.height)
 
-    def _update(self) -> None:
-        """Draw what changed."""
+    def _update(self, first: tuple[Item, int] | None = None) -> None:
+        """Draw what changed. ``first`` stays the first in sight, so many of its lines further up."""
         width = self.size.width
         if not width or not self.is_attached:
             return
@@ -84,6 +102,8 @@ class Lines(Widget, Generic[Item], can_focus=False):
         self._strips = [strip for item in self._items for strip in cache[item]]
         if not self._held:
             self._top = self._top_for_what_matters()
+        elif first is not None and first[0] in cache:
+            self._top = sum(len(cache[item]) for item in self._items[: self._items.index(first[0])]) + first[1]
         self._top = min(self._top, self._last_top)
         for y in range(self.size.height):
             if _at(old, old_top + y) is not _at(self._strips, self._top + y):

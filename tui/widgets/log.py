@@ -1,34 +1,200 @@
-"""The log: what the engine's parts say about themselves."""
+"""The log: what the engine's parts say about themselves. It follows the newest line until somebody scrolls back, shows
+one level or part of it on demand, and leads from a line to the turn in which it was told."""
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Mapping, Sequence
+from typing import ClassVar, Final, Literal, NamedTuple
 
+from textual import events
+from textual.binding import BindingType
 from textual.content import Content
+from textual.message import Message
 
+from tui.keys.bindings import LOG_BINDINGS
 from tui.shown.facts import LogLine
 from tui.shown.model import ConsoleModel
 from tui.widgets.lines import Drawn, Lines
 from tui.words import strings
+from tui.words.hints import JOINT, fitting
 from tui.words.language import told
 
+Level = Literal["debug", "info", "warning", "error"]
+LEVELS: Final[tuple[Level, ...]] = ("debug", "info", "warning", "error")
+"""From the least to the most serious."""
 _SIGNS: Final = {
     "debug": ("·", "$foreground 40%"),
     "info": ("·", "$foreground 60%"),
     "warning": ("▲", "$text-warning"),
     "error": ("✗", "$text-error"),
 }
+_SERIOUS: Final = ("warning", "error")
 
 
-class LogView(Lines[LogLine]):
+class Shown(NamedTuple):
+    """A line as it stands in the pane."""
+
+    line: LogLine
+    marked: bool
+
+
+class LogView(Lines[Shown | str]):
     """Log lines, oldest first."""
 
-    def update_from(self, model: ConsoleModel) -> None:
-        self.show(model.log)
+    BINDINGS: ClassVar[list[BindingType]] = LOG_BINDINGS
 
-    def drawn(self, item: LogLine) -> Drawn:
-        sign, style = _SIGNS[item.level]
-        gutter = Content.assemble((f"{item.t:8.2f} ", "$foreground 60%"), (f"{sign} ", style))
-        source = strings.SOURCES.get(item.source, item.source)
-        body = Content.assemble((f"{source} ", "$foreground 60%"), (told(item.message), "$foreground 80%"))
-        return Drawn(gutter, body)
+    class Opened(Message):
+        """Somebody wants to see the turn of this line."""
+
+        def __init__(self, turn: str | None) -> None:
+            super().__init__()
+            self.turn = turn
+
+    class Wanted(Message):
+        """Somebody wants to search the log."""
+
+    def __init__(self, keys: Mapping[str, str], *, classes: str | None = None) -> None:
+        """``keys`` are those in use by action id, as they are shown to people."""
+        super().__init__(classes=classes)
+        self._keys = keys
+        self.known: tuple[LogLine, ...] = ()
+        """All lines that there are, whatever is shown of them."""
+        self._least: Level = "debug"
+        self._part: str | None = None
+        self._marked: LogLine | None = None
+        self._fresh = 0  # lines that came while somebody looked at older ones
+
+    def update_from(self, model: ConsoleModel) -> None:
+        new = _count_after(self.known[-1], model.log) if self.known else 0
+        self.known = model.log
+        self._fresh = self._fresh + sum(map(self._fits, model.log[len(model.log) - new :])) if self._held else 0
+        self._look()
+
+    def drawn(self, item: Shown | str) -> Drawn:
+        if isinstance(item, str):
+            return Drawn(Content(""), Content.styled(item, "$foreground 60%"))
+        line, marked = item
+        sign, style = _SIGNS[line.level]
+        gutter = Content.assemble((f"{line.t:8.2f} ", "$foreground 60%"), (f"{sign} ", style))
+        source = strings.SOURCES.get(line.source, line.source)
+        words = "bold $text-accent" if marked else "$foreground 80%"
+        return Drawn(gutter, Content.assemble((f"{source} ", "$foreground 60%"), (told(line.message), words)))
+
+    @property
+    def lines(self) -> Sequence[LogLine]:
+        """Those that are shown."""
+        return [item.line for item in self.items if isinstance(item, Shown)]
+
+    def scroll_lines(self, lines: int) -> None:
+        super().scroll_lines(lines)
+        if not self._held:
+            self._fresh = 0
+        self._entitle()
+
+    def go_to(self, line: LogLine) -> None:
+        """Mark a line and show it, whatever was left out before."""
+        if not self._fits(line):
+            self._least, self._part = "debug", None
+        self._mark(line)
+
+    def entitle(self) -> None:
+        """Other keys are in use, or words are in another language."""
+        self._entitle()
+
+    # Actions
+
+    def action_log_level(self) -> None:
+        """From which level on lines are shown: the next more serious one."""
+        self._least = LEVELS[(LEVELS.index(self._least) + 1) % len(LEVELS)]
+        self._look()
+
+    def action_log_part(self) -> None:
+        """Which part's lines are shown: those of the next one that has any; after the last one all."""
+        parts = list(dict.fromkeys(line.source for line in self.known))
+        at = parts.index(self._part) + 1 if self._part in parts else 0
+        self._part = parts[at] if at < len(parts) else None
+        self._look()
+
+    def action_log_find(self) -> None:
+        self.post_message(self.Wanted())
+
+    def action_log_trouble(self, step: int) -> None:
+        """To the next warning or error, or the one before; from the newest one backwards where none is marked."""
+        lines = self.lines
+        at = _index(self._marked, lines, len(lines) if step < 0 else -1)
+        ahead = lines[at + 1 :] if step > 0 else lines[:at][::-1]
+        if (found := next((line for line in ahead if line.level in _SERIOUS), None)) is not None:
+            self._mark(found)
+
+    def action_log_follow(self) -> None:
+        """Show the newest line, and each that comes."""
+        self._marked, self._held, self._fresh = None, False, 0
+        self._look()
+        self.scroll_lines(len(self._strips))
+
+    def action_log_turn(self) -> None:
+        """The turn of the marked line, or of the newest warning or error that is shown."""
+        newest = next((line for line in reversed(self.lines) if line.level in _SERIOUS and line.turn), None)
+        line = self._marked or newest
+        self.post_message(self.Opened(line.turn if line is not None else None))
+
+    # Mouse and keyboard
+
+    def on_click(self, event: events.Click) -> None:
+        """A line is marked; once more: its turn."""
+        at = self._item_at(self._top + event.get_content_offset_capture(self).y)
+        if at is None or isinstance(at[0], str):
+            return
+        line = at[0].line
+        if line is self._marked:
+            self.action_log_turn()
+        else:
+            self._mark(line, scroll=False)
+
+    def on_focus(self) -> None:
+        self._entitle()
+
+    def on_blur(self) -> None:
+        self._entitle()
+
+    def on_resize(self, event: events.Resize) -> None:
+        super().on_resize(event)
+        self._entitle()
+
+    # What is shown
+
+    def _fits(self, line: LogLine) -> bool:
+        least = LEVELS.index(self._least)
+        return LEVELS.index(line.level) >= least and self._part in (None, line.source)
+
+    def _look(self) -> None:
+        shown = [Shown(line, line is self._marked) for line in self.known if self._fits(line)]
+        self.show(shown or ([strings.NOTHING_FITS] if self.known else []))
+        self._entitle()
+
+    def _mark(self, line: LogLine, *, scroll: bool = True) -> None:
+        self._marked = line
+        self._look()
+        if scroll:
+            self._show_line(next(number for number, item in enumerate(self.items) if item == Shown(line, True)))
+            self._entitle()
+
+    def _entitle(self) -> None:
+        """Below the pane: what is left out, how many lines are new, and the keys while it has the keyboard."""
+        parts = [strings.LOG_LEVELS[self._least]] if self._least != "debug" else []
+        parts += [strings.SOURCES.get(self._part, self._part)] if self._part is not None else []
+        parts += [strings.NEW_LINES.format(self._fresh)] if self._fresh else []
+        if self.has_focus:
+            parts += strings.LOG_KEYS.format(**self._keys).split(JOINT)
+        words = fitting(JOINT.join(parts), max(1, self.size.width - 2), last=0) if parts else ""
+        if str(self.border_subtitle or "") != words:  # another one repaints the pane
+            self.border_subtitle = Content(words)
+
+
+def _count_after(last: LogLine, lines: Sequence[LogLine]) -> int:
+    """How many lines came after this one."""
+    return next((number for number, line in enumerate(reversed(lines)) if line is last), len(lines))
+
+
+def _index(line: LogLine | None, lines: Sequence[LogLine], otherwise: int) -> int:
+    return next((number for number, one in enumerate(lines) if one is line), otherwise)

@@ -63,7 +63,7 @@ class StatusLine(Horizontal):
         notice = f" {view.notice} " if view.notice else ""
         others = [hint for hint in view.hints if not hint.urgent]
         keys = _keys(_fitting(others, room - cell_len(notice)))
-        _put(self._chip_part, _chip(view))
+        _put(self._chip_part, chip(view))
         _put(self._stop_part, stop)
         style = "bold $text-error" if is_pressed(view) else "bold $text-warning"
         shown = Content.styled(notice.rstrip(), style) if notice else None
@@ -84,7 +84,8 @@ def _put(static: Static, content: Content) -> None:
     static.update(content, layout=wider)  # a layout that nobody needs would repaint the whole line, and more
 
 
-def _chip(view: View) -> Content:
+def chip(view: View) -> Content:
+    """What the robot is doing now, as a sign and a word in a colour."""
     model = view.model
     if is_pressed(view):
         (sign, style), word = _ESTOP, strings.ESTOP

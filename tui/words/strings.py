@@ -54,6 +54,8 @@ ABOUT_KEYS: Final = {
     "type": "Type a request. Up and down recall earlier ones.",
     "estop": "The emergency stop: nothing moves until it is released.",
     "release": "Release the emergency stop.",
+    "speed_down": "Lower the speed limit of the robot: fast, quick, medium, slow.",
+    "speed_up": "Raise the speed limit of the robot.",
     "by_hand": "Drive by hand, and end the plan; any other key of the console ends that.",
     "help": "Show this page, or leave any page without stopping.",
     "resume": "Continue: do what a stop cut off, from where the robot is.",
@@ -72,7 +74,7 @@ ABOUT_KEYS: Final = {
     "turn_on": "Look at the next turn; the newest is followed.",
     "turn": "Show the whole turn, or leave it.",
     "palette": "Find everything that can be done: type a part of it.",
-    "recall": "Search what was asked for before.",
+    "recall": "Search your earlier requests.",
     "pane_conversation": "Go to the conversation.",
     "pane_plan": "Go to the plan.",
     "pane_actions": "Go to the actions.",
@@ -80,12 +82,12 @@ ABOUT_KEYS: Final = {
     "pane_log": "Go to the log.",
     "pane_turns": "Go to the turns.",
     "pane_camera": "Go to what the camera sees.",
-    "zoom": "Give all the room to the pane with the keyboard, or give it back.",
-    "border_left": "Make the left panes narrower; at log and turns, the log.",
-    "border_right": "Make the left panes wider; at log and turns, the log.",
-    "copy": "Copy what is in sight; again: conversation, plan, actions, log.",
+    "zoom": "Enlarge the pane with the keyboard, or make it small again.",
+    "border_left": "Make the left panes narrower; from the log or the turns, the log.",
+    "border_right": "Make the left panes wider; from the log or the turns, the log.",
+    "copy": "Copy the turn; pressed again: conversation, plan, actions, log.",
     "save": "Save the session and a picture of the screen; it says where.",
-    "link": "Show how good the line to this terminal is, or no longer.",
+    "link": "Show or hide how fast the connection to this terminal is.",
     "settings": "Settings: look at them and change them, or leave that page.",
     "doctor": "Examine everything that sayso needs, or leave that page.",
     "examine": "Examine everything once more.",
@@ -96,7 +98,8 @@ ABOUT_KEYS: Final = {
     "map_nearer": "Look closer at the map.",
     "map_farther": "Look from farther away.",
     "map_whole": "Show the whole map.",
-    "map_follow": "Go along with the robot, or stay.",
+    "map_follow": "Follow the robot, or stop following it.",
+    "map_legend": "Say what the signs on the map mean, and list who and what was seen; or stop that.",
     "map_point_left": "Move the cursor on the map.",
     "map_point_right": "Move the cursor on the map.",
     "map_point_up": "Move the cursor on the map.",
@@ -107,16 +110,23 @@ ABOUT_KEYS: Final = {
     "map_down": "Shift what is shown of the map.",
     "map_next": "Point at the next place or thing, or the one before.",
     "map_previous": "Point at the next place or thing, or the one before.",
-    "map_go": "Ask whether to go where the cursor is; asked, go.",
+    "map_go": "Go to the cursor: the first press asks, the second one goes.",
     "map_here": "Tell the robot that it is where the cursor is.",
-    "map_turn_left": "Tell the robot that it looks further to the left.",
-    "map_turn_right": "Tell the robot that it looks further to the right.",
+    "map_turn_left": "Tell the robot that its heading is further to the left.",
+    "map_turn_right": "Tell the robot that its heading is further to the right.",
     "queue_up": "Choose a request that waits.",
     "queue_down": "Choose a request that waits.",
     "queue_drop": "Drop the request that is chosen.",
     "queue_earlier": "Have it begin earlier.",
     "queue_later": "Have it begin later.",
     "queue_change": "Take it back into the line, to change it.",
+    "log_level": "Show fewer levels of the log: information, warnings, errors; then all again.",
+    "log_part": "Show the log of one part: the next one; after the last one of all parts.",
+    "log_find": "Search the log.",
+    "log_trouble_before": "Go to the warning or error before.",
+    "log_trouble_after": "Go to the next warning or error.",
+    "log_turn": "Open the turn of the marked line, or of the newest warning or error.",
+    "log_follow": "Show the newest line of the log, and each one that comes.",
     "unfold": "Unfold prompts, what models wrote, and JSON, or fold them.",
     "lines_up": "Scroll up.",
     "lines_down": "Scroll down.",
@@ -130,10 +140,11 @@ ABOUT_KEYS: Final = {
     "hand_slower": "Drive slower.",
     "setting_up": "The setting above.",
     "setting_down": "The setting below.",
-    "setting_before": "Look at the value before.",
-    "setting_after": "Look at the next value.",
-    "setting_take": "Keep the value that is looked at, or else the next one; or write one.",
-    "setting_default": "Back to what sayso comes with.",
+    "setting_before": "Show the previous value.",
+    "setting_after": "Show the next value.",
+    "setting_take": "Save the value that is shown, or take the next one; or type a value.",
+    "setting_default": "Go back to the default.",
+    "setting_find": "Search the settings.",
 }
 """On the help page and in the palette, by action."""
 
@@ -149,9 +160,9 @@ PANES: Final = {
 }
 PANE_ROBOT: Final = "Robot"
 ZOOM_BACK: Final = "{zoom} back"
-NO_FILE: Final = "{} is no file"
-NO_SIZES: Final = "no sizes of panes are written there"
-SIZES_NOT_KEPT: Final = "The sizes of the panes are not kept for later sessions: {}"
+NO_FILE: Final = "{} is not a file"
+NO_SIZES: Final = "it holds no pane sizes"
+SIZES_NOT_KEPT: Final = "Pane sizes are not saved for later sessions: {}"
 
 # Actions
 STEPS_ENDED: Final = "{} of {} ended"
@@ -179,12 +190,26 @@ NO_PICTURE: Final = "waiting for a picture…"
 
 # Map
 MAP_KEYS: Final = "{map} points · {camera} camera"
+MAP_POINTS: Final = "{map_follow} follows · {map_legend} legend · {map_nearer}{map_farther} zoom · {map} back"
+MAP_SIGNS: Final = {
+    "robot": "the robot and its heading",
+    "robot_outside": "the robot is out of the picture there",
+    "path": "its way ahead",
+    "trail": "its way so far",
+    "scan": "an obstacle that the map does not have",
+    "place": "a place",
+    "thing": "a thing in its own colour",
+    "stale": "seen long ago, may have moved",
+    "person": "a person in the colour of their clothes",
+    "hand": "the hand",
+    "held": "the hand holds something",
+}
 GO_TO: Final = "go to the {}"
 GO_TO_NAMED: Final = "go to {}"  # somebody
 GO_TO_HAN: Final = "去{}"  # of a name that is written in Chinese
-GO_THERE: Final = "Go to {}? enter goes, any other key does not"
+GO_THERE: Final = "Go to {}? enter: yes · any other key: no"
 ENTER_GOES: Final = "· enter goes there"
-NO_WAY_TO_SAY: Final = "· no place of a name: tab chooses one"
+NO_WAY_TO_SAY: Final = "· no named place here; tab chooses one"
 SEEN_AGO: Final = "seen {}"
 JUST_NOW: Final = "just now"
 SECONDS_AGO: Final = "{} s ago"
@@ -222,36 +247,36 @@ REPLACED: Final = "replaced by a newer request"
 NEW_TASK: Final = "new task"
 REASONS: Final = {
     "interrupt": "the stop key",
-    "wake": "a wake",
+    "wake": "waking the robot",
     "say": "a new request",
-    "heard": "words that were heard",
+    "heard": "something that was said",
     "end_task": "the end of the task",
     "quit": "quitting",
     "halted": "the robot itself",
     "estop": "the emergency stop",
-    "drive": "a hand",
+    "drive": "driving by hand",
     "by_hand": "driving by hand",
     "stop": "stop",
     "replaced": "a new request",
     "shutdown": "the end of the session",
     "asked": "as asked",
-    "finished by the dialogue": "finished by the dialogue",
+    "finished by the dialogue": "the dialogue ended",
     "asked to": "as asked",
-    "a fault": "a fault",
+    "a fault": "an error in sayso",
 }
 """Who interrupts, how far that goes, and why a task or a session ends, as events name it."""
 REJECTED: Final = {
     "no_speech": "nobody spoke",
     "low_confidence": "not understood clearly",
     "too_short": "too short",
-    "empty": "no words in it",
+    "empty": "no words recognised",
     "late": "came too late",
     "artefact": "not speech",
 }
 NOT_HEARD: Final = "not heard"
 
 # Plan
-NO_PLAN: Final = "What the robot makes of your words appears here."
+NO_PLAN: Final = "The plan for your request appears here."
 THINKING: Final = "thinking…"
 WAITS_FOR: Final = "waits for the {parts}"
 NO_ACTIONS: Final = "No actions yet."
@@ -259,11 +284,12 @@ REFUSED: Final = "refused"
 NO_PLAN_CAME: Final = "no plan"
 QUESTION: Final = "asks"
 PLAN_BY: Final = {
-    "phrases": "by phrases",
+    "phrases": "by known phrases",
+    "reader": "by the learned reader",
     "local": "by the local model",
     "openai": "by a cloud model",
     "dify": "by Dify",
-    "direct": "as given",
+    "direct": "as written",
 }
 
 # Robot
@@ -289,6 +315,9 @@ ALL_READY: Final = "all parts ready"
 OTHERS_READY: Final = "all others ready"
 BATTERY: Final = "battery"
 BATTERY_LOW: Final = "battery low"
+SPEED_LIMITS: Final = ("slow", "medium", "quick", "fast")
+SPEED_LIMIT: Final = "{robot} · − {limit} +"
+"""The title of the pane; a click on the signs changes the limit."""
 HEADING: Final = "heading"
 SPEED: Final = "speed"
 TURNING: Final = "turning"
@@ -315,21 +344,21 @@ MIC_WAITING: Final = "no speech"
 WAKE_BY: Final = {
     "key": "woken by key",
     "serial": "woken by the module",
-    "word": "woken by its word",
+    "word": "woken by the wake word",
     "speech": "the speaker went on",
     "command": "woken by a command",
     "demo": "woken by the demo",
-    "file": "begun by a file",
+    "file": "started from a file",
 }
 LISTEN_ENDS: Final = {
     "silence": "end of speech",
     "max_length": "too long, cut off",
     "source_ended": "end of the sound",
     "no_speech": "nobody spoke",
-    "cancelled": "broken off",
+    "cancelled": "cancelled",
     "device_lost": "microphone lost",
 }
-SPEECH_FOR: Final = "{seconds:.1f} s of it"
+SPEECH_FOR: Final = "{seconds:.1f} s of speech"
 LOUDEST: Final = "loudest {db} dB"
 COMMA: Final = ", "
 COLON: Final = ": "
@@ -353,7 +382,7 @@ SINCE_SPEECH: Final = "from the end of speech"
 SINCE_REQUEST: Final = "from the request"
 STAGE_TO_MOTION: Final = "to motion"
 STAGE_TO_ANSWER: Final = "to answer"
-NO_TURNS: Final = "How long each stage of a request took appears here."
+NO_TURNS: Final = "The time that each stage of a request takes appears here."
 LISTENS: Final = "listening…"
 RECOGNISES: Final = "recognising…"
 NOTHING_SAID: Final = "nothing was said yet"
@@ -372,9 +401,9 @@ OUTCOMES: Final = {
     "clarify": "asked back",
     "refused": "refused",
     "interrupted": "interrupted",
-    "timeout": "time ran out",
+    "timeout": "timed out",
     "unheard": "not heard",
-    "open": "under way",
+    "open": "in progress",
 }
 PART_SOUND: Final = "Sound"
 PART_WORDS_HEARD: Final = "Heard"
@@ -397,19 +426,19 @@ ASKED: Final = "asked"
 LAYERS: Final = {"decision": "decision", "execution": "execution", "vision": "vision"}
 AGAIN: Final = "again"
 TOKENS: Final = "{prompt} → {reply} tokens"
-BROKEN_OFF: Final = "broken off"
+BROKEN_OFF: Final = "cancelled"
 CAME_LATE: Final = "came too late"
 TOO_LONG: Final = "cut off"
-HEAD: Final = "first {length} characters that such questions always begin with (SHA-256 {digest}…)"
+HEAD: Final = "fixed beginning, {length} characters (SHA-256 {digest}…)"
 REPLY: Final = "reply"
 NOTHING_CAME: Final = "nothing"
 SAYS: Final = "says “{text}”"
 HEARD_ALL: Final = "heard"
 HEARD_PART: Final = "cut off after “{heard}”"
-HEARD_NOTHING: Final = "cut off before a word"
+HEARD_NOTHING: Final = "cut off before the first word"
 ON_SCREEN: Final = "shown"
-CUT: Final = "cut off while {state}: {scope}"
-CUT_BY: Final = "cut off while {state}: {scope} ({source})"
+CUT: Final = "interrupted while {state}: {scope}"
+CUT_BY: Final = "interrupted while {state}: {scope} ({source})"
 LANGUAGE: Final = "language {language}"
 DECODED: Final = "recognised in {milliseconds}"
 NO_SPEECH_SHARE: Final = "no speech {percent:.0f} %"
@@ -454,25 +483,34 @@ SOURCES: Final = {
 }
 """Who tells a line of the log; codes of errors are the same in all languages."""
 
+LOG_LEVELS: Final = {"debug": "all", "info": "from information", "warning": "from warnings", "error": "errors only"}
+LOG_KEYS: Final = (
+    "{log_level} level · {log_part} part · {log_find} search · {log_trouble_before} errors · {log_turn} turn"
+)
+NEW_LINES: Final = "{} new"
+LINE_OF_NO_TURN: Final = "This line belongs to no turn."
+
 # Quitting and failing
 NOT_STARTED: Final = "not started"
 QUIT_QUESTION: Final = "A task is running: {key} again quits, {stop} stops it"
 ENGINE_STARTING: Final = "The engine is starting…"
 ENGINE_FAILED: Final = "The engine did not start"
-SESSION_ENDED: Final = "{key} quits; ended: {reason}"
-ENGINE_SILENT: Final = "The engine does not answer"
+SESSION_ENDED: Final = "{key} quits; session ended: {reason}"
+ENGINE_SILENT: Final = "The engine is not responding"
 ABOUT_SILENT: Final = "It hangs or was paused. The robot has stopped by itself, as it does without an engine."
 HINT_SILENT: Final = "{stop} still stops the robot, {leave} quits at once. Other keys wait for the engine."
-PAUSED: Final = "away for {seconds:.1f} s"
-ROBOT_BACK: Final = "the robot is back where it was"
+PAUSED: Final = "Not responding for {seconds:.1f} s"
+ROBOT_BACK: Final = "the robot is connected again"
 HALTED: Final = "the robot stopped by itself"
-MOTION_PAUSED: Final = "somebody may have said “{phrase}”: motion pauses"
-MOTION_RESUMED: Final = "a false pause of {seconds:.1f} s, number {number} in this session: motion goes on"
+MOTION_PAUSED: Final = "“{phrase}” may have been said: the robot pauses"
+MOTION_RESUMED: Final = (
+    "it was not said: the robot goes on after {seconds:.1f} s (false pause {number} of this session)"
+)
 SOMETHING_FAILED: Final = "Something failed"
 ASKED_EARLY: Final = "“{}” waits until the engine has started."
-CRASH_WRITTEN: Final = "sayso: this is a mistake in sayso. Please report it with what stands in {}"
-CRASH_LOST: Final = "sayso: this is a mistake in sayso, and what happened could not be written down: {}."
-CRASH_HINT: Final = "This is a mistake in sayso. Please report it with the lines above."
+CRASH_WRITTEN: Final = "sayso: this is a bug in sayso. Please report it and attach {}"
+CRASH_LOST: Final = "sayso: this is a bug in sayso, and its details could not be saved: {}."
+CRASH_HINT: Final = "This is a bug in sayso. Please report it with the lines above."
 
 # Help
 HELP_TITLE: Final = "Keys"
@@ -481,6 +519,7 @@ HELP_SIGNS: Final = "Signs"
 HELP_LEAVE: Final = "{newer} {older} more · {help} back · {interrupt} stops all"
 HELP_MAP: Final = "While the map has the keyboard"
 HELP_QUEUE: Final = "At the actions, while requests wait"
+HELP_LOG: Final = "While the log has the keyboard"
 HELP_TURN: Final = "On the page of a turn"
 HELP_HAND: Final = "Driving by hand"
 HELP_SETTINGS: Final = "On the page of the settings"
@@ -497,6 +536,8 @@ SIGN_WORDS: Final = (
 TOO_SMALL: Final = (
     "sayso needs at least {min_columns}×{min_rows} characters (this terminal has {columns}×{rows}). Make it larger."
 )
+ONE_LINE: Final = "Type what the robot should do."
+"""On the only line, before anything was asked for."""
 TOO_SMALL_KEYS: Final = "{stop} still stops the robot, {quit} quits."
 TOO_SMALL_SHORT: Final = "{columns}×{rows} is too small"
 STREAMS: Final = ("standard input", "standard output", "standard error")
@@ -509,45 +550,49 @@ DUMB_TERMINAL: Final = (
 )
 
 # Line to the terminal
-LINK_DELAY: Final = "line {}"
-LINK_SILENT: Final = "line untold"  # the terminal does not report what it has drawn
+LINK_DELAY: Final = "delay {}"
+LINK_SILENT: Final = "delay unknown"  # the terminal does not report what it has drawn
 LINK_RATES: Final = "{:.1f} kB/s · {:.1f}/s"
 FARES: Final = {
-    "full": "The line to this terminal is good again: everything is shown.",
-    "spare": "The line to this terminal is slow, {delay} ms to a frame and back: fewer frames and pictures.",
-    "bare": "The line to this terminal is bad, {delay} ms to a frame and back: no camera, lidar or trail, few frames.",
+    "full": "The connection to this terminal is good again: everything is shown.",
+    "spare": "The connection to this terminal is slow ({delay} ms a frame): fewer frames and pictures.",
+    "bare": "The connection to this terminal is bad ({delay} ms a frame): no camera, lidar or trail, few frames.",
 }
-CAMERA_SPARED: Final = "no picture: the line is bad"
+CAMERA_SPARED: Final = "no picture: the connection is bad"
 NO_CELL_SIZE: Final = (
     "The camera is drawn with characters: sixel pictures (console.camera_graphics) need to know how many pixels a"
     " character has, and this terminal does not say."
 )
 
 # Keys that somebody chose
-NO_ACTION: Final = "there is no action of this name: {}"
+NO_ACTION: Final = "there is no such action: {}"
 DID_YOU_MEAN: Final = "did you mean {}?"
 NO_KEY: Final = "no key is given; write one, as in `wake: w`, or leave the line out"
 KEY_TAKEN: Final = "{key} is the key of {other}; choose another one, or give {other} another one as well"
-KEY_IS_TYPED: Final = "{key} could not be typed any more, as this acts while one types; choose ctrl and a letter, or f2"
+KEY_IS_TYPED: Final = (
+    "{key} must stay free for typing, as this key also works while you type; choose ctrl and a letter, or f2"
+)
 KEY_IS_ANOTHER: Final = "terminals cannot tell {key} from {other}; choose another one"
 KEY_NOT_PORTABLE: Final = (
-    "{key} does not arrive from every terminal; choose a letter, ctrl and a letter, f1 to f12, or add one: `{key},x`"
+    "{key} does not work in every terminal; choose a letter, ctrl and a letter, f1 to f12, or add one: `{key},x`"
 )
-KEY_UNKNOWN: Final = "{key} is no key; write a character, a name such as pageup or f2, or ctrl+x"
+KEY_UNKNOWN: Final = "{key} is not a key; write a character, a name such as pageup or f2, or ctrl+x"
 KEY_MISTAKE: Final = "console.keys.{action}: {message}."
 KEY_STAYS: Final = " {action} keeps {key}."
 
 # Palette
 PALETTE: Final = "Everything that can be done"
 PALETTE_RECENT: Final = "What was asked for before"
+PALETTE_LOG: Final = "Log"
 PALETTE_PROMPT: Final = "a part of its name"
 PALETTE_KEYS: Final = "enter chooses · {palette} leaves · {interrupt} stops the robot and leaves"
-NOTHING_FITS: Final = "nothing is called so"
+NOTHING_FITS: Final = "No matches"
 KIND_PLACE: Final = "place"
 KIND_SKILL: Final = "skill"
 KIND_RECENT: Final = "earlier"
 KIND_MAP: Final = "map"
 KIND_QUEUE: Final = "actions"
+KIND_LOG: Final = "log"
 KIND_TURN: Final = "turn"
 KIND_HAND: Final = "by hand"
 KIND_SETTINGS: Final = "settings"
@@ -558,11 +603,11 @@ SETTINGS_ARE_IN: Final = "Settings are written in {}; `sayso config show` lists 
 FORM_KEYS: Final = "enter: next, at the end: into the line · {palette} leaves · {interrupt} stops"
 FORM_NUMBER: Final = "{low:g} to {high:g}"
 FORM_WORDS: Final = "words"
-FORM_NO_NUMBER: Final = "{name} is a number, such as 1.5"
-FORM_RANGE: Final = "{name} is {low:g} to {high:g} {unit}"
+FORM_NO_NUMBER: Final = "{name} must be a number, such as 1.5"
+FORM_RANGE: Final = "{name} must be {low:g} to {high:g} {unit}"
 FORM_MISSING: Final = "{name} is missing"
 FORM_BECOMES: Final = "› {}"
-NOT_KEPT: Final = "What you type is not kept for later sessions: {}"
+NOT_KEPT: Final = "Your requests are not saved for later sessions: {}"
 
 # Copying and saving
 COPIED: Final = "{part} copied · {lines} lines · {key} again: {other}"
@@ -575,13 +620,13 @@ COPY_PARTS: Final = {
     "log": "log",
 }
 SAVED: Final = "saved in {folder}"
-SAVED_PICTURE: Final = "only the picture is saved, as there is no log of this session: {folder}"
+SAVED_PICTURE: Final = "this session has no log; only the picture is saved: {folder}"
 
 # Doctor
 DOCTOR_TITLE: Final = "Doctor"
 DOCTOR_KEYS: Final = "{older} {newer} more · {examine} again · {copy} copies · {doctor} back · {interrupt} stops all"
 EXAMINING: Final = "◌ {name} … {count} examined so far"
-NOTHING_TO_EXAMINE: Final = "There is nothing to examine before the settings are read."
+NOTHING_TO_EXAMINE: Final = "The settings are not read yet. Try again in a moment."
 COPIED_PAGE: Final = "{lines} lines copied"
 NOTHING_FOUND_YET: Final = "nothing to copy yet"
 FINDINGS: Final = {"ok": "fine", "limited": "limited", "missing": "missing"}
@@ -609,34 +654,34 @@ CHECKS: Final = {
 
 # Devices
 DEVICE_GONE: Final = {
-    "robot": "The robot is lost and stands. It is being started again; typing still works.",
-    "microphone": "The microphone is gone: typing still works.",
-    "satellite": "The satellite is gone: typing still works.",
-    "recogniser": "Speech is not understood any more: typing still works.",
-    "planner": "Requests are not understood any more: {interrupt} still stops the robot.",
-    "voice": "There is nothing to speak through: answers are shown.",
-    "camera": "The camera is gone: driving still works, finding and grasping do not.",
-    "model": "The model on this machine is gone: plain commands are still understood.",
-    "service": "A model does not answer, another one is asked: that may take longer.",
-    "wake": "The wake module is gone: the key {wake} still wakes.",
-    "wake words": "Wake words are not heard any more: the key {wake} still wakes.",
-    "ros": "The ROS graph is gone: nothing comes from there, and everything else works.",
+    "robot": "The connection to the robot is lost, and the robot has stopped. It is being restarted.",
+    "microphone": "The microphone is not connected. Typing still works.",
+    "satellite": "The satellite is not connected. Typing still works.",
+    "recogniser": "Speech recognition has stopped. Typing still works.",
+    "planner": "The planner has stopped, and requests are not understood. {interrupt} still stops the robot.",
+    "voice": "The robot has no voice now. Answers are only shown.",
+    "camera": "The camera is not connected. Driving still works; finding and grasping do not.",
+    "model": "The local model has stopped. Plain commands still work.",
+    "service": "A model does not answer. Another one is asked, which may take longer.",
+    "wake": "The wake module is not connected. The key {wake} still wakes.",
+    "wake words": "Wake words are not heard now. The key {wake} still wakes.",
+    "ros": "The ROS graph cannot be reached. Everything else works.",
 }
 DEVICE_BACK: Final = {
-    "robot": "The robot is back where it was.",
-    "microphone": "The microphone is there: the robot hears you.",
-    "satellite": "The satellite is there: the robot hears you.",
+    "robot": "The robot is connected again.",
+    "microphone": "The microphone is connected. The robot hears you.",
+    "satellite": "The satellite is connected. The robot hears you.",
     "recogniser": "Speech is understood again.",
     "planner": "Requests are understood again.",
     "voice": "Answers are spoken again.",
-    "camera": "The camera is back.",
-    "model": "The model on this machine is there again.",
+    "camera": "The camera is connected again.",
+    "model": "The local model works again.",
     "service": "The model answers again.",
-    "wake": "The wake module is there again.",
+    "wake": "The wake module is connected again.",
     "wake words": "Wake words are heard again.",
-    "ros": "The ROS graph is there again.",
+    "ros": "The ROS graph is connected again.",
 }
-DEVICE_LOOSE: Final = "It came or went {times} times in a few seconds."
+DEVICE_LOOSE: Final = "It was connected or lost {times} times in a few seconds; check the cable."
 
 # Settings
 UNKNOWN_THEME: Final = "There is no theme {!r}; the console uses its own."
@@ -644,13 +689,28 @@ DID_YOU_MEAN_THEME: Final = "Did you mean {}?"
 SETTINGS_TITLE: Final = "Settings"
 SETTINGS_KEYS: Final = (
     "{setting_up}{setting_down} {setting_before}{setting_after} look · {setting_take} changes · "
-    "{setting_default} default · {settings} back · {interrupt} stops all"
+    "{setting_find} search · {setting_default} default · {settings} back · {interrupt} stops all"
 )
-SETTINGS_LINE: Final = "enter keeps what is written · up and down leave it"
+SETTINGS_LINE: Final = "enter saves it · up and down discard it"
+SETTINGS_FIND: Final = "a part of a name or of what it means · enter: to the list"
+SETTING_GROUPS: Final = {
+    "usual": "Usual settings",
+    "console": "Console",
+    "audio": "Microphone",
+    "vad": "Voice activity",
+    "endpoint": "End of speech",
+    "asr": "Speech recognition",
+    "planner": "Planner",
+    "models": "Models",
+    "voice": "Voice",
+    "wake": "Waking",
+    "robot": "Robot",
+    "session": "Session",
+    "ros": "ROS graph",
+}
+"""The headings of the page, by section."""
 SETTINGS_READING: Final = "reading the settings…"
-SETTINGS_NOT_READ: Final = (
-    "The settings are not read yet, or cannot be: `sayso config check` says what is wrong with them."
-)
+SETTINGS_NOT_READ: Final = "The settings are not read yet, or have mistakes: `sayso config check` lists them."
 SETTING_NAMES: Final = {
     "console.theme": "Theme",
     "console.language": "Language",
@@ -665,7 +725,7 @@ SETTING_NAMES: Final = {
     "planner.profile": "Large models",
 }
 SETTING_ABOUTS: Final = {
-    "console.theme": "How everything looks. Left and right try one on.",
+    "console.theme": "The colours of the console. Left and right show others.",
     "console.language": "",
     "console.fps": "",
     "console.camera": "",
@@ -680,10 +740,10 @@ SETTING_ABOUTS: Final = {
 """What each means; empty: as the schema says, which is English."""
 SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文"}
 """Values that need a word more."""
-NO_VALUE: Final = "the usual one"
+NO_VALUE: Final = "not set"
 NO_ENTRY: Final = "none"
 FROM_DEFAULT: Final = "default"
 SETTING_LIVE: Final = "Takes effect at once."
 SETTING_RESTART: Final = "Takes effect when sayso is started again."
-SETTING_KEPT: Final = "✓ {name}: kept in {file}."
-SETTING_OVER: Final = "{origin} goes before the file: {value} stays in force until that is taken away."
+SETTING_KEPT: Final = "✓ {name}: saved in {file}."
+SETTING_OVER: Final = "{origin} overrides the file: {value} stays in force until you remove it."

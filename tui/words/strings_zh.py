@@ -25,7 +25,7 @@ STATE_WORDS: Final[dict[State, str]] = {
 STARTING: Final = "启动中"
 BROKEN: Final = "故障"
 ESTOP: Final = "急停"
-ESTOP_HOLDS: Final = "什么都不会动；{release}解除"
+ESTOP_HOLDS: Final = "机器人不会动；{release}解除"
 BY_HAND: Final = (
     " 手动 {speed:g}米/秒  {interrupt} 结束  {hand_ahead} {hand_back} {hand_left} {hand_right}  "
     "{hand_faster} {hand_slower} 速度  {hand_aside_left} {hand_aside_right} 平移"
@@ -48,7 +48,7 @@ ABOUT_KEYS: Final = {
     "wake": "开始聆听。正在说话或行动的机器人会先停下。",
     "end_task": "停下，收回手臂，清空对话，开始新任务。",
     "type": "输入请求。上下方向键可找回以前的请求。",
-    "estop": "急停：解除之前什么都不会动。",
+    "estop": "急停：解除之前机器人不会动。",
     "release": "解除急停。",
     "resume": "继续：从机器人现在的位置做完被打断的事。",
     "undo": "撤销：如果有办法，把上次做的事还原。",
@@ -59,6 +59,8 @@ ABOUT_KEYS: Final = {
     "queue_earlier": "让它早点开始。",
     "queue_later": "让它晚点开始。",
     "queue_change": "把它拿回输入行修改。",
+    "speed_down": "降低机器人的限速：快、较快、中、慢。",
+    "speed_up": "提高机器人的限速。",
     "by_hand": "手动驾驶，并结束计划；按控制台的其他键即结束。",
     "help": "显示本页；不停止机器人而离开任何页面。",
     "leave": "退出；任务进行中时会再问一次。",
@@ -85,9 +87,9 @@ ABOUT_KEYS: Final = {
     "zoom": "让当前窗格占满，或恢复原样。",
     "border_left": "左侧窗格变窄；在日志和各轮处是日志变窄。",
     "border_right": "左侧窗格变宽；在日志和各轮处是日志变宽。",
-    "copy": "复制眼前的内容；再按一次：对话、计划、动作、日志。",
+    "copy": "复制本轮；再按一次：对话、计划、动作、日志。",
     "save": "保存会话和屏幕截图，并说明保存在哪里。",
-    "link": "显示或隐藏终端线路的好坏。",
+    "link": "显示或隐藏终端连接的速度。",
     "settings": "设置：查看、更改，或离开该页。",
     "doctor": "检查 sayso 需要的一切，或离开该页。",
     "examine": "再检查一遍。",
@@ -99,6 +101,7 @@ ABOUT_KEYS: Final = {
     "map_farther": "缩小地图。",
     "map_whole": "显示整张地图。",
     "map_follow": "跟随机器人，或不再跟随。",
+    "map_legend": "说明地图上的符号，并列出看到的人和东西；或不再显示。",
     "map_point_left": "在地图上移动光标。",
     "map_point_right": "在地图上移动光标。",
     "map_point_up": "在地图上移动光标。",
@@ -109,10 +112,17 @@ ABOUT_KEYS: Final = {
     "map_down": "平移地图。",
     "map_next": "指向下一个或上一个地点或东西。",
     "map_previous": "指向下一个或上一个地点或东西。",
-    "map_go": "询问是否前往光标处；已询问时，前往。",
+    "map_go": "前往光标处：按一次会询问，再按一次前往。",
     "map_here": "告诉机器人它在光标处。",
     "map_turn_left": "告诉机器人它的朝向更偏左。",
     "map_turn_right": "告诉机器人它的朝向更偏右。",
+    "log_level": "只显示较重要的日志：信息、警告、错误；然后全部。",
+    "log_part": "只显示一个部分的日志：下一个部分；最后一个之后是全部。",
+    "log_find": "搜索日志。",
+    "log_trouble_before": "转到上一个警告或错误。",
+    "log_trouble_after": "转到下一个警告或错误。",
+    "log_turn": "打开所选行所在的一轮，或最新的警告或错误所在的一轮。",
+    "log_follow": "显示最新一行日志，并一直跟随。",
     "unfold": "展开或折叠提示词、模型写的内容和 JSON。",
     "lines_up": "向上滚动。",
     "lines_down": "向下滚动。",
@@ -126,10 +136,11 @@ ABOUT_KEYS: Final = {
     "hand_slower": "减速。",
     "setting_up": "上一项设置。",
     "setting_down": "下一项设置。",
-    "setting_before": "看看前一个值。",
-    "setting_after": "看看后一个值。",
-    "setting_take": "保存正在看的值，没有就取下一个；或自己写一个。",
-    "setting_default": "恢复 sayso 自带的值。",
+    "setting_before": "显示前一个值。",
+    "setting_after": "显示后一个值。",
+    "setting_take": "保存显示的值，或取下一个；或自己输入一个。",
+    "setting_default": "恢复默认值。",
+    "setting_find": "搜索设置。",
 }
 
 # Panes
@@ -146,7 +157,7 @@ PANE_ROBOT: Final = "机器人"
 ZOOM_BACK: Final = "{zoom} 恢复"
 NO_FILE: Final = "{} 不是文件"
 NO_SIZES: Final = "里面没有窗格的大小"
-SIZES_NOT_KEPT: Final = "窗格的大小不会保留到以后的会话：{}"
+SIZES_NOT_KEPT: Final = "窗格大小没有保存到以后的会话：{}"
 
 # Actions
 STEPS_ENDED: Final = "{}/{} 已结束"
@@ -173,9 +184,23 @@ NO_PICTURE: Final = "等待画面…"
 
 # Map
 MAP_KEYS: Final = "{map} 指点 · {camera} 相机"
-GO_THERE: Final = "去{}吗？回车前往，其他键取消"
+MAP_POINTS: Final = "{map_follow} 跟随 · {map_legend} 图例 · {map_nearer}{map_farther} 缩放 · {map} 返回"
+MAP_SIGNS: Final = {
+    "robot": "机器人和它的朝向",
+    "robot_outside": "机器人在画面之外的那一边",
+    "path": "前面的路",
+    "trail": "走过的路",
+    "scan": "地图上没有的障碍物",
+    "place": "地点",
+    "thing": "东西，用它自己的颜色",
+    "stale": "很久以前看到的，可能移动了",
+    "person": "人，用衣服的颜色",
+    "hand": "手",
+    "held": "手里拿着东西",
+}
+GO_THERE: Final = "去{}吗？回车：是 · 其他键：否"
 ENTER_GOES: Final = "· 回车前往"
-NO_WAY_TO_SAY: Final = "· 这里没有地名：tab 选一个"
+NO_WAY_TO_SAY: Final = "· 这里没有地名；tab 选一个"
 SEEN_AGO: Final = "{}看到"
 JUST_NOW: Final = "刚刚"
 SECONDS_AGO: Final = "{} 秒前"
@@ -218,7 +243,7 @@ REASONS: Final = {
     "quit": "退出",
     "halted": "机器人自己停下",
     "estop": "急停",
-    "drive": "手动",
+    "drive": "手动驾驶",
     "by_hand": "手动驾驶",
     "stop": "停下",
     "replaced": "换成新请求",
@@ -226,20 +251,20 @@ REASONS: Final = {
     "asked": "按要求",
     "finished by the dialogue": "对话结束",
     "asked to": "按要求",
-    "a fault": "出了故障",
+    "a fault": "sayso 出错",
 }
 REJECTED: Final = {
     "no_speech": "没有人说话",
     "low_confidence": "没听清",
     "too_short": "太短",
-    "empty": "没有内容",
+    "empty": "没有识别出话来",
     "late": "来得太晚",
     "artefact": "不是人声",
 }
 NOT_HEARD: Final = "没听到"
 
 # Plan
-NO_PLAN: Final = "机器人对你的话的理解会显示在这里。"
+NO_PLAN: Final = "你的请求的计划会显示在这里。"
 THINKING: Final = "思考中…"
 WAITS_FOR: Final = "等待{parts}"
 NO_ACTIONS: Final = "还没有动作。"
@@ -247,7 +272,8 @@ REFUSED: Final = "拒绝"
 NO_PLAN_CAME: Final = "没有计划"
 QUESTION: Final = "提问"
 PLAN_BY: Final = {
-    "phrases": "按句式",
+    "phrases": "按已知句式",
+    "reader": "由学习的理解器",
     "local": "由本机模型",
     "openai": "由云端模型",
     "dify": "由 Dify",
@@ -277,6 +303,8 @@ ALL_READY: Final = "各部分就绪"
 OTHERS_READY: Final = "其余就绪"
 BATTERY: Final = "电池"
 BATTERY_LOW: Final = "电量低"
+SPEED_LIMITS: Final = ("慢", "中", "较快", "快")
+SPEED_LIMIT: Final = "{robot} · − {limit} +"
 HEADING: Final = "朝向"
 SPEED: Final = "速度"
 TURNING: Final = "转速"
@@ -317,7 +345,7 @@ LISTEN_ENDS: Final = {
     "cancelled": "被取消",
     "device_lost": "麦克风丢失",
 }
-SPEECH_FOR: Final = "其中 {seconds:.1f} 秒"
+SPEECH_FOR: Final = "人声 {seconds:.1f} 秒"
 LOUDEST: Final = "最响 {db} dB"
 COMMA: Final = "，"
 SEMICOLON: Final = "；"
@@ -388,7 +416,7 @@ TOKENS: Final = "{prompt} → {reply} 词元"
 BROKEN_OFF: Final = "被取消"
 CAME_LATE: Final = "来得太晚"
 TOO_LONG: Final = "被截断"
-HEAD: Final = "此类提问开头固定的 {length} 个字符（SHA-256 {digest}…）"
+HEAD: Final = "固定开头，{length} 个字符（SHA-256 {digest}…）"
 REPLY: Final = "答复"
 NOTHING_CAME: Final = "无"
 SAYS: Final = "说“{text}”"
@@ -437,6 +465,11 @@ SOURCES: Final = {
     "dispatch": "执行",
 }
 
+LOG_LEVELS: Final = {"debug": "全部", "info": "信息以上", "warning": "警告以上", "error": "只看错误"}
+LOG_KEYS: Final = "{log_level} 级别 · {log_part} 部分 · {log_find} 搜索 · {log_trouble_before} 错误 · {log_turn} 该轮"
+NEW_LINES: Final = "{} 条新的"
+LINE_OF_NO_TURN: Final = "这一行不属于任何一轮。"
+
 # Quitting and failing
 NOT_STARTED: Final = "未开始"
 QUIT_QUESTION: Final = "任务进行中：再按 {key} 退出，{stop} 停止任务"
@@ -446,16 +479,16 @@ SESSION_ENDED: Final = "{key} 退出；会话已结束：{reason}"
 ENGINE_SILENT: Final = "引擎没有响应"
 ABOUT_SILENT: Final = "它卡住了或被暂停。机器人没有引擎时会自己停下，现在已经停下。"
 HINT_SILENT: Final = "{stop} 仍能停止机器人，{leave} 立即退出。其他键要等引擎恢复。"
-PAUSED: Final = "离开了 {seconds:.1f} 秒"
-ROBOT_BACK: Final = "机器人回来了，还在原处"
+PAUSED: Final = "{seconds:.1f} 秒没有响应"
+ROBOT_BACK: Final = "机器人重新连上了"
 HALTED: Final = "机器人自己停下了"
-MOTION_PAUSED: Final = "可能有人说了“{phrase}”：暂停运动"
-MOTION_RESUMED: Final = "误停 {seconds:.1f} 秒，本次会话第 {number} 次：继续运动"
+MOTION_PAUSED: Final = "可能有人说了“{phrase}”：机器人暂停"
+MOTION_RESUMED: Final = "没有人说：机器人在 {seconds:.1f} 秒后继续（本次会话第 {number} 次误停）"
 SOMETHING_FAILED: Final = "出错了"
 ASKED_EARLY: Final = "“{}”要等引擎启动后再发送。"
-CRASH_WRITTEN: Final = "sayso：这是 sayso 的错误。请报告此事，并附上 {} 中的内容"
-CRASH_LOST: Final = "sayso：这是 sayso 的错误，发生的事没能记录下来：{}。"
-CRASH_HINT: Final = "这是 sayso 的错误。请报告此事，并附上以上内容。"
+CRASH_WRITTEN: Final = "sayso：这是 sayso 的缺陷。请报告此事，并附上 {}"
+CRASH_LOST: Final = "sayso：这是 sayso 的缺陷，详情没能保存：{}。"
+CRASH_HINT: Final = "这是 sayso 的缺陷。请报告此事，并附上以上内容。"
 
 # Help
 HELP_TITLE: Final = "按键"
@@ -464,6 +497,7 @@ HELP_SIGNS: Final = "符号"
 HELP_LEAVE: Final = "{newer} {older} 翻页 · {help} 返回 · {interrupt} 停止一切"
 HELP_MAP: Final = "地图有键盘焦点时"
 HELP_QUEUE: Final = "在动作窗格，有请求等待时"
+HELP_LOG: Final = "日志有键盘焦点时"
 HELP_TURN: Final = "在一轮的详情页"
 HELP_HAND: Final = "手动驾驶"
 HELP_SETTINGS: Final = "在设置页"
@@ -478,6 +512,7 @@ SIGN_WORDS: Final = (
 
 # Terminals
 TOO_SMALL: Final = "sayso 至少需要 {min_columns}×{min_rows} 个字符（本终端为 {columns}×{rows}）。请放大终端。"
+ONE_LINE: Final = "输入机器人要做的事。"
 TOO_SMALL_KEYS: Final = "{stop} 仍能停止机器人，{quit} 退出。"
 TOO_SMALL_SHORT: Final = "{columns}×{rows} 太小"
 STREAMS: Final = ("标准输入", "标准输出", "标准错误")
@@ -485,27 +520,27 @@ NOT_A_TERMINAL: Final = "控制台需要终端，而{stream}不是。程序请�
 DUMB_TERMINAL: Final = "控制台无法在此终端上绘制（TERM 为 {term}）。请换一个，或用只需文本行的 `sayso ask TEXT`。"
 
 # Line to the terminal
-LINK_DELAY: Final = "线路 {}"
-LINK_SILENT: Final = "线路不报"
+LINK_DELAY: Final = "延迟 {}"
+LINK_SILENT: Final = "延迟未知"
 LINK_RATES: Final = "{:.1f} kB/s · {:.1f}/s"
 FARES: Final = {
-    "full": "终端线路恢复良好：显示全部内容。",
-    "spare": "终端线路慢，一帧往返 {delay} ms：减少帧数和画面。",
-    "bare": "终端线路差，一帧往返 {delay} ms：不显示相机、激光和轨迹，帧数很少。",
+    "full": "终端连接恢复良好：显示全部内容。",
+    "spare": "终端连接慢（每帧 {delay} ms）：减少帧数和画面。",
+    "bare": "终端连接差（每帧 {delay} ms）：不显示相机、激光和轨迹，帧数很少。",
 }
-CAMERA_SPARED: Final = "没有画面：线路太差"
+CAMERA_SPARED: Final = "没有画面：连接太差"
 NO_CELL_SIZE: Final = (
     "相机画面用字符绘制：sixel 图像（console.camera_graphics）要知道一个字符有多少像素，而本终端没有说。"
 )
 
 # Keys that somebody chose
-NO_ACTION: Final = "没有叫这个名字的操作：{}"
+NO_ACTION: Final = "没有这个操作：{}"
 DID_YOU_MEAN: Final = "是不是 {}？"
 NO_KEY: Final = "没有给出按键；请写一个，如 `wake: w`，或删去这一行"
 KEY_TAKEN: Final = "{key} 是 {other} 的键；请换一个，或给 {other} 也换一个"
-KEY_IS_TYPED: Final = "{key} 会无法输入，因为它在输入时也起作用；请用 ctrl 加字母，或 f2"
+KEY_IS_TYPED: Final = "{key} 要留给输入，因为这个键在输入时也起作用；请用 ctrl 加字母，或 f2"
 KEY_IS_ANOTHER: Final = "终端分不清 {key} 和 {other}；请换一个"
-KEY_NOT_PORTABLE: Final = "不是每个终端都会送来 {key}；请用字母、ctrl 加字母、f1 到 f12，或再加一个：`{key},x`"
+KEY_NOT_PORTABLE: Final = "{key} 不是在每个终端都能用；请用字母、ctrl 加字母、f1 到 f12，或再加一个：`{key},x`"
 KEY_UNKNOWN: Final = "{key} 不是按键；请写一个字符、pageup 或 f2 之类的名称，或 ctrl+x"
 KEY_MISTAKE: Final = "console.keys.{action}：{message}。"
 KEY_STAYS: Final = "{action} 仍用 {key}。"
@@ -513,14 +548,16 @@ KEY_STAYS: Final = "{action} 仍用 {key}。"
 # Palette
 PALETTE: Final = "所有能做的事"
 PALETTE_RECENT: Final = "以前提过的请求"
+PALETTE_LOG: Final = "日志"
 PALETTE_PROMPT: Final = "名称中的几个字"
 PALETTE_KEYS: Final = "回车选定 · {palette} 离开 · {interrupt} 停止机器人并离开"
-NOTHING_FITS: Final = "没有这样的东西"
+NOTHING_FITS: Final = "没有匹配项"
 KIND_PLACE: Final = "地点"
 KIND_SKILL: Final = "技能"
 KIND_RECENT: Final = "以前"
 KIND_MAP: Final = "地图"
 KIND_QUEUE: Final = "动作"
+KIND_LOG: Final = "日志"
 KIND_TURN: Final = "轮"
 KIND_HAND: Final = "手动"
 KIND_SETTINGS: Final = "设置"
@@ -531,10 +568,10 @@ SETTINGS_ARE_IN: Final = "设置写在 {}；`sayso config show` 列出它们，`
 FORM_KEYS: Final = "回车：下一项，最后一项后写入输入行 · {palette} 离开 · {interrupt} 停止"
 FORM_NUMBER: Final = "{low:g} 到 {high:g}"
 FORM_WORDS: Final = "文字"
-FORM_NO_NUMBER: Final = "{name} 是数字，如 1.5"
-FORM_RANGE: Final = "{name} 为 {low:g} 到 {high:g} {unit}"
+FORM_NO_NUMBER: Final = "{name} 必须是数字，如 1.5"
+FORM_RANGE: Final = "{name} 必须是 {low:g} 到 {high:g} {unit}"
 FORM_MISSING: Final = "缺少 {name}"
-NOT_KEPT: Final = "你输入的内容不会保留到以后的会话：{}"
+NOT_KEPT: Final = "你的请求没有保存到以后的会话：{}"
 
 # Copying and saving
 COPIED: Final = "已复制{part} · {lines} 行 · 再按 {key}：{other}"
@@ -553,7 +590,7 @@ SAVED_PICTURE: Final = "本次会话没有日志，只保存了截图：{folder}
 DOCTOR_TITLE: Final = "检查"
 DOCTOR_KEYS: Final = "{older} {newer} 翻页 · {examine} 再检查 · {copy} 复制 · {doctor} 返回 · {interrupt} 停止一切"
 EXAMINING: Final = "◌ {name} … 已检查 {count} 项"
-NOTHING_TO_EXAMINE: Final = "设置读入之前没有可检查的。"
+NOTHING_TO_EXAMINE: Final = "设置尚未读取，请稍后再试。"
 COPIED_PAGE: Final = "已复制 {lines} 行"
 NOTHING_FOUND_YET: Final = "还没有可复制的"
 FINDINGS: Final = {"ok": "正常", "limited": "受限", "missing": "缺少"}
@@ -580,34 +617,34 @@ CHECKS: Final = {
 
 # Devices
 DEVICE_GONE: Final = {
-    "robot": "机器人失去联系，已停住，正在重新启动；仍可打字。",
-    "microphone": "麦克风不见了：仍可打字。",
-    "satellite": "语音卫星不见了：仍可打字。",
-    "recogniser": "无法再识别语音：仍可打字。",
-    "planner": "无法再理解请求：{interrupt} 仍能停下机器人。",
-    "voice": "无法再说话：回答显示在屏幕上。",
-    "camera": "相机不见了：仍可行驶，无法寻找和抓取。",
-    "model": "本机的模型不见了：简单的命令仍能理解。",
-    "service": "有个模型没有回答，改问另一个：可能会慢一些。",
-    "wake": "唤醒模块不见了：{wake}键仍可唤醒。",
-    "wake words": "听不到唤醒词了：{wake}键仍可唤醒。",
-    "ros": "ROS图不见了：那边的消息收不到，其他照常。",
+    "robot": "与机器人的连接断开，机器人已停下，正在重新启动。",
+    "microphone": "麦克风未连接。仍可打字。",
+    "satellite": "语音卫星未连接。仍可打字。",
+    "recogniser": "语音识别停止了。仍可打字。",
+    "planner": "规划停止了，无法理解请求。{interrupt} 仍能停下机器人。",
+    "voice": "机器人现在不能说话。回答只显示在屏幕上。",
+    "camera": "相机未连接。仍可行驶，不能寻找和抓取。",
+    "model": "本机的模型停止了。简单的命令仍可用。",
+    "service": "有个模型没有回答。改问另一个，可能会慢一些。",
+    "wake": "唤醒模块未连接。{wake}键仍可唤醒。",
+    "wake words": "现在听不到唤醒词。{wake}键仍可唤醒。",
+    "ros": "连不上ROS图。其他照常。",
 }
 DEVICE_BACK: Final = {
-    "robot": "机器人回到了原来的位置。",
-    "microphone": "麦克风有了：机器人能听见你。",
-    "satellite": "语音卫星有了：机器人能听见你。",
+    "robot": "机器人重新连上了。",
+    "microphone": "麦克风已连接，机器人能听见你。",
+    "satellite": "语音卫星已连接，机器人能听见你。",
     "recogniser": "又能识别语音了。",
     "planner": "又能理解请求了。",
     "voice": "又能说话了。",
-    "camera": "相机恢复了。",
+    "camera": "相机重新连上了。",
     "model": "本机的模型恢复了。",
     "service": "模型又有回答了。",
-    "wake": "唤醒模块恢复了。",
+    "wake": "唤醒模块重新连上了。",
     "wake words": "又能听到唤醒词了。",
     "ros": "又连上ROS图了。",
 }
-DEVICE_LOOSE: Final = "几秒内通断了 {times} 次。"
+DEVICE_LOOSE: Final = "几秒内通断了 {times} 次，请检查连接线。"
 
 # Settings
 UNKNOWN_THEME: Final = "没有主题 {!r}；控制台用自己的主题。"
@@ -615,11 +652,27 @@ DID_YOU_MEAN_THEME: Final = "是不是 {}？"
 SETTINGS_TITLE: Final = "设置"
 SETTINGS_KEYS: Final = (
     "{setting_up}{setting_down} {setting_before}{setting_after} 查看 · {setting_take} 更改 · "
-    "{setting_default} 默认 · {settings} 返回 · {interrupt} 停止一切"
+    "{setting_find} 搜索 · {setting_default} 默认 · {settings} 返回 · {interrupt} 停止一切"
 )
-SETTINGS_LINE: Final = "回车保存所写内容 · 上下键放弃"
+SETTINGS_LINE: Final = "回车保存 · 上下键放弃"
+SETTINGS_FIND: Final = "名称或说明中的几个字 · 回车：到列表"
+SETTING_GROUPS: Final = {
+    "usual": "常用设置",
+    "console": "控制台",
+    "audio": "麦克风",
+    "vad": "语音检测",
+    "endpoint": "话音结束",
+    "asr": "语音识别",
+    "planner": "规划",
+    "models": "模型",
+    "voice": "语音",
+    "wake": "唤醒",
+    "robot": "机器人",
+    "session": "会话",
+    "ros": "ROS图",
+}
 SETTINGS_READING: Final = "正在读取设置……"
-SETTINGS_NOT_READ: Final = "设置尚未读取，或无法读取：`sayso config check` 会说明问题。"
+SETTINGS_NOT_READ: Final = "设置尚未读取，或有错误：`sayso config check` 会列出它们。"
 SETTING_NAMES: Final = {
     "console.theme": "主题",
     "console.language": "语言",
@@ -634,7 +687,7 @@ SETTING_NAMES: Final = {
     "planner.profile": "大模型",
 }
 SETTING_ABOUTS: Final = {
-    "console.theme": "整个界面的外观。左右键可以试看。",
+    "console.theme": "控制台的配色。左右键可以试看其他的。",
     "console.language": "屏幕文字的语言；auto：planner.language 为 zh 时用中文，否则按 LC_ALL、LC_MESSAGES 或 LANG。",
     "console.fps": "活动窗格每秒重画多少次。",
     "console.camera": "启动时是否显示相机画面；auto：终端够大且不经 SSH 时显示。",
@@ -650,10 +703,10 @@ SETTING_ABOUTS: Final = {
     "planner.profile": "还用哪些大模型思考（profiles.yaml）：phrases（不用）、local、international、china，或自己的。",
 }
 SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文"}
-NO_VALUE: Final = "系统默认"
+NO_VALUE: Final = "未设置"
 NO_ENTRY: Final = "无"
 FROM_DEFAULT: Final = "默认"
 SETTING_LIVE: Final = "立即生效。"
 SETTING_RESTART: Final = "重新启动 sayso 后生效。"
 SETTING_KEPT: Final = "✓ {name}：已保存在 {file}。"
-SETTING_OVER: Final = "{origin} 优先于文件：去掉它之前，{value} 一直有效。"
+SETTING_OVER: Final = "{origin} 覆盖了文件：去掉它之前，{value} 一直有效。"

@@ -16,7 +16,7 @@ from config.schema import Place, Telling
 from engine.han import is_chinese
 from engine.plan import ActionCall, Argument, Quantity
 from engine.planner.text.words import digits
-from engine.skills.places import ZERO_SYMBOL
+from engine.skills.places import ZERO_SYMBOL, Places
 from engine.skills.registry import Parameter, Skill
 from engine.skills.vocabulary import Vocabulary
 
@@ -33,11 +33,14 @@ class Answers:
         places: Mapping[str, Place],
         vocabulary: Vocabulary,
         skills: Mapping[str, Skill],
+        robot: Places,
     ) -> None:
+        """``robot`` has the places of the running robot, which knows where it started."""
         self._skills = skills
         self._words: Mapping[str, Any] = sections["answers"]
         self._chinese = sections["language"] == "zh"
         self._vocabulary = vocabulary
+        self._robot = robot
         self._places = {symbol: self._name((place.name, *place.aliases)) for symbol, place in places.items()}
         name = next(iter(self._places.values()), "")
         self.understood: str = self._words["understood" if name else "understood_anywhere"].format(place=name)
@@ -156,7 +159,7 @@ class Answers:
     def _place(self, symbol: str) -> str:
         if symbol not in self._places:  # in some worlds, where the speaker is
             remembered = self._vocabulary.resolvers()["place"](ZERO_SYMBOL) == ZERO_SYMBOL
-            return str(self._words["zero" if remembered else "person"])
+            return str(self._words[("start" if self._robot.zero_is_start else "zero") if remembered else "person"])
         name = self._places[symbol]
         pattern = self._words["place_symbol" if len(name) == 1 and name.isascii() else "place"]
         return str(pattern.format(name=name.removeprefix("the ")))

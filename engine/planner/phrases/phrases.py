@@ -27,7 +27,7 @@ class Told:
 
 class Phrases:
     """Thread-safe. ``vocabulary`` has the words of the house beyond the places; ``skills`` are those of the library
-    where none are given."""
+    where none are given. ``robot`` has the places of the running robot."""
 
     def __init__(
         self,
@@ -36,10 +36,12 @@ class Phrases:
         *,
         vocabulary: Vocabulary | None = None,
         skills: Iterable[Skill] | None = None,
+        robot: Places | None = None,
     ) -> None:
         sections = load(language)
         offered = {skill.name: skill for skill in (LIBRARY if skills is None else skills)}
-        self._answers = Answers(sections, places, vocabulary or Vocabulary(Places(places)), offered)
+        words = vocabulary or Vocabulary(Places(places))
+        self._answers = Answers(sections, places, words, offered, robot or Places(places))
         self._talk = SmallTalk(sections)
 
     @property

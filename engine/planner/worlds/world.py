@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 from config.schema import Place
 from engine.perception.naming import UnknownObject
-from engine.planner.worlds.names import Named, Names, listed
-from engine.skills.places import ZERO_SYMBOL, Places, UnknownPlace
+from engine.planner.worlds.names import Named, Names
+from engine.skills.places import ZERO_SYMBOL, Places, UnknownPlace, known_names
 from engine.skills.vocabulary import FLOOR, Vocabulary
 
 
@@ -38,14 +38,14 @@ class WorldVocabulary(Vocabulary):
 
     def __init__(self, world: World, places: Places) -> None:
         super().__init__(places)
-        known = listed(one.name for one in (*world.spots, *world.people))
-        things = listed(one.name for one in world.objects)
+        known = [one.name for one in (*world.spots, *world.people)] or ["nothing"]
+        things = [one.name for one in world.objects] or ["nothing"]
 
         def no_place(words: str) -> UnknownPlace:
-            return UnknownPlace(f"I don't know a place called {words!r}.", hint=f"I know: {known}.")
+            return UnknownPlace(f"I don't know a place called {words!r}.", hint=known_names(words, known))
 
         def no_object(words: str) -> UnknownObject:
-            return UnknownObject(f"There is no {words!r} here.", hint=f"I know: {things}.")
+            return UnknownObject(f"There is no {words!r} here.", hint=known_names(words, things))
 
         self._where = Names((*world.spots, *world.people), no_place)
         self._rooms_by_name = Names(world.rooms, no_place)

@@ -109,6 +109,10 @@ class Controller:
             twist = Twist(twist.vx / over, twist.vy / over, twist.wz)
         return self._envelope.command(twist, self.t)
 
+    def limit_speed(self, share: float) -> None:
+        """Drive no faster than this share of the limits' speeds. A body that finds its way itself chooses its speed."""
+        self._envelope.limit_speed(share)
+
     def go(self, goal: Pose, ticket: int) -> bool:
         """Have the body go there by itself, map frame."""
         if self._navigator is None:

@@ -17,7 +17,7 @@ import numpy as np
 from config.schema import Limits
 from engine.robot.clearance import Free, Points, free_time
 from engine.robot.geometry import ZERO, Pose, Twist
-from engine.robot.robot import Footprint
+from engine.robot.robot import SLOWEST, Footprint
 
 REACTION = 0.05
 """s between deciding to brake and braking: one control period, the lag of the motors, and a margin."""
@@ -55,6 +55,7 @@ class Envelope:
         self._wanted = ZERO
         self._until = -math.inf
         self._sent = ZERO
+        self._share, self._slower = 1.0, limits
         self.reach = _reach(limits, hull)
         """What is further than this from the robot's middle changes nothing, at any speed that is allowed, m."""
 
@@ -64,6 +65,15 @@ class Envelope:
         self._wanted = clamp(twist, self._limits) if sound else ZERO
         self._until = t + self._limits.command_lifetime_s
         return sound
+
+    def limit_speed(self, share: float) -> None:
+        """Allow this share of the limits' speeds from now on, also for what is commanded already; anything but a number
+        from ``SLOWEST`` to 1 means the nearest of the two."""
+        share = min(1.0, max(SLOWEST, share)) if math.isfinite(share) else 1.0
+        if share != self._share:
+            speeds = {"linear_speed": self._limits.linear_speed, "angular_speed": self._limits.angular_speed}
+            slower = {name: share * speed for name, speed in speeds.items()}
+            self._share, self._slower = share, self._limits.model_copy(update=slower)
 
     def halt(self) -> None:
         """Forget the command and stand still at once, without a ramp."""
@@ -81,7 +91,7 @@ class Envelope:
         """
         if t >= self._until and not self._wanted.is_zero:
             self.halt()  # whoever drove is gone: no ramp
-        wanted = self._wanted
+        wanted = clamp(self._wanted, self._slower)
         if obstacles is None and not wanted.is_zero:
             self._sent = ZERO
             return Shaped(ZERO, "no lidar scan")

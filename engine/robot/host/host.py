@@ -83,6 +83,7 @@ class Host:
         self._heed_pause(now, memory.ints[m.PAUSE])
         if not (self._halted or self._braked or self._paused_at is not None):
             self._take_motions()
+        self._controller.limit_speed(memory.times[m.SPEED_LIMIT] or 1.0)
         self._take_signals()
         self._take_correction()
         if self._company is not None:
@@ -103,7 +104,7 @@ class Host:
     def come_back(self) -> None:
         """This process was away for so long that nobody knows any more what it was about."""
         if not self._halted:
-            self._halt("the robot process was away")
+            self._halt("the robot process did not respond")
 
     def publish(self) -> None:
         """Show the readings of now."""

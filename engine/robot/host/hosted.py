@@ -17,7 +17,7 @@ import os
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -37,7 +37,7 @@ from engine.robot.host.guard import end_guard
 from engine.robot.host.memory import Memory, Record, believed
 from engine.robot.host.process import HostProcess
 from engine.robot.lidar import LIDAR_ANGLES, RAYS
-from engine.robot.robot import BatteryState, Capability, Footprint, Going, RobotState, Scan
+from engine.robot.robot import SLOWEST, BatteryState, Capability, Footprint, Going, RobotState, Scan
 
 ANSWER_LIMIT = 2.5
 """s of silence after which a robot process that has not ended counts as lost."""
@@ -108,9 +108,10 @@ class HostedRobot:
         self._looking = 0  # who waits for a picture
         self._pauses = itertools.count(1)
         self._pressed = False  # the emergency stop
+        self._speed_limit = 1.0
         self._alive = self._alive_since = self._beaten = 0.0
         self._company = SharedCompany(lambda: self._memory) if build.company else None
-        self._read: tuple[tuple[int, int, int], RobotState] | None = None  # the newest state that was asked for
+        self._read: tuple[tuple[int, int, int, float], RobotState] | None = None  # the newest state that was asked for
 
     @property
     def name(self) -> str:
@@ -167,6 +168,7 @@ class HostedRobot:
         if self._memory is None:
             self._memory = Memory.create()
             self._memory.ints[m.ESTOP] = self._pressed
+            self._memory.times[m.SPEED_LIMIT] = self._speed_limit
         else:
             self._memory.begin_again()
         try:
@@ -235,6 +237,11 @@ class HostedRobot:
         self._pressed = pressed
         if (memory := self._memory) is not None:
             memory.ints[m.ESTOP] = pressed
+
+    def limit_speed(self, share: float) -> None:
+        self._speed_limit = min(1.0, max(SLOWEST, share))
+        if (memory := self._memory) is not None:
+            memory.times[m.SPEED_LIMIT] = self._speed_limit
 
     def pause(self, epoch: int) -> int:
         token = m.pause_token(epoch, next(self._pauses))
@@ -314,11 +321,12 @@ class HostedRobot:
 
     def state(self) -> RobotState:
         memory = self._running()
-        newest = (memory.state.count, memory.correction.count, memory.ints[m.ESTOP])
+        newest = (memory.state.count, memory.correction.count, memory.ints[m.ESTOP], self._speed_limit)
         if (read := self._read) is not None and read[0] == newest:
             return read[1]  # in one tick many ask
         record = memory.state.get()
         state = _state(record, believed(record, memory.correction.scratch), self._pressed, self._build.battery)
+        state = replace(state, speed_limit=self._speed_limit)
         self._read = (newest, state)
         return state
 

@@ -74,8 +74,9 @@ CORRECTION = np.dtype([("pose", "f8", 3)])  # of the frame in which odometry add
 LOOP = np.dtype([("late", "f4"), ("busy", "f4")])
 
 # Words of the engine.
-STOP_EPOCH, HEARTBEAT, WAITERS, QUIT, PAUSE, RESUME, ESTOP = range(7)
-"""PAUSE and RESUME hold tokens: the newest pause, and the newest that is over."""
+STOP_EPOCH, HEARTBEAT, WAITERS, QUIT, PAUSE, RESUME, ESTOP, SPEED_LIMIT = range(8)
+"""PAUSE and RESUME hold tokens: the newest pause, and the newest that is over. SPEED_LIMIT is a share of the speeds
+that the envelope allows; 0: nobody has set one."""
 # Words of the robot process.
 READY, STOPPED_EPOCH, ZERO_TIME, REST_TIME, TICKS, ALIVE, OVERRUNS, STEPS, SCHEDULING, GUARD = range(8, 18)
 """GUARD is the process id of the guard beside it, or 0."""

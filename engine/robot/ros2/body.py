@@ -53,9 +53,9 @@ SCAN_LIMIT_S: Final = 2.0
 """In which the first turn of its lidar has come; without one it is there all the same, and does not drive."""
 _NAVIGATION_GOES_ON: Final = (
     "its navigation goes on although it was told to stop",
-    "nobody knows whether its navigation has stopped",
+    "it is not known whether its navigation has stopped",
 )
-_ARM_GOES_ON: Final = ("its arm goes on although it was told to stop", "nobody knows whether its arm has stopped")
+_ARM_GOES_ON: Final = ("its arm goes on although it was told to stop", "it is not known whether its arm has stopped")
 _JUMP_M: Final = 0.2
 """By so much a pose may change at once."""
 _ROLL_M: Final = 1.0
@@ -145,7 +145,7 @@ class Ros2Body:
         if self._start_guard is not None and not (self._guard is not None and self._guard.watches):
             return "the guard process is not there"
         if self._arm is not None and not self._arm.is_known:
-            return "its joints are not heard of"
+            return "no positions of its joints arrive"
         for action, (goes_on, may_go_on) in self._moving:
             if action.is_stubborn:
                 return goes_on

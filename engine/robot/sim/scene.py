@@ -10,13 +10,13 @@ The robot knows the house as it was mapped. A scene may differ from that: furnit
 
 from __future__ import annotations
 
-import difflib
 import math
 import string
 from typing import Any, Self, get_args
 
 from pydantic import Field, model_validator
 
+from config.nearest import nearest
 from config.schema import KnownPerson, PersonColour, Place, Position, Quaternion
 from engine.robot.sim.scene_parts import (
     Area,
@@ -156,6 +156,6 @@ def _must_differ(words: list[str], key: str) -> None:
 
 def _must_know(name: str, known: dict[str, Any], key: str, what: str) -> None:
     if name not in known:
-        near = difflib.get_close_matches(name, known, 1, 0.5)
-        ask = f"; did you mean {near[0]}?" if near else f"; there are {', '.join(known) or 'none'}"
+        near = nearest(name, known)
+        ask = f"; did you mean {near}?" if near else f"; there are {', '.join(known) or 'none'}"
         raise ValueError(f"{key}: no {what} is called {name!r}{ask}")

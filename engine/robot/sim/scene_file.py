@@ -5,7 +5,6 @@ People can read and change a scene file; a mistake in it raises :class:`SceneErr
 
 from __future__ import annotations
 
-import difflib
 import re
 from importlib import resources
 from pathlib import Path
@@ -13,6 +12,7 @@ from pathlib import Path
 import yaml
 from pydantic import ValidationError
 
+from config.nearest import did_you_mean
 from engine.errors import SceneError
 from engine.robot.sim.clutter import clutter
 from engine.robot.sim.scene import Scene
@@ -41,10 +41,9 @@ def scene_path(name: str) -> Path:
     path = _folder() / f"{name}.yaml"
     if not path.is_file():
         known = (*scene_names(), "clutter-SEED")
-        near = difflib.get_close_matches(name, known, 1, 0.5)
         raise SceneError(
             f"There is no scene called {name!r}.",
-            hint=f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}.",
+            hint=did_you_mean(name, known) or f"There are: {', '.join(known)}.",
         )
     return path
 

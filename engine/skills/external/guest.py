@@ -174,6 +174,9 @@ class GuestRobot:
     def press(self, pressed: bool) -> None:
         """The emergency stop is people's."""
 
+    def limit_speed(self, share: float) -> None:
+        """The speed limit is people's."""
+
     def pause(self, epoch: int) -> int:
         """Pauses are the engine's: no tick comes meanwhile."""
         del epoch

@@ -50,7 +50,7 @@ async def grasp_obj(context: SkillContext, x1: Pixel, y1: Pixel, x2: Pixel, y2: 
     thing = _thing_in((round(x1), round(y1), round(x2), round(y2)), sight, context.world.things)
     if thing is None:
         names = ", ".join(f"the {seen.name} at {seen.box}" for seen in sight.objects) or "nothing"
-        return fail("object_not_found", f"There is no thing in that box of the picture. I see {names}.")
+        return fail("object_not_found", f"There is nothing in that box of the picture. I see {names}.")
     return await pick(context, thing)
 
 

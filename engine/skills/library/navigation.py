@@ -42,7 +42,7 @@ async def remember_place(context: SkillContext, name: Annotated[str, Word("sente
     """Remember where the robot stands as a place of this name."""
     called = " ".join(name.split()).strip(".,!?。，！？ ")
     if not 1 < len(called) <= LONGEST_NAME or not called.isprintable() or called.casefold() == ZERO_SYMBOL:
-        return fail("unknown_place", f"“{called}” is no name for a place.")
+        return fail("unknown_place", f"“{called}” cannot be the name of a place.")
     pose = context.pose
     symbol = context.places.add(called, place_at(called, pose))
     return ok(

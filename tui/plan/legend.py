@@ -1,0 +1,89 @@
+"""What the signs of the map mean, and who and what was seen, where and when: short entries of a sign and its words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Final
+
+from msgspec import Struct
+from rich.cells import cell_len
+
+from tui.plan.chart import Moving, faded
+from tui.plan.floor import Cell, Ink, person_sign, thing_sign
+from tui.plan.targets import ago
+from tui.shown.facts import printable
+from tui.words import strings
+from tui.words.language import told
+
+if TYPE_CHECKING:
+    from engine.robot.floor_map import FloorMap
+
+_SIGNS: Final[tuple[tuple[str, Ink, str], ...]] = (
+    ("→", "robot", "robot"),
+    ("▶", "robot", "robot_outside"),
+    ("⠤", "path", "path"),
+    ("⠤", "trail", "trail"),
+    ("⠂", "scan", "scan"),
+    ("A", "place", "place"),
+    ("■", "thing", "thing"),
+    ("□", "thing", "stale"),
+    ("●", "thing", "person"),
+    ("◇", "hand", "hand"),
+    ("◆", "hand", "held"),
+)
+_GAP: Final = 2
+
+
+class Entry(Struct, frozen=True):
+    """A sign as it stands on the map, and what it is."""
+
+    sign: Cell
+    words: str
+
+    @property
+    def columns(self) -> int:
+        """So many it takes, with a blank behind the sign."""
+        return cell_len(self.sign.char) + 1 + cell_len(self.words)
+
+
+Row = tuple[Entry, ...]
+
+
+def legend(moving: Moving, floor: FloorMap, columns: int, rows: int) -> tuple[Row, ...]:
+    """The signs, as many on a line as it has room for, then a line for each person and each thing that was seen, the
+    newest first; of these as many as there is room for."""
+    signs = [
+        Entry(Cell(sign, ink, "floor", "grey" if ink == "thing" else ""), strings.MAP_SIGNS[word])
+        for sign, ink, word in _SIGNS
+    ]
+    listed = [*_packed(signs, columns), *((entry,) for entry in _seen(moving, floor))]
+    return tuple(listed[: max(0, rows)])
+
+
+def _packed(entries: Sequence[Entry], columns: int) -> Iterator[Row]:
+    row: list[Entry] = []
+    for entry in entries:
+        if row and sum(one.columns + _GAP for one in row) + entry.columns > columns:
+            yield tuple(row)
+            row = []
+        row.append(entry)
+    if row:
+        yield tuple(row)
+
+
+def _seen(moving: Moving, floor: FloorMap) -> Iterator[Entry]:
+    for person in sorted(moving.people, key=lambda one: -one.seen_at):
+        age = moving.now - person.seen_at
+        sign = Cell(person_sign(person, moving.now), "thing", "floor", person.shirt or "grey", faded(age))
+        yield Entry(sign, _told(person.name or "person", floor, person.position, age))
+    for thing in sorted(moving.things, key=lambda one: -one.seen_at):
+        age = moving.now - thing.seen_at
+        sign = Cell(thing_sign(thing, moving.now), "thing", "floor", thing.colour, faded(age))
+        yield Entry(sign, _told(thing.name, floor, thing.position, age))
+
+
+def _told(name: str, floor: FloorMap, position: Sequence[float], age: float) -> str:
+    x, y = position[:2]
+    rooms = (room.name for room in floor.rooms if room.x_min <= x <= room.x_max and room.y_min <= y <= room.y_max)
+    where = next(rooms, f"({x:.1f}, {y:.1f})")
+    return printable(f"{told(name)} · {told(where)} · {ago(age)}")

@@ -1,0 +1,85 @@
+"""The whole console on one line, for a pane beside other work: state, what is heard, said or done, what waits, and
+where the robot is. What there is no room for is left out as a whole, the least urgent first."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from rich.cells import cell_len
+from textual.content import Content
+from textual.widgets import Static
+
+from tui.widgets.status import chip
+from tui.words import strings
+from tui.words.hints import JOINT
+from tui.words.language import told
+
+if TYPE_CHECKING:
+    from tui.shown.view import View
+
+Piece = tuple[str, str]
+
+
+class OneLine(Static):
+    """One line; it is drawn anew only when its words change."""
+
+    def __init__(self) -> None:
+        super().__init__(id="one-line", markup=False)
+        self._shown: Content = Content("")
+        self._view: View | None = None
+
+    def update_from(self, view: View) -> None:
+        self._view = view
+        sign = chip(view)
+        words, style = happening(view)
+        aside = [part for part in (_waiting(view), _where(view)) if part]
+        room = max(0, self.size.width - sign.cell_length - 2)
+        while aside and cell_len(JOINT.join(aside)) > room // 2:  # what happens has half of the line at least
+            aside.pop()
+        right = JOINT.join(aside)
+        left = Content.styled(words, style).truncate(max(0, room - cell_len(right)), ellipsis=True, pad=True)
+        shown = Content.assemble(sign, " ", left, " ", (right, "$foreground 60%"))
+        if not shown.is_same(self._shown):
+            self._shown = shown
+            self.update(shown, layout=False)
+
+    def on_resize(self) -> None:
+        if self._view is not None:
+            self.update_from(self._view)
+
+
+def happening(view: View) -> Piece:
+    """The most urgent of what one has to know: a notice, trouble, what is heard, what is done, the last that was
+    said."""
+    model = view.model
+    if view.notice:
+        return view.notice, "bold $text-warning"
+    if model.problem is not None:
+        return f"✗ {told(model.problem.message)}", "$text-error"
+    if model.partial:
+        return f"“{model.partial}…”", "$text-accent"
+    if (row := model.running) is not None:
+        return JOINT.join(filter(None, (f"▸ {told(row.call)}", told(row.message)))), "$text-success"
+    if model.plan is not None and model.plan.stage == "thinking":
+        return f"{strings.YOU}: {model.plan.goal}", "$foreground"
+    if model.conversation:
+        line = model.conversation[-1]
+        who = {"you": f"{strings.YOU}: ", "robot": f"{strings.ROBOT}: "}.get(line.who, "")
+        return f"{who}{told(line.text) if line.who != 'you' else line.text}", "$foreground"
+    return strings.ONE_LINE, "$foreground 60%"
+
+
+def _waiting(view: View) -> str:
+    count = len(view.model.waiting)
+    return strings.REQUESTS_WAIT.format(count) if count else ""
+
+
+def _where(view: View) -> str:
+    if view.robot is None:
+        return ""
+    pose = view.robot.pose
+    if not all(map(math.isfinite, (pose.x, pose.y, pose.yaw))):
+        return ""
+    x, y = (round(value, 1) + 0.0 for value in (pose.x, pose.y))  # without the minus of −0
+    return f"{x:.1f} {y:.1f} m {round(math.degrees(pose.yaw)) % 360}°"
