@@ -75,13 +75,18 @@ class Conversation:
     def completed(self, request: PlanRequest, text: str) -> Meaning | None:
         """The meaning of ``text`` with the act that it belongs to; None where it says an act itself, or where nothing
         was said that it could belong to."""
+        question = last_question(request.happened) if request.happened else None
         answer = self._read(text)
-        if answer is None or not answer.nodes or not request.happened or _roles(answer.nodes[0]) is None:
-            return None
-        question = last_question(request.happened)
         if question is not None and (name := chosen(question, text, request.seen)):
-            answer = Meaning(text, (Do("fragment", (Role("thing", name, 0, len(text)),)), *answer.nodes[1:]))
-        elif not self._accounted(answer):
+            then = answer.nodes[1:] if answer is not None else ()
+            answer = Meaning(text, (Do("fragment", (Role("thing", name, 0, len(text)),)), *then))
+        elif (
+            answer is None
+            or not answer.nodes
+            or not request.happened
+            or _roles(answer.nodes[0]) is None
+            or not self._accounted(answer)
+        ):
             return None
         said = tuple(entry.text for entry in request.happened if isinstance(entry, Said))[-LONGEST:]
         before = self._before(said if question is None else open_command(request.happened), whole=question is not None)

@@ -44,12 +44,15 @@ _PLACES: Final = {"first": 0, "second": 1, "third": 2}
 
 
 def chosen(question: NoPlan, answer: str, seen: Sequence[str] = ()) -> str:
-    """What an answer such as "the second one", "not the red one" or, of what was ``seen``, "the one on the stool"
-    chooses of "Which one: the red box or the blue cup?"; empty where it is no such answer."""
+    """What an answer such as "the blue cup", "the second one", "not the red one" or, of what was ``seen``, "the one on
+    the stool" chooses of "Which one: the red box or the blue cup?"; empty where it is no such answer."""
     names = question.options or _options(question.answer)
     said = answer.strip(" .!。")
     if len(names) < 2:
         return ""
+    plain = said.casefold().removeprefix("the ")
+    if named := next((name for name in names if name.casefold() == plain), ""):
+        return named
     if (but := _NOT_THIS.fullmatch(said)) is not None:
         left = [name for name in names if (but["not"] or but["bu"]).casefold() not in name.casefold()]
         return left[0] if len(left) == 1 else ""
