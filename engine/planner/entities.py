@@ -22,7 +22,7 @@ from engine.skills.vocabulary import Ambiguous, Vocabulary
 Side = Literal["left", "right", "behind", "ahead"]
 
 _RELATION: Final = re.compile(
-    r"\s+(?:(?:that|which|who)(?:'s| is| are|'re)\s+)?(?:(?:lying|standing|sitting|kept|left|placed)\s+)?"
+    r"\s+(?:(?:that|which|who)(?:'s| is| are|'re)\s+)?(?:(?:lying|standing|sitting|kept|(?<!the )left|placed)\s+)?"
     r"(?:on top of|in front of|next to|close to|to the (?:left|right) of|(?:at|on) the (?:left|right) of|underneath|"
     r"beside|behind|between|inside|under|near|from|over|off|on|in|at|by)\s+(?=\S)"
 )
@@ -104,7 +104,7 @@ _NOTHING_SAID: Final = re.compile(
 _THERE: Final = re.compile(r"there|over there|that (?:place|spot)|the same place|那|那里|那儿|那边")
 _PERSON: Final = re.compile(
     r"\b(?:person|people|man|men|woman|women|boy|girl|kid|kids|child|children|guest|guests|everyone|everybody|someone|"
-    r"somebody|anyone|anybody|human|lady|guy|friend|colleague|wife|husband|son|daughter|mother|father|mum|"
+    r"somebody|anyone|anybody|human|lady|ladies|gentlem[ae]n|guys?|elders?|adults?|folks?|friend|colleague|wife|husband|son|daughter|mother|father|mum|"
     r"mom|dad|grandma|grandpa|granny|brother|sister|neighbou?r|visitor|whoever)\b|"
     r"人|妈|爸|爷|奶|哥|姐|弟|妹|孩|客|老师|同事|先生|女士|大家|他|她|医生"
 )

@@ -297,6 +297,13 @@ class SkillRegistry:
         return f"There is no skill {name!r}{f'; did you mean {near}?' if near else '.'}"
 
 
+def is_said(name: str, said: str) -> bool:
+    """Whether a name stands in what was said, as a word."""
+    if not name.isascii():
+        return name in said
+    return re.search(rf"\b{re.escape(name)}\b", said, re.I) is not None
+
+
 def any_of(word: str, said: str) -> bool:
     """Whether any one of what a word fits was asked for: "a fruit", "one of the cups", 一个苹果."""
     name = re.escape(word.replace("_", " "))

@@ -180,6 +180,9 @@ def throw_away(doing: Doing, roles: Roles) -> Calls:
     things, source = roles.all("thing"), roles.words("source")
     if source and doing.entity(source).surface == BIN:  # "into the bin"
         source = ""
+    if len(things) == 1 and _RUBBISH.fullmatch(things[0].casefold()) and doing.entity(things[0]).thing is None:
+        where = doing.entity(source or source_of(doing, roles, things[0]) or "here")
+        return cleaned(where.room)
     if not things:
         if doing.in_hand:
             return call("place_in_bin")
@@ -194,6 +197,14 @@ def throw_away(doing: Doing, roles: Roles) -> Calls:
         else:
             made += (*fetched(doing, words, source or source_of(doing, roles, words)), *call("place_in_bin"))
     return made
+
+
+_RUBBISH: Final = re.compile(
+    r"(?:(?:all|all of|the|this|that|your|my|our|any|some) )*(?:rubbish|trash|garbage|litter|waste|debris|junk|refuse)"
+    r"(?: (?:in|from|on|off) .*)?|"
+    r"(?:这些|那些|所有的?)?(?:垃圾|废物)"
+)
+"""What lies about and nobody wants."""
 
 
 def tidy(doing: Doing, roles: Roles) -> Calls:

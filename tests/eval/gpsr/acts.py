@@ -154,7 +154,11 @@ def fits(want: Want, act: Act, names: Names) -> bool:
 
 
 def _is_one_of(who: str, words: Sequence[str]) -> bool:
-    return any(word == who if not word else has(who, word) for word in words)
+    return any(word == who if not word else has(who, word) or has(who, _GROWN.get(word, word)) for word in words)
+
+
+_GROWN: Final = {"girl": "woman", "boy": "man", "male person": "man", "female person": "woman"}
+"""What a robot that tells no ages calls them."""
 
 
 def has(text: str, word: str) -> bool:
