@@ -110,6 +110,14 @@ def wanted(words: str) -> Wanted:
     return _plainly_wanted(words, plain)
 
 
+def is_choice(words: str) -> bool:
+    """Whether these words single one thing out of all that fit; never raises."""
+    try:
+        return wanted(words).is_choice
+    except UnknownObject:
+        return False
+
+
 def ranked(words: str) -> tuple[Rank | None, str]:
     """The rank in these words, and what is left of them: "the largest fruit" is the biggest "fruit"."""
     plain = _in_english(words.lower())

@@ -13,7 +13,7 @@ from typing import Final, Literal
 
 from engine.errors import PlanError
 from engine.han import is_chinese
-from engine.perception.naming import parted, wanted
+from engine.perception.naming import is_choice, parted
 from engine.perception.someone import Someone
 from engine.planner.amounts import number
 from engine.skills.places import ZERO_SYMBOL
@@ -223,7 +223,7 @@ class Entities:
         )
         if beside := self._beside(plain):
             found = replace(found, thing=beside, superlative=False, at=None)
-        elif found.thing is not None and found.superlative and wanted(found.thing).is_choice:
+        elif found.thing is not None and found.superlative and is_choice(found.thing):
             found = replace(found, superlative=False, every=False)
         if found.thing is not None and _is_plural(head, found.thing):
             found = replace(found, every=True)  # "the red boxes" are all that there are

@@ -3,8 +3,8 @@
 Commands are drawn from the grammar's own files (``--data``, or the folder that SAYSO_GPSR names; they are not part of
 this repository), each category as often as the others. Each is performed by a whole engine in a simulated house of its
 own with people in it, and judged from outside: by its plan, by physics, and by who heard what. What no body of this
-kind can do is counted apart. ``--task following`` and ``--task guiding`` are apart from the grammar: three people walk
-about near each other, and the right one must be kept, or brought along.
+kind can do is counted apart. ``--plans`` only plans them, in seconds. ``--task following`` and ``--task guiding`` are
+apart from the grammar: three people walk about near each other, and the right one must be kept, or brought along.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, get_args
 
@@ -28,6 +28,7 @@ from tests.eval.gpsr.grammar import GrammarError
 from tests.eval.gpsr.judge import Verdict
 from tests.eval.gpsr.lexicon import Language
 from tests.eval.gpsr.perform import perform
+from tests.eval.gpsr.planned import misunderstood
 from tests.eval.gpsr.three_people import Company, perform_among
 
 VARIABLE: Final = "SAYSO_GPSR"
@@ -43,6 +44,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--only", type=int, metavar="NUMBER", action="append", help="only commands of these numbers")
     parser.add_argument("--lang", choices=get_args(Language), default="en")
     parser.add_argument("--task", choices=get_args(Company), help="among three people, instead of the grammar")
+    parser.add_argument("--plans", action="store_true", help="only plan them: understood or not, without physics")
     parser.add_argument("--draw", action="store_true", help="print the commands, and perform none")
     parser.add_argument("--speed", choices=["max", "real"], default="max", help="how fast simulated time passes")
     parser.add_argument("--limit", type=float, default=600, metavar="SECONDS", help="robot time for a command (600)")
@@ -57,6 +59,8 @@ def main(argv: list[str] | None = None) -> int:
             _tell(verdicts[-1], len(verdicts), args.n)
     else:
         drawn = _drawn(parser, args)
+        if args.plans:
+            return _plan(drawn, settings, as_json=args.json)
         for command in drawn:
             if args.draw:
                 sys.stdout.write(f"{command.number} {command.category}: {command.text}\n")
@@ -72,6 +76,21 @@ def main(argv: list[str] | None = None) -> int:
         sys.stdout.write(json.dumps(result, ensure_ascii=False) + "\n")
     else:
         _print(result)
+    return 0
+
+
+def _plan(drawn: Sequence[Command], settings: Mapping[str, str], *, as_json: bool) -> int:
+    """Plan commands and perform none; tells what was not understood."""
+    possible = [command for command in drawn if not command.goal.cannot]
+    wrong = [(command, why) for command in possible if (why := misunderstood(command, settings))]
+    if as_json:
+        faults = [{"number": command.number, "text": command.text, "wrong": why} for command, why in wrong]
+        result = {"bench": "gpsr", "n": len(possible), "understood": len(possible) - len(wrong), "faults": faults}
+        sys.stdout.write(json.dumps(result, ensure_ascii=False) + "\n")
+        return 0
+    for command, why in wrong:
+        sys.stdout.write(f"✗ {command.category} #{command.number}: {command.text}: {'; '.join(why)}\n")
+    sys.stdout.write(f"understood {len(possible) - len(wrong)} of {len(possible)}\n")
     return 0
 
 

@@ -6,7 +6,7 @@ import re
 from typing import Final
 
 from engine.han import is_chinese
-from engine.perception.naming import wanted
+from engine.perception.naming import is_choice
 from engine.plan import Quantity
 from engine.planner import amounts
 from engine.planner.doing import people
@@ -124,7 +124,7 @@ def carried(doing: Doing, words: str, place: str, source: str) -> Calls:
     where = (at.surface or at.room) if at is not None else None
     if source and where is None and not doing.entity(source).refers:
         raise NowhereKnown(doing.entities.near(source))
-    if at is not None and at.place is not None and wanted(thing).is_choice:  # chosen among what is there
+    if at is not None and at.place is not None and is_choice(thing):  # chosen among what is there
         return (*call("navigation", at.place), *call("carry", thing, place))
     return call("carry", thing, place, *((where,) if where else ()))
 

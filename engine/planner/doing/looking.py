@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from engine.perception.naming import wanted
+from engine.perception.naming import is_choice
 from engine.plan import Quantity
 from engine.planner.doing import people
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable
@@ -90,7 +90,7 @@ def _listed(doing: Doing, things: str, place: str) -> Calls:
     spot = (where.room or where.surface) if where is not None else ""
     if not kind or spot is None or (where is not None and (where.me or where.refers or where.side)):
         return ()
-    most = (Quantity(many, ""),) if many > 1 and wanted(kind).is_choice else ()
+    most = (Quantity(many, ""),) if many > 1 and is_choice(kind) else ()
     return call("list_things", kind, *((spot, *most) if spot else ()))
 
 
@@ -110,7 +110,7 @@ def describe(doing: Doing, roles: Roles) -> Calls:
         return people.describe(doing, roles)
     roles.words("topic")
     thing, place = roles.words("thing"), roles.words("place")
-    if thing and (listed := _listed(doing, thing, place)) and (place or wanted(str(listed[0].positional[0])).is_choice):
+    if thing and (listed := _listed(doing, thing, place)) and (place or is_choice(str(listed[0].positional[0]))):
         return listed
     words = place or thing
     return looked(doing, words, is_thing=words == roles.words("thing")) if words else call("seewhat")
