@@ -128,7 +128,7 @@ async def find(context: SkillContext, what: Wanted, *, rooms: tuple[Room, ...] |
     seen_through: list[str] = []
     for least in (BRISK, 0.0) if len(order) > 1 else (0.0,):  # every room quickly, then every room to its corners
         shut, seen_through = None, []
-        for room in order:
+        for room in order if least else reversed(order):  # back from the last one
             trouble = await finder.look_through(room, least)
             if (thing := finder.known()) is not None:
                 return thing
@@ -138,10 +138,10 @@ async def find(context: SkillContext, what: Wanted, *, rooms: tuple[Room, ...] |
                 shut = trouble  # another room may be open
             else:
                 return trouble
-        order.reverse()  # the last room is the nearest now
     if not seen_through and shut is not None:
         return shut
-    message = f"I looked in the {' and the '.join(seen_through)} and saw no {what}."
+    names = [room.name for room in order if room.name in seen_through]
+    message = f"I looked in the {' and the '.join(names)} and saw no {what}."
     return fail("object_not_found", f"{message} {shut.message}" if shut is not None else message)
 
 

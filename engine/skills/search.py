@@ -52,6 +52,8 @@ BLOCKED: Final = 4
 BRISK: Final = 10.0
 """Unseen patches per second that the next view of a room must promise, as long as other rooms have hardly been seen.
 Of a room of 15 m², four fifths are seen at 20 to 30 a second, and the last fifth at 5: it takes as long as the rest."""
+ON_TABLES: Final = 4.0
+"""Patches of floor that a patch of a table counts for: that is where people put things."""
 WORTHWHILE: Final = 6
 """Unseen patches that a view must promise: a corner that needs a view of its own hides nothing larger than a cup."""
 _ELSEWHERE: Final = frozenset({"path_blocked", "unreachable", "door_closed", "no_progress"})
@@ -82,6 +84,7 @@ class Survey:
         """``now`` is where the robot stands: it looks from places that it can get to."""
         self._patches = _patches(room, floor)
         self._reach = _reach(self._patches[:, 2])
+        self._worth = np.where(self._patches[:, 2] > 0.0, ON_TABLES, 1.0)
         self._open = np.ones(len(self._patches), dtype=np.bool_)  # not seen yet and not given up
         self._missed = np.zeros(len(self._patches), dtype=np.int64)
         self._stands = places_in(room, floor, hull, now)
@@ -102,18 +105,18 @@ class Survey:
         if self.done or not len(self._stands):
             return None
         best, view = least, None
-        unseen, reach = self._patches[self._open], self._reach[self._open]
+        unseen, reach, worth = self._patches[self._open], self._reach[self._open], self._worth[self._open]
         headings = np.arange(HEADINGS) * (2 * math.pi / HEADINGS)
         for x, y in self._stands.tolist():
             dx, dy = unseen[:, 0] - x, unseen[:, 1] - y
             way = np.hypot(dx, dy)
             near = (way > NEAR) & (way < reach)
-            if near.sum() <= best * _VIEW_COST:  # no view from here can be better
+            if worth[near].sum() <= best * _VIEW_COST:  # no view from here can be better
                 continue
-            bearing = np.arctan2(dy[near], dx[near])
+            bearing, value = np.arctan2(dy[near], dx[near]), worth[near]
             apart = math.hypot(x - now.x, y - now.y)
             for heading in headings.tolist():
-                count = int((np.abs((bearing - heading + math.pi) % (2 * math.pi) - math.pi) < HALF_VIEW).sum())
+                count = float(value[np.abs((bearing - heading + math.pi) % (2 * math.pi) - math.pi) < HALF_VIEW].sum())
                 if count < WORTHWHILE or (x, y, heading) in self._taken:
                     continue
                 cost = _VIEW_COST + _DRIVE_COST * apart + _TURN_COST * abs(wrap(heading - now.yaw))
