@@ -20,6 +20,7 @@ from tui.options import Option, origin_of, shown, written
 from tui.shown.facts import printable
 from tui.widgets.lines import Drawn, Lines
 from tui.widgets.status import StatusLine
+from tui.widgets.text_line import TextLine
 from tui.words import strings
 from tui.words.hints import EDGES, fitting
 from tui.words.widths import left
@@ -66,7 +67,7 @@ class OptionList(Lines[Row]):
         return Drawn(Content.styled("▸ " if meant else "  ", style), body, Content.styled(origin, _DIM), nowrap=True)
 
 
-class Line(Input):
+class Line(TextLine):
     """Where a value is written that is none of a list."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -92,8 +93,7 @@ class SettingsScreen(Screen[None]):
         self._status = StatusLine()
         self._list = OptionList(classes="pane", id="options")
         self._about = Static(id="about", markup=False)
-        self._line = Line(id="line", compact=True, max_length=500)
-        self._line.cursor_blink = False
+        self._line = Line(id="line", max_length=500)
         self._options: tuple[Option, ...] = ()
         self._begin_at = at
         self._at = 0
@@ -146,6 +146,13 @@ class SettingsScreen(Screen[None]):
     def scroll_page(self, direction: int) -> None:
         """To the first setting or the last one."""
         self.action_step(direction * len(self._options))
+
+    def step_back(self) -> bool:
+        """Out of the line, where something was being written."""
+        writing = self._line.display
+        self._close_line()
+        self._draw()
+        return writing
 
     @property
     def meant(self) -> Option | None:
@@ -240,7 +247,7 @@ class SettingsScreen(Screen[None]):
             if option.over:
                 yield Content.styled(f"▲ {_overridden(option)}", "$text-warning")
         if self._line.display:
-            yield Content.styled(strings.SETTINGS_LINE, _DIM)
+            yield Content.styled(strings.SETTINGS_LINE.format(**self._keys), _DIM)
         elif self._told.plain:
             yield self._told
 
