@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from msgspec.structs import replace
 from rich.console import RenderableType
+from textual import events
 from textual.app import App
 from textual.driver import Driver
 from textual.keys import _character_to_key
@@ -30,7 +31,7 @@ from engine.commands import Drive, EndTask, EStop, Here, Interrupt, LimitSpeed, 
 from engine.errors import ExitCode, SaysoError
 from engine.states import REST
 from tui.keys.bindings import BINDINGS
-from tui.keys.keys import ALL_KEYS
+from tui.keys.keys import ALL_KEYS, EDITING
 from tui.keys.speeds import limit_beside
 from tui.looks.themes import CONTRAST, DARK, LIGHT
 from tui.messages import (
@@ -58,7 +59,7 @@ from tui.rooms.leaving import Leaving
 from tui.rooms.queueing import Queueing
 from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
-from tui.screens.pages import Paged
+from tui.screens.pages import Paged, Stepped
 from tui.shown.facts import Problem, printable
 from tui.shown.offers import FollowUp, offered
 from tui.shown.view import View
@@ -70,6 +71,7 @@ from tui.widgets.figures import Figures
 from tui.widgets.floor_view import FloorView
 from tui.widgets.log import LogView
 from tui.widgets.queue import ActionQueue
+from tui.widgets.text_line import TextLine, is_text
 from tui.widgets.timeline import Timeline
 from tui.words import strings
 from tui.words.language import Language, of_environment, speak, told
@@ -126,7 +128,7 @@ class SaysoApp(Stage):
         self.queueing = Queueing(self, self.keeping)
         self.drawing.on_event = self.queueing.hear
         self.examining = Examining(self, self.keeping)
-        self.dressing = Dressing(self, Rooms(self.drawing, self.viewing, self.examining, self.leaving), keys)
+        self.dressing = Dressing(self, Rooms(self.drawing, self.viewing, self.examining, self.leaving))
         self.dress, self.speak = self.dressing.dress, self.dressing.speak
         self.changing = Changing(self, self.dressing)
         self.leaving.at_the_end(self.dressing.close)
@@ -134,6 +136,7 @@ class SaysoApp(Stage):
         self._choosing = Choosing(self, self.changing.open)
         self._start_engine = start_engine
         self._asked_early: list[Say] = []  # typed before the engine was there
+        self._line_empty = True
 
     def _begin_dark(self) -> None:
         """Have the usual theme. Setting it would read every style sheet twice before the first picture."""
@@ -149,8 +152,14 @@ class SaysoApp(Stage):
     def redraw(self) -> None:
         self.drawing.ask()
 
+    def draw(self) -> None:
+        self.drawing.now()
+
     def note(self, level: Literal["info", "warning", "error"], text: str) -> None:
         self.drawing.log(level, text)
+
+    def remark(self, text: str) -> None:
+        self.keeping.remark(text)
 
     @property
     def notice(self) -> str:
@@ -269,24 +278,25 @@ class SaysoApp(Stage):
     def _key_arrived(self, key: str) -> None:
         """In the thread that reads the keyboard, before the key is queued: stopping waits for nothing."""
         if key in self.dressing.stop_keys:
+            self.drawing.stop_asked = True
             self.send(Interrupt())
         if key in self.dressing.estop_keys:
             self.send(EStop())
 
     def action_interrupt(self) -> None:
+        """The robot has stopped by now. What waits for an answer is answered by that; nothing else changes."""
         if self.is_headless:  # there is no keyboard to read, and no thread that has already done it
-            self.send(Interrupt())
+            self._key_arrived(next(iter(self.dressing.stop_keys)))
+        if self.handle is None and not self._asked_early:
+            self.drawing.nothing_to_stop()
         self._asked_early = []
         self.leaving.asked = False
-        self.come_back()
-        if self.main.unzoom():
-            self.redraw_later()
-        self.main.set_focus(None)
-        self._follow()
+        self.main.floor.ask_no_more()
+        self.redraw()
 
     def action_estop(self) -> None:
         if self.is_headless:  # as above
-            self.send(EStop())
+            self._key_arrived(next(iter(self.dressing.estop_keys)))
         self._asked_early = []
         self.redraw()
 
@@ -294,9 +304,23 @@ class SaysoApp(Stage):
         self.send(Release())
         self.redraw()
 
+    async def action_back(self) -> None:
+        """One step, and never a stop."""
+        if self.leaving.asked:
+            self.leaving.asked = False
+        elif self.screen is not self.main:
+            if not (isinstance(self.screen, Stepped) and self.screen.step_back()):
+                self.step_back()
+        elif not await self.main.back():
+            self.remark(strings.NOTHING_BACK.format(**self.shown_keys))
+        self.redraw_later()
+
     def action_by_hand(self) -> None:
         self.come_back()
-        self.main.drive_by_hand()
+        if self.main.driving_by_hand:
+            self.main.rest()
+        else:
+            self.main.drive_by_hand()
 
     def action_speed(self, step: int) -> None:
         """Another speed limit; the robot that drives already heeds it at once."""
@@ -320,10 +344,6 @@ class SaysoApp(Stage):
     def on_ask_asked(self, message: Ask.Asked) -> None:
         self.dressing.typed(message.text)
         self._ask(self.queueing.asked(*message.requests))
-
-    def on_input_changed(self, message: Input.Changed) -> None:
-        if message.input is self.main.line:
-            self.queueing.written(message.value)
 
     def on_action_queue_dropped(self, message: ActionQueue.Dropped) -> None:
         self.queueing.drop(message.request)
@@ -373,23 +393,43 @@ class SaysoApp(Stage):
             self.note("info", strings.ASKED_EARLY.format(printable(request)))
 
     def _follow(self) -> None:
-        """The user asks for something, or stops it: the turn that is looked at is the newest again, unless it is on a
-        page."""
+        """The user asks for something: the turn that is looked at is the newest again, unless it is on a page."""
         if self.screen is self.main:
             self.drawing.browse_to(None)
 
     # Keys that only change what is shown
 
-    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """A slash that is being typed is a slash."""
-        typing = isinstance(self.focused, Input)
-        return False if action == "type" and typing else super().check_action(action, parameters)
+    async def _check_bindings(self, key: str, priority: bool = False) -> bool:
+        """As Textual's; while somebody types, what is text and what edits goes to the line first."""
+        if priority and self.typing and (key in EDITING or is_text(key)):
+            return False
+        return await super()._check_bindings(key, priority)
+
+    async def _on_key(self, event: events.Key) -> None:
+        """A letter that was dealt out before the line got the keyboard, as a slow line to the terminal delivers them at
+        once, is text all the same."""
+        if isinstance(line := self.focused, TextLine) and event.is_printable:
+            event.prevent_default()
+            line.post_message(events.Key(event.key, event.character))
+
+    def on_paste(self, event: events.Paste) -> None:
+        """Of what is pasted outside the line, nothing is lost and nothing is a key."""
+        self.action_type()
+        self.main.line.paste(event.text)
 
     def on_descendant_focus(self) -> None:
         self.redraw()  # the keys that matter have changed
 
     def on_descendant_blur(self) -> None:
         self.redraw()
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Some keys act in an empty line only."""
+        if event.input is self.main.line:
+            self.queueing.written(event.value)
+        if bool(event.value) == self._line_empty:
+            self._line_empty = not event.value
+            self.redraw()
 
     def on_resize(self) -> None:
         self.call_later(self.redraw_later)  # how much is told depends on the room there is
@@ -402,18 +442,13 @@ class SaysoApp(Stage):
     def action_help(self) -> None:
         from tui.screens.help import HelpScreen  # pages are read when somebody wants them
 
-        if self.screen is self.main:
-            page = HelpScreen(self.shown_keys)
-            page.show(self.shown)
-            self.push_screen(page)
+        if isinstance(self.screen, HelpScreen):
+            self.step_back()
         else:
-            self.come_back()
+            self.open_page(HelpScreen(self.shown_keys, self.listed_keys))
 
     def action_doctor(self) -> None:
-        if self.screen is self.main:
-            self.examining.open()
-        else:
-            self.come_back()
+        self.examining.toggle()
 
     def action_settings(self) -> None:
         self.changing.open()
@@ -434,6 +469,7 @@ class SaysoApp(Stage):
         await self._choosing.composed(message.text)
 
     def action_log(self) -> None:
+        self.come_back()
         self.main.toggle_log()
 
     def action_link(self) -> None:
@@ -465,6 +501,11 @@ class SaysoApp(Stage):
             self.viewing.show(True)
         self.main.go_to(name)
         self.redraw_later()
+
+    def action_next_pane(self, step: int) -> None:
+        """Give the keyboard to the next pane or the one before, and after the last one to the line."""
+        self.screen.focus_next() if step > 0 else self.screen.focus_previous()
+        self.redraw()
 
     def action_zoom(self) -> None:
         if self.screen is self.main and not self.main.has_class("-tiny"):
@@ -530,15 +571,20 @@ class SaysoApp(Stage):
     def action_turn(self) -> None:
         from tui.screens.turn import TurnScreen
 
-        if self.screen is self.main:
-            self.push_screen(TurnScreen(self.shown_keys, self.shown))
+        if isinstance(self.screen, TurnScreen):
+            self.step_back()
         else:
             self.come_back()
+            self.open_page(TurnScreen(self.shown_keys, self.shown))
 
     # Leaving
 
     def action_leave(self) -> None:
-        """Quit; while a task is running, only when asked twice. A task that has ended is none, drawn or not."""
+        """Leave the page that is shown; on the main screen, quit, while a task is running only when asked twice. A task
+        that has ended is none, drawn or not."""
+        if self.screen is not self.main:
+            self.step_back()
+            return
         self.drawing.now()
         if self.drawing.model.busy and not self.leaving.asked and not self.engine_hangs:
             self.leaving.asked = True

@@ -11,14 +11,16 @@ from typing import TYPE_CHECKING, Literal
 
 from textual.app import App
 from textual.driver import Driver
+from textual.screen import Screen
 
 from engine.commands import Command, Interrupt
 from engine.errors import SaysoError
-from tui.keys.keys import all_shown
+from tui.keys.keys import EVERYWHERE, all_shown, command_in_line, hinted, shown
 from tui.messages import Failed
 from tui.screens.console import ConsoleScreen
 from tui.shown.view import View
 from tui.shown.watchdog import SILENT_S
+from tui.widgets.text_line import TextLine
 from tui.words import strings
 
 if TYPE_CHECKING:
@@ -36,13 +38,23 @@ class Stage(App[None]):
         line."""
         super().__init__()
         self.clock = clock
-        self.shown_keys = all_shown(keys)
-        """The keys in use by action id, as people read them."""
+        self.keys = dict(keys)
+        """The keys in use by action id, several separated by commas, as Textual spells them."""
+        self.shown_keys = hinted(keys)
+        """The first key of each action, as people read it in a hint."""
+        self.listed_keys = all_shown(keys)
+        """All keys of each action, as people read them in a list."""
         self.handle: EngineHandle | None = None
         """The engine, once it is there."""
         self.offer: Offer | None = None
         """What can be asked of it."""
-        self.main = ConsoleScreen(self.shown_keys, one_line=one_line)
+        self.main = ConsoleScreen(self.shown_keys, lambda key: command_in_line(key, self.keys), one_line=one_line)
+
+    def use_keys(self, keys: Mapping[str, str]) -> None:
+        """These are in use from now on, or have other names."""
+        self.keys |= keys
+        self.shown_keys |= hinted(self.keys)
+        self.listed_keys |= all_shown(self.keys)
 
     @property
     def shown(self) -> View:
@@ -61,12 +73,41 @@ class Stage(App[None]):
         """Panes have another size: some show more where they have more room."""
         self.call_after_refresh(self.redraw)
 
+    def remark(self, text: str) -> None:
+        """Something that stands in the status line for a while."""
+        raise NotImplementedError
+
+    def draw(self) -> None:
+        """Bring what is on the screen up to date at once."""
+        raise NotImplementedError
+
+    def open_page(self, page: Screen[None]) -> None:
+        """Put a page on top, with the keys that are true there."""
+        self.push_screen(page)
+        self.draw()
+
+    def step_back(self) -> None:
+        """Leave the page on top; what is below it shows what has happened in the meantime."""
+        self.pop_screen()
+        self.draw()
+
     def come_back(self) -> None:
-        """To the main screen, which shows what has happened in the meantime."""
-        if self.screen is not self.main:
-            self.pop_screen()
-            self.main.show(self.shown)
-            self.redraw()
+        """To the main screen, whatever is on top of it."""
+        while self.screen is not self.main:
+            self.step_back()
+
+    @property
+    def typing(self) -> bool:
+        """Somebody types: letters are text."""
+        return isinstance(self.focused, TextLine)
+
+    def acting(self, action: str) -> str | None:
+        """The first key of the action that acts where the keyboard is, as people read it; None: none does."""
+        line, everywhere = self.focused, action in EVERYWHERE
+        for key in self.keys[action].split(","):
+            if not isinstance(line, TextLine) or everywhere or line.acts(key):
+                return shown(key)
+        return None
 
     @property
     def terminal(self) -> Driver | None:

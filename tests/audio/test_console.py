@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.audio.server import SoundServer
-from tests.e2e.terminal import Terminal, console
+from tests.e2e.terminal import TO_THE_PANES, Terminal, console
 from tests.e2e.test_console import driving, last
 
 SPEECH = Path(__file__).parents[2] / "assets" / "speech"
@@ -53,7 +53,6 @@ def test_the_robot_drives_by_voice_and_survives_the_loss_of_its_microphone(serve
         terminal.type("/")
         terminal.type("turn left 90 degrees\r")
         terminal.until(lambda: last(terminal, "action.finished").get("outcome") == "ok")
-        terminal.type("\r")  # leaves the line
         gone = about_the_microphone(terminal)[1:]
         assert len(gone) == 1, gone
         assert gone[0].startswith("The microphone (default) is gone.")
@@ -66,5 +65,5 @@ def test_the_robot_drives_by_voice_and_survives_the_loss_of_its_microphone(serve
         terminal.until(lambda: driving(terminal))
         terminal.type("\x1b")
         terminal.until(lambda: last(terminal, "robot.state").get("moving") is False)
-        terminal.type("q")
+        terminal.type(TO_THE_PANES + "q")
         assert terminal.wait() == 0

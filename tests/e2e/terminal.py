@@ -23,6 +23,10 @@ from tests.e2e.sayso import command, environment
 LIMIT_S = 60
 
 
+TO_THE_PANES = "\x07"
+"""Ctrl+g: out of the line, where letters are text, to the panes, where they are keys."""
+
+
 class Terminal:
     """A terminal with sayso running in it; its session log tells what happened inside."""
 

@@ -8,7 +8,7 @@ from typing import Any
 import psutil
 import pytest
 
-from tests.e2e.terminal import Terminal, console
+from tests.e2e.terminal import TO_THE_PANES, Terminal, console
 
 
 def last(terminal: Terminal, kind: str) -> dict[str, Any]:
@@ -32,7 +32,7 @@ def test_a_typed_command_drives_and_esc_stops_it_half_way(tmp_path: Path, size: 
         terminal.until(lambda: last(terminal, "robot.state").get("moving") is False and "WAITING" in terminal.text)
         assert 0.01 < last(terminal, "robot.state")["pose"]["y"] < 1.9
         children = psutil.Process(terminal.pid).children(recursive=True)
-        terminal.type("q")
+        terminal.type(TO_THE_PANES + "q")
         assert terminal.wait() == 0
     assert psutil.wait_procs(children, timeout=10)[1] == []
 
@@ -44,7 +44,7 @@ def test_quitting_in_mid_drive_asks_first_and_leaves_nothing_behind(tmp_path: Pa
         terminal.type("go to the bedroom\r")
         terminal.until(lambda: driving(terminal))
         children = psutil.Process(terminal.pid).children(recursive=True)
-        terminal.type("\r")  # an empty line leaves the line
+        terminal.type(TO_THE_PANES)
         terminal.until(lambda: "Press /" in terminal.text)
         terminal.type("q")
         terminal.until(lambda: "again" in terminal.text)
@@ -82,14 +82,14 @@ def test_waking_without_a_microphone_says_what_is_missing_at_once(tmp_path: Path
         terminal.until(lambda: last(terminal, "error").get("code") == "device_missing")
         terminal.until(lambda: "microphone" in terminal.text)
         assert last(terminal, "error")["hint"]
-        terminal.type("q")
+        terminal.type(TO_THE_PANES + "q")
         assert terminal.wait() == 0
 
 
 def test_the_map_sends_the_robot_while_the_camera_shows_where_it_goes(tmp_path: Path) -> None:
     with console(state=tmp_path) as terminal:
         terminal.until(lambda: "READY" in terminal.text)
-        terminal.type("c")
+        terminal.type(TO_THE_PANES + "c")
         terminal.until(lambda: "▀" in terminal.text)
         terminal.type("m\t\r")
         terminal.until(lambda: "Go to kitchen?" in terminal.text)  # it stands at the charging dock

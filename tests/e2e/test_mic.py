@@ -17,7 +17,7 @@ from engine.audio.wav import read_wav
 from engine.errors import ExitCode
 from tests.e2e.engine import engine
 from tests.e2e.sayso import command, environment, sayso
-from tests.e2e.terminal import console
+from tests.e2e.terminal import TO_THE_PANES, console
 from tests.e2e.test_console import driving, last
 
 SPEECH = Path(__file__).parents[2] / "assets" / "speech"
@@ -85,7 +85,7 @@ def test_a_microphone_over_ssh_is_heard_in_the_console_until_it_leaves(tmp_path:
         missing, guest, again = told()
         assert missing == again
         assert guest == "ready: ssh microphone"
-        terminal.type("q")
+        terminal.type(TO_THE_PANES + "q")
         assert terminal.wait() == 0
     assert not (tmp_path / "mic.sock").exists()
 

@@ -13,7 +13,7 @@ from config.folders import paths
 from tests.e2e.engine import engine
 from tests.e2e.outward import Watch, missing, watching
 from tests.e2e.sayso import LIMIT_S, environment
-from tests.e2e.terminal import console
+from tests.e2e.terminal import TO_THE_PANES, console
 
 GRAPHICS = "mesa_shader_cache"
 """What OpenGL keeps for itself."""
@@ -62,7 +62,7 @@ def test_the_engine_turns_to_no_other_machine(tmp_path: Path, home: Path, watch:
 def test_the_console_turns_to_no_other_machine(tmp_path: Path, home: Path, watch: Watch) -> None:
     with console("--demo", state=tmp_path, below=watch.command, environ=new_user(home)) as terminal:
         terminal.until(lambda: any(event["kind"] == "action.finished" for event in terminal.events()))
-        terminal.type("q")
+        terminal.type(TO_THE_PANES + "q")
         assert terminal.wait() == 0
     assert left_in(home) == []
     assert watch.outward == []

@@ -21,7 +21,7 @@ from engine.robot.host.memory import STOP_EPOCH
 from tests.e2e.body import CAN_READ, Body, until
 from tests.e2e.engine import Engine, engine
 from tests.e2e.sayso import command, environment
-from tests.e2e.terminal import Terminal, console
+from tests.e2e.terminal import TO_THE_PANES, Terminal, console
 from tests.e2e.test_console import last
 
 pytestmark = pytest.mark.skipif(not CAN_READ, reason="reads another process's memory through /proc")
@@ -60,7 +60,7 @@ def driving_console(terminal: Terminal) -> Body:
     terminal.until(lambda: "✓ robot" in terminal.text and "◌" not in terminal.text)
     body = Body(terminal.pid)
     terminal.type("/")
-    terminal.type(FAR + "\r\r")  # the second one leaves the line
+    terminal.type(FAR + "\r" + TO_THE_PANES)
     terminal.until(lambda: body.driving)
     return body
 

@@ -111,6 +111,7 @@ def test_a_request_is_typed_in_a_browser_and_esc_stops_the_robot(tmp_path: Path,
         tab.until(lambda: served.last("action.finished").get("outcome") == "interrupted")
         tab.until(lambda: served.is_at_rest() and "WAITING" in tab.text)
         assert 0.01 < served.last("robot.state")["pose"]["y"] < 1.9
+        tab.press("Tab", 9)  # to the panes, where letters are keys
         tab.type("i")
         tab.until(lambda: re.search(r"line \d+ ms", tab.text))  # the browser reports what it has drawn
         assert shades(tab.picture()) > 50, "nothing was drawn"
@@ -148,6 +149,7 @@ def test_one_tab_has_the_robot_and_closing_it_stops_the_robot(tmp_path: Path, ch
         second.open(served.url)  # once more: its own former self is not another one
         second.until(lambda: served.consoles and served.consoles[0].pid != console)
         second.until(lambda: "READY" in second.text and not second.told)
+        second.press("Tab", 9)  # to the panes
         second.type("q")
         second.until(lambda: second.told == ENDED)
         assert served.consoles == []

@@ -48,7 +48,6 @@ def play(person: Person) -> None:
     """The task."""
     person.until("✓ robot")
     person.look(1.0)
-    person.press("/")
     person.ask("go to the kitchen, pick up the green box and raise your arm")
     person.until("ACTING")
     person.until("WAITING")
@@ -59,7 +58,7 @@ def play(person: Person) -> None:
     person.press("\x1b")
     person.until("WAITING")
     person.look(2.0)
-    person.press("\r")  # the whole turn
+    person.press("\x07\r")  # out of the line: the whole turn
     person.look(3.0)
 
 

@@ -95,8 +95,12 @@ async def console(
     language: Language = "en",
     wording: Telling | None = None,
     one_line: bool = False,
+    in_line: bool = False,
 ) -> AsyncIterator[Desk]:
-    """A console on a terminal of this size. Its clock stands still: durations come from events alone."""
+    """A console on a terminal of this size. Its clock stands still: durations come from events alone.
+
+    ``in_line``: the keyboard is in the line, as it is from the start; else the test has gone to the panes by a key, so
+    that letters are keys."""
     engine = engine or ScriptedEngine(robot=robot_at(-1.35, 0.05, 0.4), floor=flat())
     app = SaysoApp(
         start or (lambda: engine),
@@ -114,6 +118,8 @@ async def console(
             if start is None:
                 await desk.until(lambda: app.shown.started and app.shown.parts == engine.parts)
             await desk.settled()
+            if not in_line and app.main.line.has_focus:
+                await desk.press("ctrl+g")
             yield desk
     finally:
         speak("en")  # other tests of this process look at words without a console

@@ -80,12 +80,13 @@ async def test_each_finding_is_shown_as_it_comes_with_a_sign_a_word_and_what_to_
         assert not any(name.startswith("Main") for name in ward.threads)
 
 
-async def test_escape_stops_the_robot_and_leaves_while_a_check_still_hangs() -> None:
+async def test_escape_stops_the_robot_and_one_can_leave_while_a_check_still_hangs() -> None:
     ward = Ward()
     async with console() as desk:
         await opened(desk, ward)
         await desk.press("escape")
         assert desk.engine.sent == [Interrupt()]
+        await desk.press("backspace")
         assert isinstance(desk.app.screen, ConsoleScreen)
         ward.go_on.release(len(FINDINGS))
 

@@ -168,6 +168,7 @@ def test_a_terminal_with_graphics_shows_the_picture_wherever_it_belongs_and_nowh
     with window(answers) as console:
         console.until(lambda: sees(console), "the picture")
         assert bool(console.paper.placed) == (protocol == "kitty")
+        console.type("\x07")  # out of the line, where letters are text
         for there, back in (("?", "?"), ("1z", "z"), ("t", "t"), ("c", "c")):
             console.type(there)
             if there != "t":  # which opens a pane beside it
@@ -190,7 +191,7 @@ def test_a_terminal_with_graphics_shows_the_picture_wherever_it_belongs_and_nowh
 def test_a_terminal_that_never_answers_shows_half_blocks_and_nobody_waits_for_it() -> None:
     with window({}) as console:
         console.until(lambda: blocks(console), "half blocks")
-        console.type("?")
+        console.type("\x07?")
         console.until(lambda: "Keys" in console.text, "help")
         console.type("?")
         console.until(lambda: "Keys" not in console.text and blocks(console), "half blocks again")
@@ -208,6 +209,6 @@ def test_over_a_bad_line_characters_are_sent() -> None:
     with window(KITTY, bad_s=0.0) as console:
         console.until(lambda: "kB/s" in console.text, "a bad line")
         console.until(lambda: blocks(console) and nothing(console), "half blocks")
-        console.type("q")
+        console.type("\x07q")
         assert console.wait() == 0
         assert nothing(console)

@@ -88,38 +88,19 @@ async def test_no_hint_on_a_page_or_in_the_line_is_cut(size: tuple[int, int], tm
         conversation.play(engine, conversation.ALL)
         desk.app.examining.know(lambda: _Nobody())  # type: ignore[arg-type, return-value]
         for keys, last in (
-            (("enter",), "enter back · esc stops all"),
-            (("enter", "d"), "d back · esc stops all"),
-            (("d", "o"), "o back · esc stops all"),
-            (("o", "question_mark"), "? back · esc stops all"),
-            (("question_mark", "ctrl+p"), "esc stops the robot and leaves"),
-            (("ctrl+p", "slash"), "esc stops"),
+            (("enter",), "⌫ back · esc stops"),
+            (("d",), "⌫ back · esc stops"),
+            (("o",), "⌫ back · esc stops"),
+            (("question_mark",), "⌫ back · esc stops"),
+            (("ctrl+p",), "ctrl+g back · esc stops"),
+            (("ctrl+p", "slash"), "⌫ back · esc stops"),
+            (("tab", "ctrl+g", "g"), "⌫ back · esc stops"),
         ):
             await desk.press(*keys)
             await desk.settled()
             hinting = [line for line in desk.text.splitlines() if last in line]
             assert hinting, (keys, desk.text)
             assert all("…" not in line for line in hinting), hinting
-
-
-@pytest.mark.parametrize("key", ["question_mark", "o", "d", "enter"])
-async def test_a_page_names_the_key_that_leaves_it_and_esc_stops_there(key: str, tmp_path: Path) -> None:
-    async with console() as desk:
-        desk.app.dress("sayso-dark", 30, layers=Layers(environ={}, folder=tmp_path))
-        desk.app.examining.know(lambda: _Nobody())  # type: ignore[arg-type, return-value]
-        main = desk.app.screen
-        name = {"question_mark": "?"}.get(key, key)
-        await desk.press(key)
-        assert desk.app.screen is not main
-        assert f"{name} back · esc stops all" in desk.text
-        await desk.press(key)
-        assert desk.app.screen is main
-        await desk.press(key, "question_mark")
-        assert desk.app.screen is main, "that of the help leaves any page"
-        assert desk.engine.sent == [], "and nothing has been stopped"
-        await desk.press(key, "escape")
-        assert desk.app.screen is main
-        assert desk.engine.sent == [Interrupt()]
 
 
 async def test_the_question_whether_to_quit_says_that_esc_stops_the_task() -> None:
@@ -144,7 +125,7 @@ async def test_no_key_and_no_sentence_of_the_help_is_cut(size: tuple[int, int], 
             lines = [strip.text.strip() for strip in cell.render_lines(Region(0, 0, *cell.size))]
             drawn["key" if cell.has_class("key") else "about"].add("".join(lines).replace(" ", ""))
             assert len(lines) == 1 or not cell.has_class("key"), "a key stands on one line"
-        assert drawn["key"] >= {key.replace(" ", "") for key in desk.app.shown_keys.values()}
+        assert drawn["key"] >= {key.replace(" ", "") for key in desk.app.listed_keys.values()}
         assert drawn["about"] >= {key.about.replace(" ", "") for key in ALL_KEYS}
         top = ""
         while top != desk.text:

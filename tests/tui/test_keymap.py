@@ -54,6 +54,14 @@ def test_of_two_that_want_the_same_key_the_first_gets_it() -> None:
     assert [mistake.action for mistake in found.mistakes] == ["log"]
 
 
+def test_no_map_page_or_hand_takes_the_keys_that_go_back() -> None:
+    for action in ("map_whole", "unfold", "hand_ahead", "setting_take", "log"):
+        for key in ("backspace", "ctrl+g"):
+            assert "is the key of back" in complaints({action: key})[action]
+    assert complaints({"back": "ctrl+o"}) == {}
+    assert "map_follow" in complaints({"back": "f"})["back"]
+
+
 def test_keys_of_the_map_go_before_those_of_the_console_but_not_before_those_that_act_everywhere() -> None:
     assert complaints({"map_whole": "c"}) == {}
     assert "interrupt" in complaints({"map_whole": "escape"})["map_whole"]
@@ -64,7 +72,7 @@ def test_keys_of_the_map_go_before_those_of_the_console_but_not_before_those_tha
     ("action", "key", "complaint"),
     [
         ("interupt", "f2", "did you mean interrupt?"),
-        ("fly", "f2", "interrupt, wake"),
+        ("fly", "f2", "interrupt, back, wake"),
         ("log", "", "no key"),
         ("log", "alt+l", "does not work in every terminal"),
         ("log", "ctrl+shift+l", "does not work in every terminal"),
@@ -133,5 +141,5 @@ async def test_the_help_page_has_every_action_with_its_key_and_can_be_scrolled()
             seen += desk.text
         for key in ALL_KEYS:
             assert key.about[:40] in seen, key.id
-        await desk.press(*["pageup"] * 7)
+        await desk.press(*["pageup"] * 9)
         assert "Stop everything" in desk.text

@@ -37,19 +37,6 @@ async def test_escape_interrupts_in_every_state() -> None:
             assert desk.engine.sent == [Interrupt()]
 
 
-@pytest.mark.parametrize("where", ["slash", "question_mark", "q", "l"])
-async def test_escape_interrupts_from_wherever_one_is_and_leaves_it(where: str) -> None:
-    async with console() as desk:
-        desk.engine.play(scripted.acting())
-        await desk.settled()
-        await desk.press(where)
-        await desk.press("escape")
-        assert desk.engine.sent == [Interrupt()]
-        assert isinstance(desk.app.screen, ConsoleScreen)
-        assert desk.app.focused is None
-        assert "again" not in desk.text
-
-
 async def test_escape_interrupts_on_a_terminal_that_is_too_small() -> None:
     async with console(size=(40, 10)) as desk:
         assert "60×16" in desk.text
@@ -97,10 +84,101 @@ async def test_up_and_down_recall_what_was_said() -> None:
         assert seen == ["two", "one", "one", "two", "dra", "dra"]
 
 
-async def test_enter_on_an_empty_line_leaves_without_stopping_the_robot() -> None:
-    async with console() as desk:
-        await desk.press("slash", "enter", "space")
+async def test_the_line_has_the_keyboard_from_the_start_and_letters_typed_there_are_never_keys() -> None:
+    async with console(in_line=True) as desk:
+        await desk.press(*"go", "space", *"to", "enter", *"never", "space", *"mind", "enter", "enter", *"eq1")
+        assert desk.engine.sent == [Say("go to"), Say("never mind")]
+        assert desk.app.main.line.value == "eq1"
+
+
+async def test_in_the_empty_line_a_key_that_no_request_begins_with_does_what_it_does_outside() -> None:
+    async with console(in_line=True) as desk:
+        await desk.press("space", "slash")
         assert desk.engine.sent == [Wake("key")]
+        assert desk.app.main.line.value == ""
+        await desk.press("question_mark")
+        assert isinstance(desk.app.screen, HelpScreen)
+        await desk.press("backspace", *"a?", "space", "slash", "less_than_sign", "enter")
+        assert desk.engine.sent[1:] == [Say("a? /<")]
+        await desk.press("minus", "left_parenthesis", "enter")
+        assert desk.engine.sent[2:] == [Say("-(")], "no keys of the console are text there, too"
+
+
+async def test_keys_that_somebody_chose_act_in_the_empty_line_unless_they_are_letters() -> None:
+    async with console(in_line=True, keymap={"wake": "w", "help": "f1", "end_task": "&"}) as desk:
+        await desk.press(*"w", "backspace", "home", "ampersand", "f1")
+        assert desk.engine.sent == [EndTask()]
+        assert isinstance(desk.app.screen, HelpScreen)
+
+
+async def test_tab_goes_from_the_line_through_all_panes_but_the_map_and_comes_back() -> None:
+    async with console(in_line=True) as desk:
+        seen = []
+        for _ in range(6):
+            await desk.press("tab")
+            seen.append(type(desk.app.focused).__name__)
+        assert seen == ["Conversation", "PlanView", "ActionQueue", "LogView", "Timeline", "Ask"]
+        await desk.press("shift+tab", "shift+tab", "e")
+        assert isinstance(desk.app.focused, LogView)
+        assert desk.engine.sent == [EndTask()]
+
+
+async def test_tab_in_a_request_completes_it_and_does_not_leave() -> None:
+    async with console(in_line=True) as desk:
+        await desk.press(*"zzz", "tab", "e")
+        assert desk.app.main.line.value == "zzze"
+
+
+async def test_a_click_on_a_pane_goes_there_and_one_on_the_line_comes_back() -> None:
+    async with console(in_line=True) as desk:
+        await desk.pilot.click(LogView)
+        await desk.press("e")
+        assert desk.engine.sent == [EndTask()]
+        await desk.pilot.click(Ask)
+        await desk.press("e")
+        assert desk.app.main.line.value == "e"
+
+
+@pytest.mark.parametrize("size", [(60, 20), (80, 24), (120, 40)])
+async def test_the_keys_in_the_status_line_are_true_where_the_keyboard_is(size: tuple[int, int]) -> None:
+    async with console(in_line=True, size=size) as desk:
+        assert "space wake  ? help  tab panes" in desk.text.splitlines()[0]
+        await desk.press("ctrl+g")
+        top = desk.text.splitlines()[0]
+        assert "space wake" in top
+        assert "/ type" in top
+        assert "tab panes" not in top
+        await desk.press("enter")
+        assert "⌫ back" in desk.text.splitlines()[0]
+        assert "quit" not in desk.text.splitlines()[0]
+
+
+async def test_keys_below_panes_are_shown_while_they_are_true() -> None:
+    async with console(in_line=True) as desk:
+        desk.engine.play(scripted.done())
+        await desk.settled()
+        assert "m points" not in desk.text
+        assert "browse" not in desk.text
+        await desk.press("ctrl+g")
+        assert "m points" in desk.text
+        assert "[ ] browse · enter opens" in desk.text
+
+
+@pytest.mark.parametrize("before", [(), ("1",), ("m",), ("enter",), ("g",)])
+async def test_what_is_pasted_outside_the_line_goes_into_it_and_is_no_key(before: tuple[str, ...]) -> None:
+    async with console() as desk:
+        await desk.press(*before)
+        desk.app.post_message(events.Paste("beep\nquit\n"))
+        await desk.settled()
+        assert desk.app.main.line.has_focus
+        await desk.press("enter")
+        assert desk.engine.sent == [Say("beep", then=("quit",))]
+
+
+async def test_a_draft_is_not_typed_over_when_one_comes_back_to_it() -> None:
+    async with console(in_line=True) as desk:
+        await desk.press(*"go", "ctrl+p", "ctrl+g", *"on")
+        assert desk.app.main.line.value == "goon"
 
 
 async def paste(desk: Desk, text: str) -> None:
@@ -342,7 +420,7 @@ async def test_the_emergency_stop_has_a_key_that_works_while_typing_and_another_
     async with console() as desk:
         await desk.press("slash", "ctrl+x")
         assert desk.engine.sent == [EStop()]
-        await desk.press("escape", "R")
+        await desk.press("escape", "ctrl+g", "R")
         assert desk.engine.sent == [EStop(), Interrupt(), Release()]
 
 
@@ -356,17 +434,17 @@ async def test_a_pressed_emergency_stop_is_shown_on_every_page(page: str) -> Non
         assert "nothing moves; R releases" in desk.text
 
 
-async def test_by_hand_arrows_drive_until_another_key_is_pressed() -> None:
+async def test_by_hand_arrows_drive_until_one_goes_back() -> None:
     async with console() as desk:
         await desk.press("g", "up", "left", "plus", "down", "comma")
         assert desk.engine.sent == [
             Drive(0.2, 0.0, 0.0), Drive(0.0, 0.0, 0.5), Drive(-0.3, 0.0, 0.0), Drive(0.0, 0.3, 0.0),
         ]  # fmt: skip
         assert "by hand 0.3 m/s" in desk.text
-        await desk.press("escape")
+        await desk.press("g")
         assert "by hand" not in desk.text
         await desk.press("up")
-        assert desk.engine.sent[4:] == [Interrupt()]
+        assert desk.engine.sent[4:] == []
 
 
 async def test_whoever_types_drives_no_more() -> None:

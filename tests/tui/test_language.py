@@ -173,8 +173,8 @@ async def test_every_line_is_as_wide_as_the_terminal_whatever_is_shown(size: tup
         engine.play(scripted.acting())
         await desk.settled()
         for keys in (
-            "", "4", "tab", "plus", "f", "escape", "6", "z", "c", "question_mark", "question_mark", "enter", "j",
-            "pagedown", "enter", "ctrl+p", "escape", "slash",
+            "", "4", "tab", "plus", "f", "backspace", "6", "z", "c", "question_mark", "backspace", "enter", "j",
+            "pagedown", "enter", "ctrl+p", "ctrl+g", "slash",
         ):  # fmt: skip
             await desk.press(*filter(None, [keys]))
             assert widths(desk) == {size[0]}, keys
@@ -277,7 +277,7 @@ async def test_the_palette_finds_skills_by_both_languages() -> None:
         for typed in ("点头", "nod"):
             await desk.press("ctrl+p", *typed)
             assert "用手臂点头，表示是。" in desk.text
-            await desk.press("escape")
+            await desk.press("ctrl+g")
 
 
 async def test_whatever_the_palette_says_of_skills_is_chinese_and_so_is_their_form() -> None:
@@ -354,7 +354,7 @@ async def test_no_character_is_torn_where_something_ends_under_a_panel(size: tup
         conversation.play(engine, conversation.ALL)
         await desk.press("ctrl+p")
         palette = desk.app.screen.query_one(Palette)
-        whole = [*(entry.title[:12] for entry in palette.shown[:6]), "回车选定 · ctrl+p 离开 · esc 停止机器人并离开"]
+        whole = [*(entry.title[:12] for entry in palette.shown[:6]), "回车选定 · ctrl+g 返回 · esc 停止"]
         for words in whole:
             assert words in desk.text
         for _ in range(3):

@@ -130,7 +130,7 @@ def test_what_is_typed_before_textual_is_there_is_not_shown_and_not_lost(kept: P
     with console(kept) as early:
         early.read_until(FRAME)
         assert not termios.tcgetattr(early.inside)[3] & termios.ECHO
-        early.quit(b"q")
+        early.quit(b"no\x07q")  # a request, then out of the line
         assert b"^" not in early.written.partition(TAKEN)[0]
 
 

@@ -92,7 +92,7 @@ def test_a_terminal_that_never_reports_is_drawn_on_all_the_same() -> None:
         line.until(lambda: "LISTENING" in line.text)
         sent = line.sent
         line.until(lambda: line.sent > sent + 10_000)
-        os.write(console.terminal, b"i")
+        os.write(console.terminal, b"\x07i")  # to the panes, where letters are keys
         line.until(lambda: "delay unknown" in line.text)
 
 

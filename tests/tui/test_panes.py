@@ -13,7 +13,6 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from engine import events as ev
-from engine.commands import Interrupt
 from tests.tui import conversation, scripted
 from tests.tui.desk import Desk, console
 from tests.tui.scripted import ScriptedEngine, flat, robot_at, sight_of
@@ -87,7 +86,7 @@ async def test_a_number_goes_to_its_pane_and_shows_it_wherever_it_was(size: tupl
 async def test_a_number_leads_there_from_wherever_one_is(before: tuple[str, ...]) -> None:
     async with console(robot(), size=(80, 24)) as desk:
         for key, pane in PANES[::2]:
-            await desk.press(*before, *(("enter",) if before == ("slash",) else ()), key)
+            await desk.press(*before, *(("tab",) if before == ("slash",) else ()), key)
             assert isinstance(desk.app.focused, pane)
             assert area(desk, pane).area > 0, key
 
@@ -122,13 +121,15 @@ async def test_z_gives_a_pane_the_whole_middle_and_takes_it_back(size: tuple[int
 
 
 @sizes
-async def test_escape_leaves_the_zoom_and_stops_the_robot(size: tuple[int, int]) -> None:
+async def test_going_back_leaves_the_zoom_then_the_pane(size: tuple[int, int]) -> None:
     async with console(robot(), size=size) as desk:
-        for number, key in enumerate("157", 1):
-            await desk.press(key, "z", "escape")
-            assert desk.engine.sent == [Interrupt()] * number
+        for key in "157":
+            await desk.press(key, "z", "backspace")
             assert "z back" not in desk.text
+            assert desk.app.focused is not None
+            await desk.press("backspace")
             assert desk.app.focused is None
+        assert desk.engine.sent == []
 
 
 @sizes
@@ -136,7 +137,7 @@ async def test_the_pane_that_was_gone_to_last_is_the_one_that_is_zoomed(size: tu
     async with console(robot(), size=size) as desk:
         await desk.press("z")
         assert "1 Conversation · z back" in desk.text
-        await desk.press("escape", "2", "escape", "z")
+        await desk.press("z", "2", "backspace", "z")
         assert "2 Plan · z back" in desk.text
 
 
@@ -162,7 +163,7 @@ async def test_what_is_zoomed_stays_while_one_types_and_through_every_size() -> 
                     assert f"{title} · z back" in desk.text, (key, other)
                     assert area(desk, kind).area > 0, (key, other)
             assert desk.app.screen.query_one(Ask).value.endswith("z")
-            await desk.press("escape")
+            await desk.press("ctrl+g", "z")
 
 
 async def test_the_pane_with_the_keyboard_is_in_sight_at_every_size() -> None:
@@ -181,7 +182,7 @@ async def test_the_frame_of_the_pane_with_the_keyboard_is_heavier() -> None:
         for key, _ in PANES[:6]:
             await desk.press(key)
             assert desk.text.count("┏") == desk.text.count("┛") == 1, key
-        await desk.press("escape")
+        await desk.press("backspace")
         assert "┏" not in desk.text
 
 
@@ -202,9 +203,10 @@ async def test_fewer_than_80_columns_show_one_column_at_a_time(size: tuple[int, 
         assert (area(desk, FloorView).area == 0) == narrow
         await desk.press("4")
         assert area(desk, FloorView).area > 0
-        await desk.press("escape")
-        assert area(desk, FloorView).area > 0
-        assert (area(desk, Conversation).area == 0) == narrow
+        await desk.press("2")
+        assert area(desk, Conversation).area > 0
+        await desk.press("4", "backspace")
+        assert (area(desk, FloorView).area == 0) == narrow, "where one was before"
         await desk.press("1")
         assert area(desk, Conversation).area > 0
         await desk.press("c")
@@ -291,7 +293,7 @@ async def test_going_to_another_pane_draws_those_two_alone(monkeypatch: pytest.M
         await desk.press("2")
         assert drawn.keys() <= {"Conversation", "PlanView"}
         drawn.clear()
-        await desk.press("2", "escape", "escape")
+        await desk.press("2", "escape", "backspace")
         assert drawn.keys() <= {"PlanView"}
 
 
@@ -328,7 +330,7 @@ async def test_where_there_is_no_border_nothing_moves(size: tuple[int, int], key
         before = desk.text
         await desk.press(WIDER, NARROWER, NARROWER)
         assert desk.text == before
-        await desk.press("escape", "1")
+        await desk.press("backspace", "1")
         await desk.pilot.resize_terminal(120, 40)
         await desk.settled()
         assert left_share(desk) == pytest.approx(USUAL["wide"], abs=4)
@@ -397,7 +399,7 @@ async def test_the_sessions_of_several_turns_are_browsed_where_they_are_zoomed()
         assert "Turns · z back" in desk.text
         await desk.press("enter")
         assert not isinstance(desk.app.screen, ConsoleScreen)
-        await desk.press("5")
+        await desk.press("backspace", "5")
         assert "Log · z back" in desk.text
 
 

@@ -176,7 +176,7 @@ async def test_the_help_page_looks_as_in_its_picture(size: tuple[int, int], scre
 
 async def test_the_light_theme_looks_as_in_its_picture(screenshot: SnapshotAssertion) -> None:
     engine = ScriptedEngine(robot=UNDER_WAY, floor=flat())
-    async with console(engine, theme="sayso-light") as desk:
+    async with console(engine, theme="sayso-light", in_line=True) as desk:
         engine.play(scripted.acting())
         assert await desk.picture() == screenshot(name="acting_light_120x40")
 
@@ -186,7 +186,7 @@ async def test_the_theme_of_high_contrast_looks_as_in_its_picture(
     size: tuple[int, int], screenshot: SnapshotAssertion
 ) -> None:
     engine = ScriptedEngine(robot=UNDER_WAY, floor=flat())
-    async with console(engine, size=size, theme="sayso-contrast") as desk:
+    async with console(engine, size=size, theme="sayso-contrast", in_line=True) as desk:
         engine.play(scripted.queueing())
         assert await desk.picture() == screenshot(name=f"queue_contrast_{size[0]}x{size[1]}")
 
@@ -199,7 +199,7 @@ async def _compare(
     screenshot: SnapshotAssertion,
     keys: Sequence[str] = (),
 ) -> None:
-    async with console(engine, size=size) as desk:
+    async with console(engine, size=size, in_line=not keys) as desk:
         engine.play(steps)
         await desk.settled()
         await desk.press(*keys)

@@ -61,8 +61,9 @@ async def test_a_page_in_chinese_looks_as_in_its_picture(
     engine = ScriptedEngine(robot=robot_at(-1.35, 0.05, 0.4, speed=0.5), floor=flat())
     engine.offers = offer()
     wording = build_wording(load(environ={}))
-    async with console(engine, size=size, language="zh", wording=wording.told) as desk:
+    keys = SHOWN[picture]
+    async with console(engine, size=size, language="zh", wording=wording.told, in_line=not keys) as desk:
         engine.play(in_chinese(scripted.acting()))
         await desk.settled()
-        await desk.press(*SHOWN[picture])
+        await desk.press(*keys)
         assert await desk.picture() == screenshot(name=f"{picture}_{size[0]}x{size[1]}")

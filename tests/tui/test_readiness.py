@@ -34,7 +34,7 @@ async def test_it_is_not_ready_while_robot_or_planner_load_and_a_request_is_said
         assert ("robot and planner · requests wait" in line(desk, 0)) is (size[0] == 120)
         await desk.press("slash", *"nod", "enter")
         assert engine.sent == [Say("nod")]  # it is not refused
-        await desk.press("enter")
+        await desk.press("ctrl+g")
         engine.parts = loading("robot")
         await desk.until(lambda: "waits for robot to load" in desk.text and "planner" not in line(desk, -1))
         engine.parts = PARTS_READY

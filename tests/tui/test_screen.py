@@ -111,7 +111,7 @@ async def test_without_a_microphone_one_line_offers_typing_and_the_demo() -> Non
         lines = [line for line in desk.text.splitlines() if "No microphone" in line]
         assert len(lines) == 1
         assert "--demo" in lines[0]
-        assert "/ and type" in lines[0]
+        assert "type, or start" in lines[0]
 
 
 @pytest.mark.parametrize(

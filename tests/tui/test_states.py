@@ -163,7 +163,7 @@ async def _at(name: str, folder: Path) -> AsyncIterator[Desk]:
     """A console at that moment."""
     replay, moment = Replay(read(WHOLE_TASK)), MOMENTS[name]
     replay.offers = offer()
-    async with console(replay) as desk:
+    async with console(replay, in_line=not moment.keys and name not in OPENED) as desk:
         replay.until(moment.told, moment.met)
         await desk.until(lambda: desk.app.shown.parts == replay.parts)
         await desk.press(*moment.keys)

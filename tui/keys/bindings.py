@@ -10,7 +10,7 @@ from textual.binding import Binding, BindingType
 from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS
 
 BINDINGS: Final[list[BindingType]] = [
-    Binding(key.key, key.does or key.id, key.word or key.about, show=False, priority=key.everywhere, id=key.id)
+    Binding(key.key, key.does or key.id, key.word or key.about, show=False, priority=key.ahead, id=key.id)
     for key in KEYS
 ]
 

@@ -12,30 +12,28 @@ from dataclasses import dataclass
 from typing import Final
 
 from config.nearest import nearest
-from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
+from tui.keys.keys import (
+    EDITING,
+    EVERYWHERE,
+    HAND_KEYS,
+    KEYS,
+    LOG_KEYS,
+    MAP_KEYS,
+    PUNCTUATION,
+    QUEUE_KEYS,
+    SETTING_KEYS,
+    TURN_KEYS,
+    Key,
+)
 from tui.words import strings
 
 GROUPS: Final[tuple[tuple[Key, ...], ...]] = (KEYS, MAP_KEYS, QUEUE_KEYS, LOG_KEYS, TURN_KEYS, HAND_KEYS, SETTING_KEYS)
 """Those of the console, and those that go before them while the map, or a page, has the keyboard."""
 
-_PUNCTUATION: Final = {
-    "!": "exclamation_mark", '"': "quotation_mark", "#": "number_sign", "$": "dollar_sign", "%": "percent_sign",
-    "&": "ampersand", "'": "apostrophe", "(": "left_parenthesis", ")": "right_parenthesis", "*": "asterisk",
-    "+": "plus", ",": "comma", "-": "minus", ".": "full_stop", "/": "slash", ":": "colon", ";": "semicolon",
-    "<": "less_than_sign", "=": "equals_sign", ">": "greater_than_sign", "?": "question_mark", "@": "at",
-    "[": "left_square_bracket", "\\": "backslash", "]": "right_square_bracket", "^": "circumflex_accent",
-    "_": "underscore", "`": "grave_accent", "{": "left_curly_bracket", "|": "vertical_line",
-    "}": "right_curly_bracket", "~": "tilde", " ": "space",
-}  # fmt: skip
-"""What is typed, and Textual's names for it."""
 _SPELLINGS: Final = {
-    **_PUNCTUATION, "esc": "escape", "return": "enter", "page up": "pageup", "page down": "pagedown", "del": "delete",
+    **PUNCTUATION, "esc": "escape", "return": "enter", "page up": "pageup", "page down": "pagedown", "del": "delete",
 }  # fmt: skip
-_EDITING: Final = frozenset(
-    ["enter", "tab", "shift+tab", "backspace", "delete", "home", "end", "up", "down", "left", "right"]
-)
-"""What a line that is typed in needs for itself."""
-_SPECIAL: Final = _EDITING | {"escape", "insert", "pageup", "pagedown"}
+_SPECIAL: Final = EDITING | {"escape", "insert", "pageup", "pagedown"}
 _SAME: Final = {"ctrl+i": "tab", "ctrl+m": "enter", "ctrl+j": "enter", "ctrl+h": "backspace"}
 """What a terminal sends the same bytes for."""
 _PORTABLE: Final = re.compile(r"\w|ctrl\+[a-y]|f(?:[1-9]|1[0-2])")
@@ -90,9 +88,9 @@ def _unfit(keys: Sequence[str], action: Key) -> str:
     reasons = [_reason(key) for key in keys]
     if all(reasons):  # one that arrives everywhere is enough
         return reasons[0]
-    if action.everywhere and action.id != "type":  # which lets go of its key while somebody types
+    if action.id in EVERYWHERE:
         for key in keys:
-            if key in _EDITING or re.fullmatch(r"\w", key) or key in _PUNCTUATION.values():
+            if key in EDITING or re.fullmatch(r"\w", key) or key in PUNCTUATION.values():
                 return strings.KEY_IS_TYPED.format(key=_shown(key))
     return ""
 
@@ -101,7 +99,7 @@ def _reason(key: str) -> str:
     """Why a key does not arrive from every terminal; empty when it does."""
     if key in _SAME:
         return strings.KEY_IS_ANOTHER.format(key=_shown(key), other=_shown(_SAME[key]))
-    if key in _SPECIAL or key in _PUNCTUATION.values() or _PORTABLE.fullmatch(key):
+    if key in _SPECIAL or key in PUNCTUATION.values() or _PORTABLE.fullmatch(key):
         return ""
     return (strings.KEY_NOT_PORTABLE if "+" in key else strings.KEY_UNKNOWN).format(key=_shown(key))
 
@@ -123,10 +121,10 @@ def _rivals(action: str, groups: Sequence[Sequence[Key]]) -> Iterator[Key]:
     """The actions that cannot have the same key: those that are there at the same time, but for the console's behind
     those of the map, which go before them."""
     home = next(group for group in groups if any(key.id == action for key in group))
-    everywhere = any(key.id == action and key.everywhere for key in home)
+    ahead = any(key.id == action and key.ahead for key in home)
     for group in groups:
         for key in group:
-            if key.id != action and (group is home or everywhere or key.everywhere):
+            if key.id != action and (group is home or ahead or key.ahead):
                 yield key
 
 
@@ -150,5 +148,5 @@ def _named(key: str) -> str:
 
 def _shown(key: str) -> str:
     """As people write it; without Textual, which a command without a screen does not load."""
-    signs = {name: sign for sign, name in _PUNCTUATION.items() if sign != " "}
+    signs = {name: sign for sign, name in PUNCTUATION.items() if sign != " "}
     return strings.KEY_NAMES.get(key) or signs.get(key, key)

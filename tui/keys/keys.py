@@ -23,8 +23,15 @@ class Key:
     _: KW_ONLY
     everywhere: bool = False
     """Acts before whatever has the focus sees the key: it cannot be typed."""
+    reserved: bool = False
+    """No map, page or hand may have its key; only a line goes before it, for what is typed there or edits."""
     does: str = ""
     """The method with its arguments where it is not ``action_<id>``."""
+
+    @property
+    def ahead(self) -> bool:
+        """Acts before the keys behind it are dealt out: these go to wherever the keyboard is then."""
+        return self.everywhere or self.reserved
 
     @property
     def word(self) -> str:
@@ -39,9 +46,10 @@ class Key:
 
 KEYS: Final = (
     Key("interrupt", "escape", everywhere=True),
+    Key("back", "backspace,ctrl+g", reserved=True),
     Key("wake", "space"),
     Key("end_task", "e"),
-    Key("type", "slash", everywhere=True),
+    Key("type", "slash", reserved=True),
     Key("estop", "ctrl+x", everywhere=True),
     Key("release", "R"),
     Key("by_hand", "g"),
@@ -62,6 +70,8 @@ KEYS: Final = (
     Key("turn", "enter"),
     Key("palette", "ctrl+p", everywhere=True),
     Key("recall", "ctrl+r", everywhere=True),
+    Key("pane_next", "tab", does="next_pane(1)"),
+    Key("pane_previous", "shift+tab", does="next_pane(-1)"),
     Key("pane_conversation", "1", does="pane('conversation')"),
     Key("pane_plan", "2", does="pane('plan')"),
     Key("pane_actions", "3", does="pane('actions')"),
@@ -165,9 +175,44 @@ SETTING_KEYS: Final = (
 ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *QUEUE_KEYS, *LOG_KEYS, *TURN_KEYS, *HAND_KEYS, *SETTING_KEYS)
 
 
+EVERYWHERE: Final = frozenset(key.id for key in KEYS if key.everywhere)
+"""The actions whose keys act while one types, too."""
+PUNCTUATION: Final = {
+    "!": "exclamation_mark", '"': "quotation_mark", "#": "number_sign", "$": "dollar_sign", "%": "percent_sign",
+    "&": "ampersand", "'": "apostrophe", "(": "left_parenthesis", ")": "right_parenthesis", "*": "asterisk",
+    "+": "plus", ",": "comma", "-": "minus", ".": "full_stop", "/": "slash", ":": "colon", ";": "semicolon",
+    "<": "less_than_sign", "=": "equals_sign", ">": "greater_than_sign", "?": "question_mark", "@": "at",
+    "[": "left_square_bracket", "\\": "backslash", "]": "right_square_bracket", "^": "circumflex_accent",
+    "_": "underscore", "`": "grave_accent", "{": "left_curly_bracket", "|": "vertical_line",
+    "}": "right_curly_bracket", "~": "tilde", " ": "space",
+}  # fmt: skip
+"""What is typed, and Textual's names for it."""
+EDITING: Final = frozenset(
+    ["enter", "tab", "shift+tab", "backspace", "delete", "home", "end", "up", "down", "left", "right"]
+)
+"""What a line that is typed in needs for itself."""
+
+
 def all_shown(keys: Mapping[str, str]) -> dict[str, str]:
-    """Keys by action, several of them separated by commas, as they are written for people."""
+    """Keys by action, several of them separated by commas, as they are listed for people."""
     return {action: "/".join(map(shown, written.split(","))) for action, written in keys.items()}
+
+
+def hinted(keys: Mapping[str, str]) -> dict[str, str]:
+    """The first key of each action, as it is written in a hint; ``back_typing`` is the one that goes back from a line
+    with words in it, which backspace takes away."""
+    first = {action: written.partition(",")[0] for action, written in keys.items()}
+    back = keys.get("back", "").split(",")
+    first["back_typing"] = next((key for key in back if key not in EDITING and len(key) > 1), back[0])
+    return {action: shown(key) for action, key in first.items()}
+
+
+def command_in_line(key: str, keys: Mapping[str, str]) -> str:
+    """The action, with its arguments, of a key in an empty line: it is one of the console's, and no request begins with
+    it. Letters and digits are text. Empty: there is none."""
+    if key not in PUNCTUATION.values():
+        return ""
+    return next((action.does or action.id for action in KEYS if key in keys[action.id].split(",")), "")
 
 
 def shown(key: str) -> str:

@@ -23,11 +23,12 @@ from tui.palette.over import Over
 from tui.shown.facts import printable
 from tui.widgets.ask import Guess
 from tui.widgets.completion import Completion
+from tui.widgets.text_line import TextLine
 from tui.words import strings
 from tui.words.language import told
 
 
-class BlankLine(Input):
+class BlankLine(TextLine):
     """Where one argument is written."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -43,11 +44,9 @@ class BlankLine(Input):
         completion = Completion(phrases=blank.choices)
         super().__init__(
             placeholder=blank.usual,
-            compact=True,
             max_length=500,
             suggester=Guess(completion.rest) if blank.choices else None,
         )
-        self.cursor_blink = False
         self.blank = blank
         self._leave = leave
         self._submit = submit

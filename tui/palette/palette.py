@@ -14,10 +14,11 @@ from textual.widgets.option_list import Option
 
 from tui.palette.entries import Choice, Entry, found
 from tui.palette.over import Over
+from tui.widgets.text_line import TextLine
 from tui.words import strings
 
 
-class PaletteLine(Input):
+class PaletteLine(TextLine):
     """What is looked for."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -33,9 +34,8 @@ class PaletteLine(Input):
             super().__init__()
             self.step = step
 
-    def __init__(self, text: str) -> None:
-        super().__init__(text, placeholder=strings.PALETTE_PROMPT, compact=True, max_length=200, select_on_focus=False)
-        self.cursor_blink = False
+    def __init__(self) -> None:
+        super().__init__(placeholder=strings.PALETTE_PROMPT, max_length=200)
 
     def action_choose(self, step: int) -> None:
         self.post_message(self.Moved(step))
@@ -67,11 +67,11 @@ class Palette(Over):
             super().__init__()
             self.choice = choice
 
-    def __init__(self, entries: Sequence[Entry], keys: str, *, title: str, typed: str = "") -> None:
+    def __init__(self, entries: Sequence[Entry], keys: str, *, title: str) -> None:
         """``keys``: what to press, for people."""
         super().__init__(keys)
         self._entries = tuple(entries)
-        self._line = PaletteLine(typed)
+        self._line = PaletteLine()
         self._list = OptionList(markup=False)
         self._list.can_focus = False
         self.border_title = title

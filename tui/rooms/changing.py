@@ -46,7 +46,7 @@ class Changing:
         if leaving or stage.main.has_class("-tiny"):
             return
         self._page = SettingsScreen(stage.shown_keys, self, stage.shown, at)
-        stage.push_screen(self._page)
+        stage.open_page(self._page)
 
     def read(self) -> None:
         """Ask for the settings as they are."""

@@ -26,7 +26,7 @@ class Choosing:
     async def open(self) -> None:
         """Everything that can be done; once more: not that."""
         stage = self._stage
-        if await stage.main.uncover() or stage.main.has_class("-tiny"):
+        if stage.main.has_class("-tiny") or await self._was_there(strings.PALETTE):
             return
         from config.folders import paths
         from tui.palette.entries import entries
@@ -34,18 +34,22 @@ class Choosing:
         places = stage.handle.places() if stage.handle is not None else {}
         skills = stage.offer.skills if stage.offer is not None else ()
         file = str(paths().config / "config.yaml")
-        found = entries(stage.shown_keys, places, skills, stage.main.line.history, file)
+        found = entries(stage.listed_keys, places, skills, stage.main.line.history, file)
         await self._show(found, strings.PALETTE)
 
     async def recall(self) -> None:
-        """What was asked for before."""
+        """What was asked for before; once more: not that."""
         main = self._stage.main
-        if main.has_class("-tiny"):
+        if main.has_class("-tiny") or await self._was_there(strings.PALETTE_RECENT):
             return
         from tui.palette.entries import requests
 
-        typed = main.line.value if self._stage.screen is main else ""
-        await self._show(requests(main.line.history), strings.PALETTE_RECENT, typed)
+        await self._show(requests(main.line.history), strings.PALETTE_RECENT)
+
+    async def _was_there(self, title: str) -> bool:
+        """Close the panel of this title, if it is the one that is open."""
+        main = self._stage.main
+        return main.panel == title and await main.uncover()
 
     async def search_log(self) -> None:
         """The lines of the log, to find one of them."""
@@ -79,13 +83,13 @@ class Choosing:
         await self._stage.main.uncover()
         self._write(text)
 
-    async def _show(self, entries: Sequence[Entry], title: str, typed: str = "") -> None:
+    async def _show(self, entries: Sequence[Entry], title: str) -> None:
         from tui.palette.palette import Palette
 
         stage = self._stage
         stage.come_back()
         keys = strings.PALETTE_KEYS.format(**stage.shown_keys)
-        await stage.main.cover(Palette(entries, keys, title=title, typed=typed))
+        await stage.main.cover(Palette(entries, keys, title=title))
 
     async def _act(self, action: str, where: Where) -> None:
         """What the key does, where it does it; on the page of the settings nothing is meant before it is there."""

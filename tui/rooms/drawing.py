@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Final, Literal
 from msgspec.structs import replace
 
 from engine.errors import ExitCode
-from engine.events import ActionProgress, Body, ErrorRaised, Event, ListenLevel, Log, RobotStateView
-from tui.keys.keys import KEYS
+from engine.events import ActionProgress, Body, ErrorRaised, Event, InterruptRaised, ListenLevel, Log, RobotStateView
 from tui.messages import Woken
 from tui.rooms.leaving import Leaving
 from tui.rooms.noticing import Noticing
@@ -33,6 +32,11 @@ if TYPE_CHECKING:
     from tui.shown.turn import Turn
     from tui.stage import Stage
 
+IN_PANES: Final[tuple[str, ...]] = ("interrupt", "wake", "end_task", "type", "help", "leave")
+IN_LINE: Final[tuple[str, ...]] = ("interrupt", "wake", "help", "pane_next", "palette", "leave_now")
+IN_PANEL: Final[tuple[str, ...]] = ("interrupt", "back", "leave_now")
+ON_PAGE: Final[tuple[str, ...]] = ("interrupt", "wake", "end_task", "type", "help", "back")
+"""The keys in the status line, by where the keyboard is."""
 LOG_FRAMES: Final = 4
 """The log scrolls as a whole, which is much to send: it is redrawn once in so many frames."""
 PARTS_INTERVAL_S: Final = 0.25
@@ -63,6 +67,8 @@ class Drawing:
         self._looked_at: Turn | None = None  # the same turn as it was drawn last: it is kept for as long as that
         self.tour: Tour | None = None
         """What whoever sits here for the first time is told."""
+        self.stop_asked = False
+        """The key that stops was pressed, and the engine has not yet told what it stopped."""
         self._stage = stage
         self._sending = sending
         self._viewing = viewing
@@ -111,6 +117,10 @@ class Drawing:
             self._seldom.resume()
         else:
             self._frames.ask()
+
+    def nothing_to_stop(self) -> None:
+        """The key that stops was pressed while all was still: say so, and which key goes back."""
+        self._stage.remark(strings.NOTHING_TO_STOP.format(**self._stage.shown_keys))
 
     def log(self, level: Literal["info", "warning", "error"], text: str) -> None:
         """A line in the log that the console itself has to tell."""
@@ -165,6 +175,11 @@ class Drawing:
             self.on_event(event.body)
             if isinstance(event.body, Log):
                 self._noticing.hear(event.body)
+            if isinstance(event.body, InterruptRaised) and self.stop_asked:
+                self.stop_asked = False
+                moved = self.view.robot is not None and self.view.robot.moving
+                if event.body.scope == "interrupt" and event.body.state in ("IDLE", "WAITING") and not moved:
+                    self.nothing_to_stop()
         if any(isinstance(event.body, Log | ErrorRaised) for event, _ in arrived):
             self._parts_timer.resume()  # a part may have changed
         if not model.busy:
@@ -231,19 +246,25 @@ class Drawing:
         return self._looked_at
 
     def _hints(self) -> tuple[Hint, ...]:
+        """The keys that are true where the keyboard is."""
         stage, model = self._stage, self.model
-        free = not stage.main.typing
-        matters = {
-            "interrupt": model.busy or model.moving,
-            **dict.fromkeys(("wake", "end_task", "type"), free and stage.handle is not None),
-            **dict.fromkeys(("help", "leave"), free),
-        }
+        if stage.screen is not stage.main:
+            there = ON_PAGE
+        elif stage.typing:
+            there = IN_LINE if stage.main.line.has_focus else IN_PANEL
+        else:
+            there = IN_PANES
         idle = () if model.ended is None else ("wake", "end_task", "type", "help")  # nobody is there to be told
-        return tuple(
-            Hint(key.id, stage.shown_keys[key.id], key.word, matters[key.id])
-            for key in KEYS
-            if key.word and key.id not in idle
-        )
+        return tuple(self._hint(name) for name in there if name not in idle)
+
+    def _hint(self, action: str) -> Hint:
+        """It matters where its key acts, and has something to act on."""
+        stage, model = self._stage, self.model
+        key = stage.acting(action)
+        matters = key is not None and (stage.handle is not None or action not in ("wake", "end_task", "type"))
+        if action == "interrupt":
+            matters = model.busy or model.moving
+        return Hint(action, key or stage.shown_keys[action], strings.KEY_WORDS[action], matters)
 
     def _draw_log(self) -> bool:
         self._stage.main.show_log(self.model)

@@ -12,7 +12,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from engine.scheduling import prefer, raise_priority
-from tui.keys.keys import all_shown
 from tui.messages import CameraChoice, Dressed, Measured, Recalled, Warned
 from tui.rooms.drawing import CALM_S, Drawing
 from tui.rooms.examining import Examining
@@ -48,17 +47,15 @@ class Rooms(NamedTuple):
 class Dressing:
     """Takes up settings. In the UI thread, but for :meth:`dress`."""
 
-    def __init__(self, stage: Stage, rooms: Rooms, keys: Mapping[str, str]) -> None:
-        """``keys`` are those in use by action id, several separated by commas."""
+    def __init__(self, stage: Stage, rooms: Rooms) -> None:
         self.layers: Layers | None = None
         """Where settings come from; None: they are not read yet."""
         self.sizes: SizeFile | None = None
         """Where the sizes of the panes are kept."""
         self._stage = stage
         self._rooms = rooms
-        self.stop_keys, self.estop_keys = _stopping(keys)
+        self.stop_keys, self.estop_keys = _stopping(stage.keys)
         """Those that stop the robot, and those that press the emergency stop."""
-        self._keys = keys
         self._animation = stage.animation_level  # by the environment, where nothing is to be still
         self.theme = stage.theme
         """By the settings; another one may be tried on."""
@@ -157,7 +154,7 @@ class Dressing:
         stage = self._stage
         if not speak(language, wording):
             return
-        stage.shown_keys |= all_shown(self._keys)
+        stage.use_keys({})
         for screen in stage.screen_stack:
             if isinstance(screen, Wordy):
                 screen.reword()
@@ -217,9 +214,8 @@ class Dressing:
 
         stage, found = self._stage, keymap(chosen)
         stage.set_keymap(dict(found.keys))
-        self._keys = dict(found.keys)
         self.stop_keys, self.estop_keys = _stopping(found.keys)
-        stage.shown_keys |= all_shown(found.keys)
+        stage.use_keys(found.keys)
         stage.main.show_keys()
         for mistake in found.mistakes:
             action = printable(mistake.action)

@@ -27,6 +27,15 @@ class Examining:
         """The settings are read: there is something to examine. Thread-safe."""
         self._make = make
 
+    def toggle(self) -> None:
+        """Open the page, or leave it."""
+        from tui.screens.doctor import DoctorScreen
+
+        if isinstance(self._stage.screen, DoctorScreen):
+            self._stage.step_back()
+        else:
+            self.open()
+
     def open(self) -> None:
         """Show the page and examine everything; there already: once more."""
         from tui.screens.doctor import DoctorScreen
@@ -38,7 +47,7 @@ class Examining:
             self._keeping.tell(strings.NOTHING_TO_EXAMINE)
         else:
             stage.come_back()
-            stage.push_screen(DoctorScreen(stage.shown_keys, stage.shown, self._examine))
+            stage.open_page(DoctorScreen(stage.shown_keys, stage.shown, self._examine))
 
     def _examine(self, begins: Callable[[str], object]) -> Iterator[Finding]:
         """In a thread of the page."""

@@ -65,15 +65,18 @@ class Keeping:
 
     def tell(self, text: str, level: Literal["info", "error"] = "info") -> None:
         """In the status line for a while, in the log for good, and where nothing cuts it."""
-        stage = self._stage
-        self.told = printable(text)
-        self._copied = None
+        self.remark(text)
         severity: Literal["error", "information"] = "error" if level == "error" else "information"
-        stage.notify(self.told, severity=severity, timeout=TOLD_S, markup=False)
+        self._stage.notify(self.told, severity=severity, timeout=TOLD_S, markup=False)
+        self._stage.note(level, self.told)
+
+    def remark(self, text: str) -> None:
+        """In the status line for a while."""
+        self.told, self._copied = printable(text), None
         if self._untold is not None:
             self._untold.stop()
-        self._untold = stage.set_timer(TOLD_S, self.forget)
-        stage.note(level, self.told)
+        self._untold = self._stage.set_timer(TOLD_S, self.forget)
+        self._stage.redraw()
 
     def forget(self) -> None:
         """It has stood there for long enough."""

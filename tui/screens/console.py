@@ -15,7 +15,7 @@ from textual.content import Content
 from textual.reactive import Reactive
 from textual.screen import Screen
 from textual.widget import Widget
-from textual.widgets import Input, Static
+from textual.widgets import Static
 
 from tui.kept.sizes import Shares
 from tui.plan.chart import Moving
@@ -39,6 +39,7 @@ from tui.widgets.plan import PlanView
 from tui.widgets.problem import ProblemPanel
 from tui.widgets.queue import ActionQueue
 from tui.widgets.status import StatusLine
+from tui.widgets.text_line import Commands, TextLine
 from tui.widgets.timeline import Timeline
 from tui.words import strings
 from tui.words.hints import fitting
@@ -58,15 +59,16 @@ if TYPE_CHECKING:
 Titled = TypeVar("Titled", bound=Widget)
 
 
-class ConsoleScreen(Screen[None]):
+class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of the console, as all others
     """Status line, conversation, plan, actions, map, figures, microphone, log and input."""
 
     AUTO_FOCUS = ""
     focused: Reactive[Widget | None] = Reactive(None, repaint=False)  # Textual's sends the whole screen each time
 
-    def __init__(self, keys: Mapping[str, str], *, one_line: bool = False) -> None:
-        """``keys`` are the keys in use by action id, as they are shown to people; ``one_line``: all of it stands on one
-        line, and on a second one that is typed in where there are two."""
+    def __init__(self, keys: Mapping[str, str], commands: Commands, *, one_line: bool = False) -> None:
+        """``keys`` are the keys in use by action id, as they are shown to people; ``commands`` says which keys act in
+        an empty line (``TextLine``); ``one_line``: all of it stands on one line, and on a second one that is typed in
+        where there are two."""
         super().__init__()
         self._one_line = OneLine() if one_line else None
         self._compositor = WholeCompositor()
@@ -82,7 +84,7 @@ class ConsoleScreen(Screen[None]):
         self._log_view = LogView(keys, classes="pane")
         self._timeline = Timeline(strings.BROWSE.format(**keys), classes="pane")
         self._mic = MicStrip()
-        self._ask = AskLine(keys)
+        self._ask = AskLine(keys, commands)
         self._by_hand = ByHand(keys)
         self._left, self._right = Vertical(id="left"), Vertical(id="right")
         self._map = Vertical(classes="pane", id="map")
@@ -102,6 +104,7 @@ class ConsoleScreen(Screen[None]):
         )
         self._camera_frame = camera
         self._over: Palette | Form | None = None  # what lies over everything
+        self._rest: Widget | None = self.line  # where the keyboard was before something took it for a while
 
     def _on_screen_resume(self, event: events.ScreenResume) -> None:
         """Before Textual's own: what is shown for the first time has just got its styles."""
@@ -133,6 +136,68 @@ class ConsoleScreen(Screen[None]):
         yield self._ask
         yield Static(id="too-small", markup=False)
         self.show_keys()
+
+    def on_mount(self) -> None:
+        self.type()
+
+    def on_screen_suspend(self) -> None:
+        """Another page has the keyboard: nobody drives on when it comes back."""
+        if self.driving_by_hand:
+            self.rest()
+
+    # The keyboard
+
+    def set_focus(self, widget: Widget | None, scroll_visible: bool = True, from_app_focus: bool = False) -> None:
+        """As Textual's; the line or pane that the map, a hand or a panel takes the keyboard from gets it back
+        (:meth:`rest`)."""
+        if not self._is_taken:
+            self._rest = self.focused
+        typed = isinstance(self.focused, TextLine)
+        super().set_focus(widget, scroll_visible, from_app_focus)
+        if isinstance(self.focused, TextLine) is not typed:
+            self._show_pane_keys()
+
+    @property
+    def _is_taken(self) -> bool:
+        """The keyboard is where it does not stay; on a tiny terminal it is nowhere."""
+        at = self.focused
+        return (
+            self.has_class("-tiny")
+            or at in (self._floor, self._by_hand)
+            or (at is not None and self._over in at.ancestors)
+        )
+
+    def rest(self) -> None:
+        """Give the keyboard back to where it was before the map, a hand or a panel took it."""
+        there = self._rest
+        self._ask.display = True
+        self.set_focus(there if there is not None and _has_room(there) else None)
+
+    @property
+    def focus_chain(self) -> list[Widget]:
+        """As Textual's, without the map: there the same key goes from place to place."""
+        return [widget for widget in super().focus_chain if widget is not self._floor]
+
+    async def back(self) -> bool:
+        """One step back: from a panel, from driving by hand, out of the line, from a pane that has all the room or
+        stands in place of others, from a pane. False where there is none."""
+        if await self.uncover():
+            return True
+        if self.driving_by_hand:
+            self.rest()
+        elif self.line.has_focus:
+            self.set_focus(None)
+        elif self.unzoom():
+            return True
+        elif self.focused is self._floor:
+            self.point()
+        elif self._panes.in_front or self.focused is not None:
+            self._panes.front("conversation")
+            self.set_focus(None)
+            self._entitle()
+        else:
+            return False
+        return True
 
     def show(self, view: View) -> None:
         """Bring every pane but the log up to date."""
@@ -229,7 +294,7 @@ class ConsoleScreen(Screen[None]):
         else:
             self._panes.unzoom()
             self._panes.front("conversation")
-            self.set_focus(None)
+            self.rest()
             self._entitle()
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
@@ -258,8 +323,7 @@ class ConsoleScreen(Screen[None]):
     @property
     def camera_in_sight(self) -> bool:
         """It is shown, and no pane stands in its place."""
-        frames = (self._camera_frame, *self._camera_frame.ancestors)
-        return self.camera_shown and all(frame.display for frame in frames if isinstance(frame, Widget))
+        return self.camera_shown and _has_room(self._camera_frame)
 
     @property
     def has_room_for_all(self) -> bool:
@@ -309,13 +373,10 @@ class ConsoleScreen(Screen[None]):
         body = self._panes.body(self.pane or "conversation")
         return body if isinstance(body, Lines) else self._conversation
 
-    @property
-    def typing(self) -> bool:
-        return isinstance(self.focused, Input)
-
     def type(self) -> None:
-        """Put the focus where one types."""
-        self._ask.begin()
+        """Put the focus where one types, where that is to be seen."""
+        if not self.has_class("-tiny"):
+            self._ask.begin()
 
     def drive_by_hand(self) -> ByHand:
         """Have the line that says how to in the place of the one to type in, until it loses the keyboard."""
@@ -323,16 +384,29 @@ class ConsoleScreen(Screen[None]):
         self._by_hand.begin()
         return self._by_hand
 
+    @property
+    def driving_by_hand(self) -> bool:
+        return self._by_hand.has_focus
+
     def on_by_hand_ended(self) -> None:
         self._ask.display = True
+        if self.focused is None and not self.has_class(
+            "-tiny"
+        ):  # the terminal lost the keyboard: it does not come back to a hand
+            self.rest()
 
     def show_keys(self) -> None:
         """Other keys are in use."""
-        self._hint_at_map()
-        self._timeline.tell(strings.BROWSE.format(**self._keys))
+        self._show_pane_keys()
         self.line.prompt()
         self._log_view.entitle()
         self._entitle()
+
+    def _show_pane_keys(self) -> None:
+        """Below the panes that have keys of their own, while these are no letters in a line."""
+        typing = isinstance(self.focused, TextLine)
+        self._map.border_subtitle = Content("" if typing else strings.MAP_KEYS.format(**self._keys))
+        self._timeline.tell("" if typing else strings.BROWSE.format(**self._keys))
 
     def reword(self) -> None:
         """Words are in another language now."""
@@ -364,6 +438,11 @@ class ConsoleScreen(Screen[None]):
         """Where requests are typed."""
         return self._ask.line
 
+    @property
+    def panel(self) -> str:
+        """The title of the one over everything; empty: there is none."""
+        return str(self._over.border_title) if self._over is not None and self._over.is_attached else ""
+
     async def cover(self, panel: Palette | Form) -> None:
         """Show a panel over everything, which gets the keyboard before the next key is dealt out."""
         await self.uncover()
@@ -373,17 +452,23 @@ class ConsoleScreen(Screen[None]):
 
     async def uncover(self) -> bool:
         """Take the panel away; False when there is none."""
-        panel, self._over = self._over, None
+        panel = self._over
         if panel is None or not panel.is_attached:
             return False
-        self.set_focus(None)
+        self.rest()
+        self._over = None
         await panel.remove()
         return True
 
     def on_resize(self, event: events.Resize) -> None:
         if self._over is not None and self._over.is_attached:
             self._over.place()
+        was_tiny = self.has_class("-tiny")
+        if layout_for(*event.size) == "tiny":
+            self.set_focus(None)
         self._lay_out(event.size)
+        if was_tiny and not self.has_class("-tiny"):
+            self.rest()
         self._panes.settle()
         self._panes.share()
         self._warn_if_tiny()
@@ -408,6 +493,11 @@ class ConsoleScreen(Screen[None]):
 def _titled(pane: Titled, title: str) -> Titled:
     pane.border_title = title
     return pane
+
+
+def _has_room(widget: Widget) -> bool:
+    """It is shown, and no pane stands in its place."""
+    return all(part.display for part in widget.ancestors_with_self if isinstance(part, Widget))
 
 
 def _microphone(parts: Sequence[PartStatus], started: bool) -> tuple[str, bool]:

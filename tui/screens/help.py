@@ -13,7 +13,7 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
-from tui.widgets.status import StatusLine, is_pressed
+from tui.widgets.status import StatusLine
 from tui.words import strings
 from tui.words.widths import right
 
@@ -32,23 +32,22 @@ class HelpScreen(Screen[None]):
     CSS_PATH = "help.tcss"
     AUTO_FOCUS = ""
 
-    def __init__(self, keys: Mapping[str, str]) -> None:
-        """``keys`` are the keys in use by action id, as they are shown to people."""
+    def __init__(self, keys: Mapping[str, str], listed: Mapping[str, str]) -> None:
+        """The keys in use by action id, as they are shown to people: ``keys`` in hints, ``listed`` in a list."""
         super().__init__()
         self._keys = keys
+        self._listed_keys = listed
         self._status = StatusLine()
         self._view: View | None = None
-        self._width = min(_WIDEST, max(map(cell_len, keys.values())))  # of the column of keys
+        self._width = min(_WIDEST, max(map(cell_len, listed.values())))  # of the column of keys
 
     def show(self, view: View) -> None:
-        """Bring the status line up to date, which is there while the emergency stop is pressed."""
+        """Bring the status line up to date."""
         self._view = view
         if self._status.is_attached:
-            self._status.display = is_pressed(view)
             self._status.update_from(view)
 
     def on_mount(self) -> None:
-        self._status.display = False
         if self._view is not None:
             self.show(self._view)
 
@@ -79,7 +78,7 @@ class HelpScreen(Screen[None]):
 
     def _listed(self, keys: Sequence[Key]) -> ComposeResult:
         for key in keys:
-            gutter = Content.styled(right(self._keys[key.id], self._width), "bold $text-accent")
+            gutter = Content.styled(right(self._listed_keys[key.id], self._width), "bold $text-accent")
             yield Static(gutter, classes="key", markup=False)
             yield Static(key.about, classes="about", markup=False)
 

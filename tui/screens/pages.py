@@ -27,6 +27,15 @@ class Paged(Protocol):
 
 
 @runtime_checkable
+class Stepped(Protocol):
+    """There are steps back on it, before it is left."""
+
+    def step_back(self) -> bool:
+        """Go one; False where there is none."""
+        ...
+
+
+@runtime_checkable
 class Copied(Protocol):
     """It can be taken along as text."""
 

@@ -79,6 +79,11 @@ class Panes:
             return None
         return "log" if self._screen.has_class("-log") else "turns" if self._screen.has_class("-timeline") else None
 
+    @property
+    def in_front(self) -> bool:
+        """One stands in place of others."""
+        return any(map(self._screen.has_class, _IN_FRONT))
+
     def body(self, name: PaneName) -> Widget:
         """What gets the keyboard in that pane."""
         return self._panes[name].body

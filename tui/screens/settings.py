@@ -20,6 +20,7 @@ from tui.options import Option, about, found, origin_of, shown, written
 from tui.shown.facts import printable
 from tui.widgets.lines import Drawn, Lines
 from tui.widgets.status import StatusLine
+from tui.widgets.text_line import TextLine
 from tui.words import strings
 from tui.words.hints import EDGES, fitting
 from tui.words.widths import left
@@ -68,7 +69,7 @@ class OptionList(Lines[Row | str]):
         return Drawn(Content.styled("▸ " if meant else "  ", style), body, Content.styled(origin, _DIM), nowrap=True)
 
 
-class Line(Input):
+class Line(TextLine):
     """Where a value is written that is none of a list."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -94,8 +95,7 @@ class SettingsScreen(Screen[None]):
         self._status = StatusLine()
         self._list = OptionList(classes="pane", id="options")
         self._about = Static(id="about", markup=False)
-        self._line = Line(id="line", compact=True, max_length=500)
-        self._line.cursor_blink = False
+        self._line = Line(id="line", max_length=500)
         self._every: tuple[Option, ...] = ()
         self._options: tuple[Option, ...] = ()  # of these, the ones that are shown
         self._finding = False  # the line is where one searches
@@ -153,6 +153,13 @@ class SettingsScreen(Screen[None]):
     def scroll_page(self, direction: int) -> None:
         """As many settings further as there is room for."""
         self.action_step(direction * max(1, self._list.size.height - 2))
+
+    def step_back(self) -> bool:
+        """Out of the line, where something was being written."""
+        writing = self._line.display
+        self._close_line()
+        self._draw()
+        return writing
 
     @property
     def meant(self) -> Option | None:
@@ -276,7 +283,8 @@ class SettingsScreen(Screen[None]):
             if option.over:
                 yield Content.styled(f"▲ {_overridden(option)}", "$text-warning")
         if self._line.display:
-            yield Content.styled(strings.SETTINGS_FIND if self._finding else strings.SETTINGS_LINE, _DIM)
+            words = strings.SETTINGS_FIND if self._finding else strings.SETTINGS_LINE
+            yield Content.styled(words.format(**self._keys), _DIM)
         elif self._told.plain:
             yield self._told
 

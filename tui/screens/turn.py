@@ -107,7 +107,7 @@ class TurnScreen(Screen[None]):
     def _title(self, title: str) -> None:
         """The border draws itself anew whenever it is told a title, and all the page with it."""
         fold = strings.FOLD if self._unfolded else strings.UNFOLD
-        keys = {name: self._keys[name] for name in ("turn_back", "turn_on", "turn", "interrupt", "unfold")}
+        keys = {name: self._keys[name] for name in ("turn_back", "turn_on", "back", "interrupt", "unfold")}
         titles = title, fitting(strings.TURN_KEYS.format(**keys, fold=fold), self.size.width - EDGES, last=2)
         if titles != self._titles:
             self._titles = titles

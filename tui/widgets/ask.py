@@ -14,6 +14,7 @@ from textual.suggester import Suggester
 from textual.widgets import Input, Static
 
 from tui.widgets.completion import Completion
+from tui.widgets.text_line import Commands, TextLine
 from tui.words import strings
 from tui.words.hints import fitting
 
@@ -29,9 +30,9 @@ def requests_of(written: str) -> tuple[str, ...]:
     return tuple(part for part in map(str.strip, written.split(_BREAK)) if part)
 
 
-class Ask(Input):
-    """Sends what was typed; up and down recall it, right and tab take what is suggested. Enter on an empty line
-    leaves. Of what is pasted, each line is a request of its own."""
+class Ask(TextLine):
+    """Sends what was typed; up and down recall it, right and tab take what is suggested. In the empty line a key that
+    no request begins with does what it does outside. Of what is pasted, each line is a request of its own."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("up", "recall(-1)", show=False),
@@ -47,18 +48,17 @@ class Ask(Input):
             self.text = text
             self.requests = requests_of(text)
 
-    def __init__(self, keys: Mapping[str, str]) -> None:
-        """``keys`` are the keys in use by action id, as they are shown to people."""
+    def __init__(self, keys: Mapping[str, str], commands: Commands) -> None:
+        """``keys`` are the keys in use by action id, as they are shown to people; ``commands`` as in ``TextLine``."""
         super().__init__(
             placeholder=strings.PLACEHOLDER.format(**keys),
-            compact=True,
-            select_on_focus=False,  # what is typed next would replace what stands there
+            commands=commands,
+            select_on_focus=False,  # a draft that one comes back to is not typed over
             max_length=_MAX_LENGTH,
             suggester=Guess(lambda text: self._completion.rest(text, self._history)),
         )
         self._keys = keys
         self._early = ""  # what has to be loaded before a request is begun
-        self.cursor_blink = False  # a blinking cursor is traffic while nothing happens
         self._history: list[str] = []
         self._at = 0  # place in the history; its length stands for the line being written
         self._draft = ""
@@ -92,7 +92,9 @@ class Ask(Input):
     def prompt(self, *, typing: bool | None = None) -> None:
         """Say in the empty line what it is for; while somebody is in it (``typing``), what its keys do."""
         if self.has_focus if typing is None else typing:
-            self.placeholder = fitting(strings.PLACEHOLDER_TYPING.format(**self._keys), self.size.width - 1)
+            words = strings.PLACEHOLDER_TYPING_EARLY if self._early else strings.PLACEHOLDER_TYPING
+            words = words.format(**self._keys, parts=self._early)
+            self.placeholder = fitting(words, self.size.width - 1, last=2)
         elif self._early:
             self.placeholder = strings.PLACEHOLDER_EARLY.format(**self._keys, parts=self._early)
         else:
@@ -106,33 +108,30 @@ class Ask(Input):
         self.value = text
         self.cursor_position = len(text)
 
-    async def _on_key(self, event: events.Key) -> None:
-        """As Textual's, but no request begins with a slash: somebody pressed the key for typing once more."""
-        if event.character == "/" and not self.value:
-            event.stop()
-            event.prevent_default()
-            return
-        await super()._on_key(event)
-
     def _on_paste(self, event: events.Paste) -> None:
         """In place of Textual's, which takes the first line only."""
         event.stop()
         event.prevent_default()
-        pasted = f" {_BREAK} ".join(line.strip() for line in event.text.splitlines() if line.strip())
+        self.paste(event.text)
+
+    def paste(self, text: str) -> None:
+        """Put it where the cursor is, each line as a request of its own."""
+        pasted = f" {_BREAK} ".join(line.strip() for line in text.splitlines() if line.strip())
         before = self.value
         self.replace(pasted, *self.selection)
         if pasted and self.value == before:
             self.app.notify(strings.PASTED_TOO_LONG.format(_MAX_LENGTH), severity="warning", markup=False)
 
-    def action_complete(self) -> None:
-        """Take what is suggested; a line is not left by this key."""
-        if self.cursor_at_end and self._suggestion:
+    async def action_complete(self) -> None:
+        """Take what is suggested; the empty line is left for the panes."""
+        if not self.value:
+            await self.app.run_action("app.next_pane(1)")
+        elif self.cursor_at_end and self._suggestion:
             self.action_cursor_right()
 
     async def action_submit(self) -> None:
         text = self.value.strip()
         if not requests_of(text):
-            self.screen.set_focus(None)
             return
         if not self._history or self._history[-1] != text:
             self._history = [*self._history[1 - _MAX_HISTORY :], text]
@@ -175,9 +174,9 @@ _PROMPT: Final = " › "
 class AskLine(Horizontal):
     """The prompt sign and the line."""
 
-    def __init__(self, keys: Mapping[str, str]) -> None:
+    def __init__(self, keys: Mapping[str, str], commands: Commands) -> None:
         super().__init__()
-        self._ask = Ask(keys)
+        self._ask = Ask(keys, commands)
 
     def compose(self) -> ComposeResult:
         yield Static(_PROMPT, id="prompt", markup=False)

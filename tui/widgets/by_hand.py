@@ -16,6 +16,7 @@ from textual.widgets import Static
 from tui.keys.bindings import HAND_BINDINGS
 from tui.keys.speeds import SPEEDS, TURN
 from tui.words import strings
+from tui.words.hints import fitting
 
 
 class ByHand(Static):
@@ -41,6 +42,10 @@ class ByHand(Static):
         self._step = 1
         self.display = False
 
+    def allow_focus(self) -> bool:
+        """Nobody drives by a line that is not shown: a terminal that gets the keyboard back would give it to it."""
+        return self.display
+
     def begin(self) -> None:
         """Take the keyboard."""
         self.display = True
@@ -61,5 +66,9 @@ class ByHand(Static):
         self._step = max(0, min(len(SPEEDS) - 1, self._step + steps))
         self._tell()
 
+    def on_resize(self) -> None:
+        self._tell()
+
     def _tell(self) -> None:
-        self.update(strings.BY_HAND.format(speed=SPEEDS[self._step], **self._keys))
+        words = strings.BY_HAND.format(speed=SPEEDS[self._step], **self._keys)
+        self.update(f" {fitting(words, self.size.width - 2, last=2)}")

@@ -314,6 +314,12 @@ class FloorView(Widget, can_focus=True):
         if not self._viewport.follows:
             self._look(self._unpointed)
 
+    def ask_no_more(self) -> None:
+        """The question whether to go there is taken back."""
+        if self._asked is not None:
+            self._asked = None
+            self._refresh_caption()
+
     def on_key(self) -> None:
         """Before the key acts: any of them takes the question back, unless it is the answer."""
         self._answering, self._asked = self._asked, None

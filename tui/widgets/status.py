@@ -35,7 +35,7 @@ _STARTING: Final = ("◌", "$foreground on $panel")
 _BROKEN: Final = ("✗", "bold $text on $error")
 _ESTOP: Final = ("■", "bold $text on $error")
 _CHIP: Final = 16
-_IMPORTANCE: Final = ("wake", "type", "end_task", "leave", "help")
+_IMPORTANCE: Final = ("back", "wake", "type", "pane_next", "end_task", "leave", "help", "palette", "leave_now")
 """Of the keys by action: those that come last here go first where there is no room for all."""
 
 

@@ -16,6 +16,7 @@ from tui.shown.turn import Stage, Turn
 from tui.widgets.lines import Drawn, Item, Lines
 from tui.widgets.queue import SIGNS
 from tui.words import strings
+from tui.words.hints import JOINT
 from tui.words.widths import right
 
 _LEAST_ROWS: Final = 10
@@ -101,16 +102,17 @@ class Timeline(FromTop[Head | Bar | Offered | str]):
     def tell(self, hint: str) -> None:
         """Other keys are in use."""
         self._hint = hint
-        if self.border_subtitle:
+        if self._known[0]:
             self._entitle()
 
     def _entitle(self) -> None:
-        news = f"{strings.NEW_TURNS.format(self._fresh)} · " if self._fresh else ""
-        self.border_subtitle = Content(f"{news}{self._hint}")
+        news = strings.NEW_TURNS.format(self._fresh) if self._fresh else ""
+        self.border_subtitle = Content(JOINT.join(filter(None, (news, self._hint))))
 
     def update_from(self, turns: Sequence[Turn], browsed: Turn | None, now: float, fresh: int = 0) -> None:
         """Show the turns as of event time ``now``; ``browsed`` is the one that the user looks at, and ``fresh`` have
         begun since."""
+        began = bool(turns) and not self._known[0]
         self._known = turns, browsed, now
         if browsed is not None and browsed not in turns:  # so old that others forget it
             turns = (browsed, *turns)
@@ -127,7 +129,7 @@ class Timeline(FromTop[Head | Bar | Offered | str]):
                 items.append(Offered(words))
             if len(items) - matters > 2 * max(_LEAST_ROWS, self.size.height):
                 break
-        if items and (not self.border_subtitle or fresh != self._fresh):
+        if items and (began or fresh != self._fresh):
             self._fresh = fresh
             self._entitle()
         self.show(items or [strings.NO_TURNS], matters=matters)

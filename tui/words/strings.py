@@ -30,8 +30,8 @@ BROKEN: Final = "FAILED"
 ESTOP: Final = "E-STOP"
 ESTOP_HOLDS: Final = "nothing moves; {release} releases"
 BY_HAND: Final = (
-    " by hand {speed:g} m/s  {interrupt} ends  {hand_ahead} {hand_back} {hand_left} {hand_right}  "
-    "{hand_faster} {hand_slower} speed  {hand_aside_left} {hand_aside_right} aside"
+    "by hand {speed:g} m/s · {hand_ahead} {hand_back} {hand_left} {hand_right} drive · "
+    "{hand_faster} {hand_slower} speed · {hand_aside_left} {hand_aside_right} aside · {back} back · {interrupt} stops"
 )
 ENDED: Final = "ENDED"
 TASK: Final = "task"
@@ -45,36 +45,43 @@ KEY_WORDS: Final = {
     "type": "type",
     "help": "help",
     "leave": "quit",
+    "leave_now": "quit",
+    "back": "back",
+    "pane_next": "panes",
+    "palette": "find",
 }
 """In the status line, by action."""
 ABOUT_KEYS: Final = {
-    "interrupt": "Stop everything at once, motion first; leaves any page.",
+    "interrupt": "Stop everything at once, motion first. It works everywhere, and changes nothing else.",
+    "back": "Go back one step, and stop nothing: from a page, a panel, a pane, the map, a hand or the line.",
     "wake": "Listen now. A robot that speaks or acts stops first.",
     "end_task": "Stop, reset arm and history, and begin a new task.",
-    "type": "Type a request. Up and down recall earlier ones.",
+    "type": "Go to the line, and type a request. Up and down recall earlier ones.",
     "estop": "The emergency stop: nothing moves until it is released.",
     "release": "Release the emergency stop.",
     "speed_down": "Lower the speed limit of the robot: fast, quick, medium, slow.",
     "speed_up": "Raise the speed limit of the robot.",
-    "by_hand": "Drive by hand, and end the plan; any other key of the console ends that.",
-    "help": "Show this page, or leave any page without stopping.",
     "resume": "Continue: do what a stop cut off, from where the robot is.",
     "undo": "Undo: go back from what was done last, where there is a way back.",
     "again": "Do the last plan once more.",
-    "leave": "Quit; asks once more while a task is running.",
+    "by_hand": "Drive by hand, which ends the plan, or no longer.",
+    "help": "Show the keys, first those of where you are; or leave that page.",
+    "leave": "Leave a page; on the main screen quit, which asks once more while a task is running.",
     "leave_now": "Quit at once; the robot stops.",
     "log": "Show the log instead (small terminals).",
     "map": (
         "Point at something on the map: arrows or tab, enter goes there (asks first). + − zoom, 0 whole, f follows the "
         "robot, shift and arrows or hjkl shift."
     ),
-    "camera": "Show what the camera sees, or no longer; leaves any page.",
+    "camera": "Show what the camera sees, or no longer.",
     "timeline": "Show the turns instead (small terminals).",
     "turn_back": "Look at the turn before.",
     "turn_on": "Look at the next turn; the newest is followed.",
     "turn": "Show the whole turn, or leave it.",
     "palette": "Find everything that can be done: type a part of it.",
     "recall": "Search your earlier requests.",
+    "pane_next": "Go to the next pane, and from the last one to the line.",
+    "pane_previous": "Go to the pane before, and from the first one to the line.",
     "pane_conversation": "Go to the conversation.",
     "pane_plan": "Go to the plan.",
     "pane_actions": "Go to the actions.",
@@ -221,11 +228,12 @@ YOU: Final = "you"
 ROBOT: Final = "robot"
 HOW_SAID: Final[dict[str, str]] = {"speech": "", "text": "typed", "overheard": "overheard"}
 CUT_OFF: Final = "cut off"
-WELCOME: Final = "Press {wake} and speak, or {type} and type."
-WELCOME_TYPING: Final = "Press {type} and type what the robot should do."
+WELCOME: Final = "Press {wake} and speak, or type what the robot should do."
+WELCOME_TYPING: Final = "Type what the robot should do."
 TOUR: Final = (
-    "{interrupt} stops the robot at once, on every page.",
-    "{help} shows all keys, {palette} everything that can be done, {settings} the settings.",
+    "{interrupt} stops the robot at once, on every page; {back} goes back.",
+    "{help} shows all keys, {palette} finds everything that can be done.",
+    "{pane_next} goes to the panes, where single letters are keys; {type} comes back.",
 )
 """Below the welcome until the first request was made."""
 EXAMPLES: Final = ("go to the kitchen", "turn left 90 degrees", "where are you?")
@@ -338,7 +346,7 @@ MIC_IDLE: Final = "not listening"
 MIC_LOADING: Final = "starting"
 MIC_SPEECH: Final = "speech"
 MIC_QUIET: Final = "quiet"
-NO_MICROPHONE: Final = "No microphone: press / and type, or start with sayso --demo."
+NO_MICROPHONE: Final = "No microphone: type, or start with sayso --demo."
 
 MIC_WAITING: Final = "no speech"
 WAKE_BY: Final = {
@@ -391,7 +399,7 @@ TO_ANSWER: Final = "{milliseconds} to answer"
 NEW_TURNS: Final = "{} new"
 BROWSE: Final = "{turn_back} {turn_on} browse · {turn} opens"
 TURN_TITLE: Final = "Turn {number} of {count}"
-TURN_KEYS: Final = "{turn_back} {turn_on} browse · {unfold} {fold} details · {turn} back · {interrupt} stops all"
+TURN_KEYS: Final = "{turn_back} {turn_on} browse · {unfold} {fold} details · {back} back · {interrupt} stops"
 FOLD: Final = "folds"
 UNFOLD: Final = "unfolds"
 NO_TURN: Final = "There has been no turn yet."
@@ -450,7 +458,10 @@ RULE_QUIET: Final = "┄"
 # Input
 PLACEHOLDER: Final = "Press {type} and type what the robot should do"
 PLACEHOLDER_EARLY: Final = "Press {type} and type; it waits for {parts} to load"
-PLACEHOLDER_TYPING: Final = "enter sends · up down recall · {recall} searches · tab completes · {interrupt} stops"
+PLACEHOLDER_TYPING: Final = (
+    "Type what the robot should do · up recalls · {recall} searches · {back} back · {interrupt} stops"
+)
+PLACEHOLDER_TYPING_EARLY: Final = "Type; it waits for {parts} to load · {back} back · {interrupt} stops"
 PASTED_TOO_LONG: Final = "Too long to be pasted: the line holds {} characters. Nothing of it was taken."
 PHRASES: Final = (
     "go to the ", "turn left 90 degrees", "turn right 90 degrees", "turn around", "move forward 1 metre",
@@ -491,6 +502,8 @@ NEW_LINES: Final = "{} new"
 LINE_OF_NO_TURN: Final = "This line belongs to no turn."
 
 # Quitting and failing
+NOTHING_TO_STOP: Final = "Nothing to stop; {back} goes back"
+NOTHING_BACK: Final = "Nothing to go back from; {type} goes to the line"
 NOT_STARTED: Final = "not started"
 QUIT_QUESTION: Final = "A task is running: {key} again quits, {stop} stops it"
 ENGINE_STARTING: Final = "The engine is starting…"
@@ -516,7 +529,7 @@ CRASH_HINT: Final = "This is a bug in sayso. Please report it with the lines abo
 HELP_TITLE: Final = "Keys"
 HELP_BEGIN: Final = "To begin"
 HELP_SIGNS: Final = "Signs"
-HELP_LEAVE: Final = "{newer} {older} more · {help} back · {interrupt} stops all"
+HELP_LEAVE: Final = "{newer} {older} more · {back} back · {interrupt} stops"
 HELP_MAP: Final = "While the map has the keyboard"
 HELP_QUEUE: Final = "At the actions, while requests wait"
 HELP_LOG: Final = "While the log has the keyboard"
@@ -585,7 +598,7 @@ PALETTE: Final = "Everything that can be done"
 PALETTE_RECENT: Final = "What was asked for before"
 PALETTE_LOG: Final = "Log"
 PALETTE_PROMPT: Final = "a part of its name"
-PALETTE_KEYS: Final = "enter chooses · {palette} leaves · {interrupt} stops the robot and leaves"
+PALETTE_KEYS: Final = "enter chooses · {back_typing} back · {interrupt} stops"
 NOTHING_FITS: Final = "No matches"
 KIND_PLACE: Final = "place"
 KIND_SKILL: Final = "skill"
@@ -600,7 +613,7 @@ SETTING_ENTRY: Final = "Setting: {}"
 KIND_FILE: Final = "file"
 SETTINGS_FILE: Final = "Settings are in {}"
 SETTINGS_ARE_IN: Final = "Settings are written in {}; `sayso config show` lists them, `sayso config check` tests them."
-FORM_KEYS: Final = "enter: next, at the end: into the line · {palette} leaves · {interrupt} stops"
+FORM_KEYS: Final = "enter: next, at the end: into the line · {back_typing} back · {interrupt} stops"
 FORM_NUMBER: Final = "{low:g} to {high:g}"
 FORM_WORDS: Final = "words"
 FORM_NO_NUMBER: Final = "{name} must be a number, such as 1.5"
@@ -624,7 +637,7 @@ SAVED_PICTURE: Final = "this session has no log; only the picture is saved: {fol
 
 # Doctor
 DOCTOR_TITLE: Final = "Doctor"
-DOCTOR_KEYS: Final = "{older} {newer} more · {examine} again · {copy} copies · {doctor} back · {interrupt} stops all"
+DOCTOR_KEYS: Final = "{older} {newer} more · {examine} again · {copy} copies · {back} back · {interrupt} stops"
 EXAMINING: Final = "◌ {name} … {count} examined so far"
 NOTHING_TO_EXAMINE: Final = "The settings are not read yet. Try again in a moment."
 COPIED_PAGE: Final = "{lines} lines copied"
@@ -689,9 +702,9 @@ DID_YOU_MEAN_THEME: Final = "Did you mean {}?"
 SETTINGS_TITLE: Final = "Settings"
 SETTINGS_KEYS: Final = (
     "{setting_up}{setting_down} {setting_before}{setting_after} look · {setting_take} changes · "
-    "{setting_find} search · {setting_default} default · {settings} back · {interrupt} stops all"
+    "{setting_find} search · {setting_default} default · {back} back · {interrupt} stops"
 )
-SETTINGS_LINE: Final = "enter saves it · up and down discard it"
+SETTINGS_LINE: Final = "enter keeps what is written · {back_typing} back · {interrupt} stops"
 SETTINGS_FIND: Final = "a part of a name or of what it means · enter: to the list"
 SETTING_GROUPS: Final = {
     "usual": "Usual settings",

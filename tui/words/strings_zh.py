@@ -27,8 +27,8 @@ BROKEN: Final = "故障"
 ESTOP: Final = "急停"
 ESTOP_HOLDS: Final = "机器人不会动；{release}解除"
 BY_HAND: Final = (
-    " 手动 {speed:g}米/秒  {interrupt} 结束  {hand_ahead} {hand_back} {hand_left} {hand_right}  "
-    "{hand_faster} {hand_slower} 速度  {hand_aside_left} {hand_aside_right} 平移"
+    "手动 {speed:g}米/秒 · {hand_ahead} {hand_back} {hand_left} {hand_right} 行驶 · {hand_faster} {hand_slower} 速度 · "
+    "{hand_aside_left} {hand_aside_right} 平移 · {back} 返回 · {interrupt} 停止"
 )
 ENDED: Final = "已结束"
 TASK: Final = "任务"
@@ -42,14 +42,16 @@ KEY_WORDS: Final = {
     "type": "输入",
     "help": "帮助",
     "leave": "退出",
+    "leave_now": "退出",
+    "back": "返回",
+    "pane_next": "窗格",
+    "palette": "查找",
 }
 ABOUT_KEYS: Final = {
-    "interrupt": "立即停止一切，先停运动。在任何地方都有效，也会离开页面。",
+    "interrupt": "立即停止一切，先停运动。在任何地方都有效，不改变其他东西。",
+    "back": "返回一步，不停止任何东西：离开页面、面板、窗格、地图、手动驾驶或输入行。",
     "wake": "开始聆听。正在说话或行动的机器人会先停下。",
     "end_task": "停下，收回手臂，清空对话，开始新任务。",
-    "type": "输入请求。上下方向键可找回以前的请求。",
-    "estop": "急停：解除之前机器人不会动。",
-    "release": "解除急停。",
     "resume": "继续：从机器人现在的位置做完被打断的事。",
     "undo": "撤销：如果有办法，把上次做的事还原。",
     "again": "把上一个计划再做一次。",
@@ -61,22 +63,27 @@ ABOUT_KEYS: Final = {
     "queue_change": "把它拿回输入行修改。",
     "speed_down": "降低机器人的限速：快、较快、中、慢。",
     "speed_up": "提高机器人的限速。",
-    "by_hand": "手动驾驶，并结束计划；按控制台的其他键即结束。",
-    "help": "显示本页；不停止机器人而离开任何页面。",
-    "leave": "退出；任务进行中时会再问一次。",
+    "type": "转到输入行，输入请求。上下方向键可找回以前的请求。",
+    "estop": "急停：解除之前机器人不会动。",
+    "release": "解除急停。",
+    "by_hand": "手动驾驶（会结束计划），或不再手动。",
+    "help": "显示按键，先列当前位置的；或离开该页。",
+    "leave": "离开页面；在主屏幕上则退出，任务进行中时会再问一次。",
     "leave_now": "立即退出；机器人会停下。",
     "log": "改为显示日志（小终端）。",
     "map": (
         "在地图上指一处：方向键或 tab，回车前往（会先问）。+ − 缩放，0 看全图，f 跟随机器人，"
         "shift 加方向键或 hjkl 平移。"
     ),
-    "camera": "显示或隐藏相机画面，会离开其他页面。",
+    "camera": "显示或隐藏相机画面。",
     "timeline": "改为显示各轮对话（小终端）。",
     "turn_back": "看上一轮。",
     "turn_on": "看下一轮；到最新一轮后自动跟随。",
     "turn": "显示或离开整轮详情。",
     "palette": "查找所有能做的事：输入其中几个字即可。",
     "recall": "搜索以前提过的请求。",
+    "pane_next": "转到下一个窗格，最后一个之后是输入行。",
+    "pane_previous": "转到上一个窗格，第一个之前是输入行。",
     "pane_conversation": "转到对话。",
     "pane_plan": "转到计划。",
     "pane_actions": "转到动作。",
@@ -212,11 +219,12 @@ YOU: Final = "你"
 ROBOT: Final = "机器人"
 HOW_SAID: Final[dict[str, str]] = {"speech": "", "text": "输入", "overheard": "旁听"}
 CUT_OFF: Final = "被打断"
-WELCOME: Final = "按{wake}键说话，或按 {type} 输入。"
-WELCOME_TYPING: Final = "按 {type} 输入机器人要做的事。"
+WELCOME: Final = "按{wake}键说话，或直接输入机器人要做的事。"
+WELCOME_TYPING: Final = "输入机器人要做的事。"
 TOUR: Final = (
-    "{interrupt} 随时立即停止机器人，在任何页面都有效。",
-    "{help} 显示所有按键，{palette} 列出所有能做的事，{settings} 打开设置。",
+    "{interrupt} 随时立即停止机器人，在任何页面都有效；{back} 返回。",
+    "{help} 显示所有按键，{palette} 查找所有能做的事。",
+    "{pane_next} 转到窗格，在那里单个字母是按键；{type} 回到输入行。",
 )
 EXAMPLES: Final = ("去厨房", "向左转90度", "你在哪里？")
 TRY: Final = "试试："
@@ -325,7 +333,7 @@ MIC_IDLE: Final = "未在聆听"
 MIC_LOADING: Final = "启动中"
 MIC_SPEECH: Final = "有人声"
 MIC_QUIET: Final = "安静"
-NO_MICROPHONE: Final = "没有麦克风：按 / 输入，或用 sayso --demo 启动。"
+NO_MICROPHONE: Final = "没有麦克风：请输入，或用 sayso --demo 启动。"
 
 MIC_WAITING: Final = "无人声"
 WAKE_BY: Final = {
@@ -378,7 +386,7 @@ TO_ANSWER: Final = "{milliseconds} 到回答"
 NEW_TURNS: Final = "{} 轮新的"
 BROWSE: Final = "{turn_back} {turn_on} 翻看 · {turn} 打开"
 TURN_TITLE: Final = "第 {number} 轮，共 {count} 轮"
-TURN_KEYS: Final = "{turn_back} {turn_on} 翻看 · {unfold} {fold}详情 · {turn} 返回 · {interrupt} 停止一切"
+TURN_KEYS: Final = "{turn_back} {turn_on} 翻看 · {unfold} {fold}详情 · {back} 返回 · {interrupt} 停止"
 FOLD: Final = "折叠"
 UNFOLD: Final = "展开"
 NO_TURN: Final = "还没有任何一轮。"
@@ -435,7 +443,8 @@ SOUND_FIGURES: Final = "聆听 {listened:.1f} 秒 · 人声 {speech:.1f} 秒 · 
 # Input
 PLACEHOLDER: Final = "按 {type} 输入机器人要做的事"
 PLACEHOLDER_EARLY: Final = "按 {type} 输入；载入后才会执行：{parts}"
-PLACEHOLDER_TYPING: Final = "回车发送 · 上下找回 · {recall} 搜索 · tab 补全 · {interrupt} 停止"
+PLACEHOLDER_TYPING: Final = "输入机器人要做的事 · 上键找回 · {recall} 搜索 · {back} 返回 · {interrupt} 停止"
+PLACEHOLDER_TYPING_EARLY: Final = "输入；载入后才会执行：{parts} · {back} 返回 · {interrupt} 停止"
 PASTED_TOO_LONG: Final = "粘贴的内容太长：输入行最多 {} 个字符，没有接受任何内容。"
 PHRASES: Final = (
     "去", "向左转90度", "向右转90度", "转身", "前进1米", "后退1米", "你在哪里？", "你会做什么？", "你看到什么？",
@@ -471,6 +480,8 @@ NEW_LINES: Final = "{} 条新的"
 LINE_OF_NO_TURN: Final = "这一行不属于任何一轮。"
 
 # Quitting and failing
+NOTHING_TO_STOP: Final = "没有什么要停止；{back} 返回"
+NOTHING_BACK: Final = "无处可返回；{type} 转到输入行"
 NOT_STARTED: Final = "未开始"
 QUIT_QUESTION: Final = "任务进行中：再按 {key} 退出，{stop} 停止任务"
 ENGINE_STARTING: Final = "引擎启动中…"
@@ -494,7 +505,7 @@ CRASH_HINT: Final = "这是 sayso 的缺陷。请报告此事，并附上以上�
 HELP_TITLE: Final = "按键"
 HELP_BEGIN: Final = "入门"
 HELP_SIGNS: Final = "符号"
-HELP_LEAVE: Final = "{newer} {older} 翻页 · {help} 返回 · {interrupt} 停止一切"
+HELP_LEAVE: Final = "{newer} {older} 翻页 · {back} 返回 · {interrupt} 停止"
 HELP_MAP: Final = "地图有键盘焦点时"
 HELP_QUEUE: Final = "在动作窗格，有请求等待时"
 HELP_LOG: Final = "日志有键盘焦点时"
@@ -550,7 +561,7 @@ PALETTE: Final = "所有能做的事"
 PALETTE_RECENT: Final = "以前提过的请求"
 PALETTE_LOG: Final = "日志"
 PALETTE_PROMPT: Final = "名称中的几个字"
-PALETTE_KEYS: Final = "回车选定 · {palette} 离开 · {interrupt} 停止机器人并离开"
+PALETTE_KEYS: Final = "回车选定 · {back_typing} 返回 · {interrupt} 停止"
 NOTHING_FITS: Final = "没有匹配项"
 KIND_PLACE: Final = "地点"
 KIND_SKILL: Final = "技能"
@@ -565,7 +576,7 @@ SETTING_ENTRY: Final = "设置：{}"
 KIND_FILE: Final = "文件"
 SETTINGS_FILE: Final = "设置在 {}"
 SETTINGS_ARE_IN: Final = "设置写在 {}；`sayso config show` 列出它们，`sayso config check` 检查它们。"
-FORM_KEYS: Final = "回车：下一项，最后一项后写入输入行 · {palette} 离开 · {interrupt} 停止"
+FORM_KEYS: Final = "回车：下一项，最后一项后写入输入行 · {back_typing} 返回 · {interrupt} 停止"
 FORM_NUMBER: Final = "{low:g} 到 {high:g}"
 FORM_WORDS: Final = "文字"
 FORM_NO_NUMBER: Final = "{name} 必须是数字，如 1.5"
@@ -588,7 +599,7 @@ SAVED_PICTURE: Final = "本次会话没有日志，只保存了截图：{folder}
 
 # Doctor
 DOCTOR_TITLE: Final = "检查"
-DOCTOR_KEYS: Final = "{older} {newer} 翻页 · {examine} 再检查 · {copy} 复制 · {doctor} 返回 · {interrupt} 停止一切"
+DOCTOR_KEYS: Final = "{older} {newer} 翻页 · {examine} 再检查 · {copy} 复制 · {back} 返回 · {interrupt} 停止"
 EXAMINING: Final = "◌ {name} … 已检查 {count} 项"
 NOTHING_TO_EXAMINE: Final = "设置尚未读取，请稍后再试。"
 COPIED_PAGE: Final = "已复制 {lines} 行"
@@ -652,9 +663,9 @@ DID_YOU_MEAN_THEME: Final = "是不是 {}？"
 SETTINGS_TITLE: Final = "设置"
 SETTINGS_KEYS: Final = (
     "{setting_up}{setting_down} {setting_before}{setting_after} 查看 · {setting_take} 更改 · "
-    "{setting_find} 搜索 · {setting_default} 默认 · {settings} 返回 · {interrupt} 停止一切"
+    "{setting_find} 搜索 · {setting_default} 默认 · {back} 返回 · {interrupt} 停止"
 )
-SETTINGS_LINE: Final = "回车保存 · 上下键放弃"
+SETTINGS_LINE: Final = "回车保存所写内容 · {back_typing} 返回 · {interrupt} 停止"
 SETTINGS_FIND: Final = "名称或说明中的几个字 · 回车：到列表"
 SETTING_GROUPS: Final = {
     "usual": "常用设置",

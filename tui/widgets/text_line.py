@@ -1,0 +1,68 @@
+"""A line to type in, as all lines of the console are: backspace edits, and on an empty line goes back.
+
+A key that is held down is sent again and again. Whoever clears a line like that must not leave it as well, for what is
+typed next would be taken for commands: a run of backspaces that began in a text ends at its beginning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+from textual import events
+from textual.binding import Binding, BindingType
+from textual.keys import key_to_character
+from textual.widgets import Input
+
+from tui.keys.keys import EDITING, PUNCTUATION
+
+Commands = Callable[[str], str]
+"""The action of the console that a key does in the empty line; empty: none, it is text."""
+
+
+def is_text(key: str) -> bool:
+    """Whether the key of this name is typed."""
+    character = key_to_character(key)
+    return key in PUNCTUATION.values() or (character is not None and character.isprintable())
+
+
+class TextLine(Input):
+    """``commands`` says which keys act while nothing is written; usually none does."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("backspace", "backspace", show=False)]
+
+    def __init__(self, value: str = "", *, commands: Commands = lambda key: "", **more: Any) -> None:
+        super().__init__(value, compact=True, **more)
+        self.cursor_blink = False  # a blinking cursor is traffic while nothing happens
+        self._commands = commands
+        self._clearing = False  # the last key was a backspace that had something to take away
+
+    def acts(self, key: str) -> bool:
+        """Whether this key does now what it does outside."""
+        if is_text(key):
+            return not self.value and bool(self._commands(key))
+        return not self.value or key not in EDITING
+
+    def check_consume_key(self, key: str, character: str | None) -> bool:
+        """As if it took none. Textual would leave actions out by their usual keys, also where somebody chose a key that
+        is not typed; and a key that is typed has been taken before anything that is bound to it is looked for."""
+        return False
+
+    async def _on_key(self, event: events.Key) -> None:
+        """As Textual's, which sees a key before anything that is bound to it."""
+        if event.key != "backspace":
+            self._clearing = False
+        if not self.value and (action := self._commands(event.key)):
+            event.stop()
+            event.prevent_default()
+            await self.app.run_action(f"app.{action}")
+            return
+        await super()._on_key(event)
+
+    async def action_backspace(self) -> None:
+        """Take the character before the cursor away; where there is no text at all, go back."""
+        if self.value:
+            self._clearing = True
+            self.action_delete_left()
+        elif not self._clearing:
+            await self.app.run_action("app.back")
