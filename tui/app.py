@@ -135,6 +135,8 @@ class SaysoApp(Stage):
         self.leaving.at_the_end(self.changing.close)
         self._choosing = Choosing(self, self.changing.open)
         self._start_engine = start_engine
+        self._is_ready = False
+        self._typed_ahead: list[events.Key] = []
         self._asked_early: list[Say] = []  # typed before the engine was there
         self._line_empty = True
 
@@ -193,10 +195,26 @@ class SaysoApp(Stage):
 
     def on_ready(self) -> None:
         """All panes are there: draw them, and begin what takes long only after that."""
-        if self.main.has_class("-one-line"):
-            self.main.type()  # there is nothing else to go to
+        if self.main.focused is None:
+            self.main.type()  # before the screen was there, it could not have the keyboard
+        self._is_ready = True
+        self.call_later(self._deal_out)
         self.redraw()
         self.call_after_refresh(self._start)
+
+    async def on_event(self, event: events.Event) -> None:
+        """As Textual's; keys that were typed before the line had the keyboard wait until it has."""
+        if isinstance(event, events.Key) and not event.is_forwarded:
+            self._typed_ahead.append(event)
+            if self._is_ready:
+                await self._deal_out()
+            return
+        await super().on_event(event)
+
+    async def _deal_out(self) -> None:
+        """The keys that wait, in their order."""
+        while self._typed_ahead:
+            await super().on_event(self._typed_ahead.pop(0))
 
     def _start(self) -> None:
         gc.freeze()  # what is there by now stays for good; whoever started us may have put off collecting

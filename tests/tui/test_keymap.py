@@ -117,7 +117,8 @@ async def test_the_console_uses_the_keys_of_the_settings_and_shows_them() -> Non
         assert desk.engine.sent == [Interrupt(), Wake("key")]
         await desk.press("question_mark")
         await desk.until(lambda: "  w  Listen now" in desk.text)
-        assert "  b  Look at the turn before" in desk.text
+        await desk.press("pagedown")
+        await desk.until(lambda: "  b  Look at the turn before" in desk.text)
 
 
 async def test_what_is_wrong_with_the_keys_stands_in_the_log_and_nothing_is_lost() -> None:

@@ -100,8 +100,8 @@ async def test_in_the_empty_line_a_key_that_no_request_begins_with_does_what_it_
         assert isinstance(desk.app.screen, HelpScreen)
         await desk.press("backspace", *"a?", "space", "slash", "less_than_sign", "enter")
         assert desk.engine.sent[1:] == [Say("a? /<")]
-        await desk.press("minus", "left_parenthesis", "enter")
-        assert desk.engine.sent[2:] == [Say("-(")], "no keys of the console are text there, too"
+        await desk.press("left_parenthesis", "minus", "enter")
+        assert desk.engine.sent[2:] == [Say("(-")], "no keys of the console are text there, too"
 
 
 async def test_keys_that_somebody_chose_act_in_the_empty_line_unless_they_are_letters() -> None:

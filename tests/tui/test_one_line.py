@@ -20,7 +20,7 @@ def engine() -> ScriptedEngine:
 
 @pytest.mark.parametrize("size", SIZES, ids=str)
 async def test_a_request_is_typed_sent_and_followed_and_esc_stops_it(size: tuple[int, int]) -> None:
-    async with console(engine(), size=size, one_line=True) as desk:
+    async with console(engine(), size=size, one_line=True, in_line=True) as desk:
         assert isinstance(desk.app.focused, Ask)
         assert "READY" in desk.text
         await desk.press(*"dance", "enter")

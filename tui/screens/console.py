@@ -161,11 +161,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
     def _is_taken(self) -> bool:
         """The keyboard is where it does not stay; on a tiny terminal it is nowhere."""
         at = self.focused
-        return (
-            self.has_class("-tiny")
-            or at in (self._floor, self._by_hand)
-            or (at is not None and self._over in at.ancestors)
-        )
+        return self._is_hidden or at in (self._floor, self._by_hand) or (at is not None and self._over in at.ancestors)
 
     def rest(self) -> None:
         """Give the keyboard back to where it was before the map, a hand or a panel took it."""
@@ -308,7 +304,9 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
 
     def _hint_at_map(self) -> None:
         """Below the map: the keys that act now."""
-        if self.focused is not self._floor:
+        if isinstance(self.focused, TextLine):
+            words = ""  # they are letters there
+        elif self.focused is not self._floor:
             words = strings.MAP_KEYS.format(**self._keys)
         else:
             words = fitting(strings.MAP_POINTS.format(**self._keys), max(1, self._map.size.width - 2))
@@ -375,8 +373,13 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
 
     def type(self) -> None:
         """Put the focus where one types, where that is to be seen."""
-        if not self.has_class("-tiny"):
+        if not self._is_hidden:
             self._ask.begin()
+
+    @property
+    def _is_hidden(self) -> bool:
+        """The terminal is too small for anything but saying so."""
+        return self.has_class("-tiny") and self._one_line is None
 
     def drive_by_hand(self) -> ByHand:
         """Have the line that says how to in the place of the one to type in, until it loses the keyboard."""
@@ -390,9 +393,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
 
     def on_by_hand_ended(self) -> None:
         self._ask.display = True
-        if self.focused is None and not self.has_class(
-            "-tiny"
-        ):  # the terminal lost the keyboard: it does not come back to a hand
+        if self.focused is None and not self._is_hidden:  # the terminal lost it: it does not come back to a hand
             self.rest()
 
     def show_keys(self) -> None:
@@ -405,7 +406,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
     def _show_pane_keys(self) -> None:
         """Below the panes that have keys of their own, while these are no letters in a line."""
         typing = isinstance(self.focused, TextLine)
-        self._map.border_subtitle = Content("" if typing else strings.MAP_KEYS.format(**self._keys))
+        self._hint_at_map()
         self._timeline.tell("" if typing else strings.BROWSE.format(**self._keys))
 
     def reword(self) -> None:
@@ -463,11 +464,11 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
     def on_resize(self, event: events.Resize) -> None:
         if self._over is not None and self._over.is_attached:
             self._over.place()
-        was_tiny = self.has_class("-tiny")
-        if layout_for(*event.size) == "tiny":
+        was_hidden = self._is_hidden
+        if self._one_line is None and layout_for(*event.size) == "tiny":
             self.set_focus(None)
         self._lay_out(event.size)
-        if was_tiny and not self.has_class("-tiny"):
+        if was_hidden and not self._is_hidden:
             self.rest()
         self._panes.settle()
         self._panes.share()
