@@ -24,6 +24,7 @@ from textual.app import App
 from textual.driver import Driver
 from textual.keys import _character_to_key
 from textual.screen import Screen
+from textual.widget import Widget
 from textual.widgets import Input
 
 from config.errors import ConfigError
@@ -31,7 +32,7 @@ from engine.commands import Drive, EndTask, EStop, Here, Interrupt, LimitSpeed, 
 from engine.errors import ExitCode, SaysoError
 from engine.states import REST
 from tui.keys.bindings import BINDINGS
-from tui.keys.keys import ALL_KEYS, EDITING
+from tui.keys.keys import AHEAD, ALL_KEYS, EDITING
 from tui.keys.speeds import limit_beside
 from tui.looks.themes import CONTRAST, DARK, LIGHT
 from tui.messages import (
@@ -39,6 +40,7 @@ from tui.messages import (
     Dressed,
     Failed,
     HungUp,
+    InTurn,
     Measured,
     Recalled,
     Reported,
@@ -136,7 +138,8 @@ class SaysoApp(Stage):
         self._choosing = Choosing(self, self.changing.open)
         self._start_engine = start_engine
         self._is_ready = False
-        self._typed_ahead: list[events.Key] = []
+        self._typed: list[events.Key] = []  # keys that are to be dealt out
+        self._in_line: Widget | None = None  # the line that a key which acts everywhere goes through now
         self._asked_early: list[Say] = []  # typed before the engine was there
         self._line_empty = True
 
@@ -203,18 +206,35 @@ class SaysoApp(Stage):
         self.call_after_refresh(self._start)
 
     async def on_event(self, event: events.Event) -> None:
-        """As Textual's; keys that were typed before the line had the keyboard wait until it has."""
+        """As Textual's, but keys are dealt out in their order: see ``_deal_out``."""
         if isinstance(event, events.Key) and not event.is_forwarded:
-            self._typed_ahead.append(event)
-            if self._is_ready:
-                await self._deal_out()
-            return
-        await super().on_event(event)
+            self._typed.append(event)
+            await self._deal_out()
+        else:
+            await super().on_event(event)
 
     async def _deal_out(self) -> None:
-        """The keys that wait, in their order."""
-        while self._typed_ahead:
-            await super().on_event(self._typed_ahead.pop(0))
+        """Textual gives some keys to the console at once, while the line still has those before them to work off. Such
+        a key takes the same way as they do, through the line, and those behind it wait. All of them wait
+        until the line has the keyboard."""
+        while self._typed and self._is_ready and self._in_line is None:
+            key, line = self._typed.pop(0), self.focused
+            overtakes = any(key.key in self.keys[action].split(",") for action in AHEAD)
+            if overtakes and isinstance(line, TextLine) and line.post_message(InTurn(key)):
+                self._in_line = line
+            else:
+                await super().on_event(key)
+
+    async def on_in_turn(self, message: InTurn) -> None:
+        self._in_line = None
+        await super().on_event(message.key)
+        await self._deal_out()
+
+    async def _go_on(self, line: Widget) -> None:
+        """A line that has lost the keyboard may be gone, with the key that went through it."""
+        if self._in_line is line and not line.is_attached:
+            self._in_line = None
+            await self._deal_out()
 
     def _start(self) -> None:
         gc.freeze()  # what is there by now stays for good; whoever started us may have put off collecting
@@ -438,7 +458,8 @@ class SaysoApp(Stage):
     def on_descendant_focus(self) -> None:
         self.redraw()  # the keys that matter have changed
 
-    def on_descendant_blur(self) -> None:
+    def on_descendant_blur(self, event: events.DescendantBlur) -> None:
+        self.call_after_refresh(self._go_on, event.widget)
         self.redraw()
 
     def on_input_changed(self, event: Input.Changed) -> None:

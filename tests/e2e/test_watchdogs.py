@@ -94,7 +94,7 @@ def test_a_paused_engine_leaves_a_robot_that_stands_and_does_not_go_on_by_itself
         running.until("state.changed", failed)
         body.stays(1.0)
         until(lambda: not body.halted, "the new epoch has released the robot")
-        assert any("away" in log["message"] for log in kinds(running.seen, "log"))
+        assert any("did not respond" in log["message"] for log in kinds(running.seen, "log"))
         running.send(do="say", text=FAR)
         body.until_driving()
 
@@ -249,7 +249,7 @@ def test_a_console_whose_engine_hangs_says_so_and_leaves_at_once(tmp_path: Path)
     with console(state=tmp_path, before=HANGS) as terminal:
         body = driving_console(terminal)
         body.until_resting(0.0)
-        terminal.until(lambda: "does not answer" in terminal.text and "quits at once" in terminal.text)
+        terminal.until(lambda: "is not responding" in terminal.text and "quits at once" in terminal.text)
         epoch = body.memory.ints[STOP_EPOCH]
         terminal.type("\x1b[27u")  # escape, in a form that cannot be taken for the beginning of anything
         until(lambda: body.memory.ints[STOP_EPOCH] > epoch, "the key still stops the robot")

@@ -91,6 +91,15 @@ async def test_the_line_has_the_keyboard_from_the_start_and_letters_typed_there_
         assert desk.app.main.line.value == "eq1"
 
 
+async def test_keys_that_come_all_at_once_are_dealt_out_in_their_order() -> None:
+    async with console(in_line=True) as desk:
+        for key in ("g", "o", "enter", "ctrl+g", "e", "slash", "h", "i", "enter"):  # as a slow link delivers them
+            desk.app.post_message(events.Key(key, key if len(key) == 1 else None))
+        await desk.until(lambda: len(desk.engine.sent) == 3)
+        assert desk.engine.sent == [Say("go"), EndTask(), Say("hi")]
+        assert desk.app.main.line.has_focus
+
+
 async def test_in_the_empty_line_a_key_that_no_request_begins_with_does_what_it_does_outside() -> None:
     async with console(in_line=True) as desk:
         await desk.press("space", "slash")

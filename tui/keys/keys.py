@@ -175,6 +175,8 @@ SETTING_KEYS: Final = (
 ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *QUEUE_KEYS, *LOG_KEYS, *TURN_KEYS, *HAND_KEYS, *SETTING_KEYS)
 
 
+AHEAD: Final = frozenset(key.id for key in KEYS if key.ahead)
+"""The actions whose keys the console takes before whatever has the keyboard."""
 EVERYWHERE: Final = frozenset(key.id for key in KEYS if key.everywhere)
 """The actions whose keys act while one types, too."""
 PUNCTUATION: Final = {
