@@ -153,5 +153,9 @@ class Seen(Message):
         self.found = found
 
 
+class KeyDone(Message):
+    """What a key was dealt out to has taken it, and what it does is done."""
+
+
 class HungUp(Message):
     """The terminal is gone, or somebody ends the process."""
