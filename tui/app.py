@@ -14,6 +14,7 @@ import gc
 import os
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -32,7 +33,7 @@ from engine.commands import Drive, EndTask, EStop, Here, Interrupt, LimitSpeed, 
 from engine.errors import ExitCode, SaysoError
 from engine.states import REST
 from tui.keys.bindings import BINDINGS
-from tui.keys.keys import AHEAD, ALL_KEYS, EDITING
+from tui.keys.keys import ALL_KEYS, EDITING
 from tui.keys.speeds import limit_beside
 from tui.looks.themes import CONTRAST, DARK, LIGHT
 from tui.messages import (
@@ -40,7 +41,7 @@ from tui.messages import (
     Dressed,
     Failed,
     HungUp,
-    InTurn,
+    KeyDone,
     Measured,
     Recalled,
     Reported,
@@ -61,7 +62,7 @@ from tui.rooms.leaving import Leaving
 from tui.rooms.queueing import Queueing
 from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
-from tui.screens.pages import Paged, Stepped
+from tui.screens.pages import Paged, Placed, Stepped
 from tui.shown.facts import Problem, printable
 from tui.shown.offers import FollowUp, offered
 from tui.shown.view import View
@@ -81,6 +82,7 @@ from tui.words.language import Language, of_environment, speak, told
 if TYPE_CHECKING:
     from rich.text import Text
     from textual.filter import LineFilter
+    from textual.widget import Widget
 
     from engine.handle import EngineHandle
     from tui.palette.form import Form
@@ -135,13 +137,12 @@ class SaysoApp(Stage):
         self.changing = Changing(self, self.dressing)
         self.leaving.at_the_end(self.dressing.close)
         self.leaving.at_the_end(self.changing.close)
-        self._choosing = Choosing(self, self.changing.open)
+        self._choosing = Choosing(self, self.changing)
         self._start_engine = start_engine
         self._is_ready = False
-        self._typed: list[events.Key] = []  # keys that are to be dealt out
-        self._in_line: Widget | None = None  # the line that a key which acts everywhere goes through now
         self._asked_early: list[Say] = []  # typed before the engine was there
-        self._line_empty = True
+        self._keys: deque[events.Key] = deque()  # that wait to be dealt out
+        self._taker: Widget | None = None  # what the last one was dealt out to, and which is not done with it
 
     def _begin_dark(self) -> None:
         """Have the usual theme. Setting it would read every style sheet twice before the first picture."""
@@ -174,7 +175,7 @@ class SaysoApp(Stage):
             return strings.SESSION_ENDED.format(reason=strings.REASONS.get(ended, ended), key=leave)
         if self.leaving.asked:
             return strings.QUIT_QUESTION.format(key=leave, stop=self.shown_keys["interrupt"])
-        return self.keeping.told
+        return "" if self.keeping.while_still and self.drawing.model.busy else self.keeping.told
 
     # Starting
 
@@ -201,40 +202,9 @@ class SaysoApp(Stage):
         if self.main.focused is None:
             self.main.type()  # before the screen was there, it could not have the keyboard
         self._is_ready = True
-        self.call_later(self._deal_out)
+        self.call_later(self._deal)
         self.redraw()
         self.call_after_refresh(self._start)
-
-    async def on_event(self, event: events.Event) -> None:
-        """As Textual's, but keys are dealt out in their order: see ``_deal_out``."""
-        if isinstance(event, events.Key) and not event.is_forwarded:
-            self._typed.append(event)
-            await self._deal_out()
-        else:
-            await super().on_event(event)
-
-    async def _deal_out(self) -> None:
-        """Textual gives some keys to the console at once, while the line still has those before them to work off. Such
-        a key takes the same way as they do, through the line, and those behind it wait. All of them wait
-        until the line has the keyboard."""
-        while self._typed and self._is_ready and self._in_line is None:
-            key, line = self._typed.pop(0), self.focused
-            overtakes = any(key.key in self.keys[action].split(",") for action in AHEAD)
-            if overtakes and isinstance(line, TextLine) and line.post_message(InTurn(key)):
-                self._in_line = line
-            else:
-                await super().on_event(key)
-
-    async def on_in_turn(self, message: InTurn) -> None:
-        self._in_line = None
-        await super().on_event(message.key)
-        await self._deal_out()
-
-    async def _go_on(self, line: Widget) -> None:
-        """A line that has lost the keyboard may be gone, with the key that went through it."""
-        if self._in_line is line and not line.is_attached:
-            self._in_line = None
-            await self._deal_out()
 
     def _start(self) -> None:
         gc.freeze()  # what is there by now stays for good; whoever started us may have put off collecting
@@ -443,12 +413,27 @@ class SaysoApp(Stage):
             return False
         return await super()._check_bindings(key, priority)
 
-    async def _on_key(self, event: events.Key) -> None:
-        """A letter that was dealt out before the line got the keyboard, as a slow line to the terminal delivers them at
-        once, is text all the same."""
-        if isinstance(line := self.focused, TextLine) and event.is_printable:
-            event.prevent_default()
-            line.post_message(events.Key(event.key, event.character))
+    async def on_event(self, event: events.Event) -> None:
+        """As Textual's, but for keys, which are dealt out one after the other."""
+        if isinstance(event, events.Key) and not event.is_forwarded:
+            self._keys.append(event)
+            await self._deal()
+        else:
+            await super().on_event(event)
+
+    async def _deal(self) -> None:
+        """Deal keys out, each when the one before has done what it does, which may give the keyboard to something else.
+        Over a slow line to the terminal many arrive at once. The first ones wait until the line has the keyboard."""
+        while self._is_ready and self._keys and (self._taker is None or not self._taker.is_attached):
+            key, self._taker = self._keys.popleft(), None
+            await super().on_event(key)
+            taker = self.focused or self.screen
+            if key.is_forwarded and taker.post_message(KeyDone()):  # which comes back behind the key
+                self._taker = taker
+
+    async def on_key_done(self, message: KeyDone) -> None:
+        self._taker = None
+        await self._deal()
 
     def on_paste(self, event: events.Paste) -> None:
         """Of what is pasted outside the line, nothing is lost and nothing is a key."""
@@ -458,17 +443,18 @@ class SaysoApp(Stage):
     def on_descendant_focus(self) -> None:
         self.redraw()  # the keys that matter have changed
 
-    def on_descendant_blur(self, event: events.DescendantBlur) -> None:
-        self.call_after_refresh(self._go_on, event.widget)
+    def on_descendant_blur(self) -> None:
         self.redraw()
 
     def on_input_changed(self, event: Input.Changed) -> None:
-        """Some keys act in an empty line only."""
         if event.input is self.main.line:
             self.queueing.written(event.value)
-        if bool(event.value) == self._line_empty:
-            self._line_empty = not event.value
-            self.redraw()
+
+    async def on_text_line_commanded(self, message: TextLine.Commanded) -> None:
+        await self.run_action(message.action)
+
+    def on_text_line_turned(self) -> None:
+        self.redraw()  # some keys act in an empty line only
 
     def on_resize(self) -> None:
         self.call_later(self.redraw_later)  # how much is told depends on the room there is
@@ -484,7 +470,17 @@ class SaysoApp(Stage):
         if isinstance(self.screen, HelpScreen):
             self.step_back()
         else:
-            self.open_page(HelpScreen(self.shown_keys, self.listed_keys))
+            commands = self.command_in_line
+            self.open_page(HelpScreen(self.shown_keys, self.listed_keys, commands, self._place))
+
+    @property
+    def _place(self) -> str:
+        """Where the keyboard is, as the help page calls it."""
+        if self.screen is not self.main:
+            return self.screen.place if isinstance(self.screen, Placed) else ""
+        if self.main.line.has_focus:
+            return "line"
+        return "hand" if self.main.driving_by_hand else self.main.pane or ""
 
     def action_doctor(self) -> None:
         self.examining.toggle()

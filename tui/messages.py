@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Literal
 from textual.message import Message
 
 if TYPE_CHECKING:
-    from textual.events import Key
-
     from config.schema import Settings
     from engine.errors import SaysoError
     from engine.handle import EngineHandle
@@ -155,13 +153,9 @@ class Seen(Message):
         self.found = found
 
 
+class KeyDone(Message):
+    """What a key was dealt out to has taken it, and what it does is done."""
+
+
 class HungUp(Message):
     """The terminal is gone, or somebody ends the process."""
-
-
-class InTurn(Message):
-    """A key that acts everywhere has come through the line behind the keys before it."""
-
-    def __init__(self, key: Key) -> None:
-        super().__init__()
-        self.key = key

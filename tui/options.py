@@ -139,6 +139,11 @@ def origin_of(option: Option) -> str:
     return printable(where)
 
 
+def overridden(option: Option) -> str:
+    """What goes before the file in which it was set, for people."""
+    return strings.SETTING_OVER.format(origin=printable(option.over), value=shown(option.value))
+
+
 def value_of(option: Option, text: str) -> Value:
     """What was written there; whether it may be that, the schema says."""
     text = text.strip()

@@ -18,7 +18,7 @@ from tests.tui.house import offer
 from tests.tui.scripted import PLACES, ScriptedEngine, flat, robot_at
 from tui.keys.keys import ALL_KEYS, KEYS
 from tui.options import SHOWN
-from tui.palette.entries import Change, Entry, Fill, Write, entries, found
+from tui.palette.entries import Change, Entry, Fill, Send, entries, found, nearest
 from tui.palette.form import Form
 from tui.palette.palette import Palette, PaletteLine
 from tui.screens.help import HelpScreen
@@ -59,7 +59,8 @@ def line(desk: Desk) -> Ask:
 
 def listed(recent: tuple[str, ...] = ()) -> tuple[Entry, ...]:
     keys = {key.id: key.key for key in ALL_KEYS}
-    return entries(keys, PLACES, offer().skills, recent, "/home/me/.config/sayso/config.yaml")
+    file = "/home/me/.config/sayso/config.yaml"
+    return entries(keys, PLACES, offer().skills, recent, file, ("sayso-dark", "nord"))
 
 
 def test_every_action_place_and_skill_has_an_entry() -> None:
@@ -68,7 +69,7 @@ def test_every_action_place_and_skill_has_an_entry() -> None:
         if key.id != "palette":
             assert any(entry.title == key.about and key.key in entry.beside for entry in listed()), key.id
     for place in PLACES.values():
-        assert words[f"go to the {place.name}"].choice == Write(f"go to the {place.name}")
+        assert words[f"go to the {place.name}"].choice == Send(f"go to the {place.name}")
     filled = {entry.choice.skill.name for entry in listed() if isinstance(entry.choice, Fill)}
     assert filled == {skill.name for skill in offer().skills}
 
@@ -102,6 +103,12 @@ def test_what_was_asked_for_comes_first_the_newest_once() -> None:
         ("volume", "Setting: Volume"),
         ("audio.device", "Setting: Microphone"),
         ("answers are spoken", "Setting: Voice"),
+        ("thm", "Setting: Theme"),
+        ("vlm", "Setting: Volume"),
+        ("gttk", "go to the kitchen"),
+        ("nord", "Setting: Theme → nord"),
+        ("theme dark", "Setting: Theme → sayso-dark"),
+        ("camera off", "Setting: Camera → off"),
         ("settings are", "Settings are in /home/me/.config/sayso/config.yaml"),
     ],
 )
@@ -112,6 +119,20 @@ def test_a_part_of_a_name_finds_it(typed: str, first: str) -> None:
 def test_every_word_counts_and_nonsense_finds_nothing() -> None:
     assert found(listed(), "kitchen zzz") == ()
     assert found(listed(), "  ") == listed()
+
+
+@pytest.mark.parametrize(
+    ("typed", "first"),
+    [("kitxen", "go to the kitchen"), ("go to the stuty", "go to the study"), ("themme", "Setting: Theme")],
+)
+def test_what_nothing_fits_comes_near_to_something(typed: str, first: str) -> None:
+    assert found(listed(), typed) == ()
+    assert nearest(listed(), typed)[0].title == first
+
+
+def test_what_nothing_comes_near_to_can_still_be_asked_for() -> None:
+    [asked] = nearest(listed(), "zzzz qqqq")
+    assert asked.choice == Send("zzzz qqqq")
 
 
 # Opening and leaving
@@ -192,20 +213,29 @@ async def test_escape_stops_the_robot_from_every_line_of_a_form() -> None:
 # Choosing
 
 
-async def test_a_place_goes_into_the_line_and_enter_sends_it() -> None:
-    async with console(engine_of_the_house()) as desk:
+async def test_a_place_is_gone_to_as_if_it_had_been_typed() -> None:
+    async with console(engine_of_the_house(), in_line=True) as desk:
+        await desk.press(*"dra")
         await chosen(desk, "bedroom")
-        assert desk.engine.sent == []
-        assert line(desk).value == "go to the bedroom"
-        assert line(desk).has_focus
-        await desk.press("enter")
         assert desk.engine.sent == [Say("go to the bedroom")]
+        assert line(desk).value == "dra"
+        assert line(desk).has_focus
+        await desk.press("up")
+        assert line(desk).value == "go to the bedroom", "it is remembered"
+
+
+async def test_an_earlier_request_goes_into_the_line_to_be_changed() -> None:
+    async with console(engine_of_the_house(), in_line=True) as desk:
+        await desk.press(*"nod", "enter")
+        await chosen(desk, "nod")
+        assert line(desk).value == "nod"
+        assert desk.engine.sent == [Say("nod")]
 
 
 async def test_up_and_down_choose_another_one() -> None:
     async with console(engine_of_the_house()) as desk:
         await desk.press("ctrl+p", *"go", "down", "down", "up", "enter")
-        assert line(desk).value == "go to the living room"
+        assert desk.engine.sent == [Say("go to the living room")]
 
 
 async def test_an_action_of_the_console_acts_at_once() -> None:
@@ -268,11 +298,27 @@ async def test_an_action_of_the_page_of_a_turn_opens_it() -> None:
         await desk.until(lambda: isinstance(desk.app.screen, TurnScreen))
 
 
-async def test_a_skill_without_arguments_goes_into_the_line() -> None:
+async def test_a_skill_without_arguments_is_done() -> None:
     async with console(engine_of_the_house()) as desk:
         await chosen(desk, "dance")
-        assert line(desk).value == "dance()"
-        assert desk.engine.sent == []
+        assert desk.engine.sent == [Say("dance()")]
+
+
+async def test_a_value_of_a_setting_is_kept_at_once_and_that_is_said(tmp_path: Path) -> None:
+    async with console(engine_of_the_house()) as desk:
+        desk.app.dress("sayso-dark", 30, layers=Layers(environ={}, folder=tmp_path))
+        await chosen(desk, "nord")
+        await desk.until(lambda: desk.app.theme == "nord")
+        await desk.until(lambda: any("Theme: kept in" in told.message for told in desk.app._notifications))
+        assert (tmp_path / "config.yaml").read_text() == "console:\n  theme: nord\n"
+        await chosen(desk, "voice never")
+        await desk.until(lambda: any("started again" in told.message for told in desk.app._notifications))
+
+
+async def test_a_setting_that_cannot_be_kept_says_why() -> None:
+    async with console(engine_of_the_house()) as desk:
+        await chosen(desk, "nord")
+        await desk.until(lambda: any("config check" in told.message for told in desk.app._notifications))
 
 
 async def test_the_settings_entry_says_where_they_are() -> None:
@@ -303,7 +349,7 @@ async def test_a_click_chooses() -> None:
         here = panel(desk)
         assert here is not None
         await desk.pilot.click(here.query_one("OptionList"), offset=(3, 0))
-        await desk.until(lambda: line(desk).value == "go to the bedroom")
+        await desk.until(lambda: desk.engine.sent == [Say("go to the bedroom")])
 
 
 async def test_nothing_that_fits_chooses_nothing() -> None:
@@ -311,6 +357,20 @@ async def test_nothing_that_fits_chooses_nothing() -> None:
         await desk.press("ctrl+p", *"zzz", "enter")
         assert "No matches" in desk.text
         assert desk.engine.sent == []
+        assert panel(desk) is not None
+
+
+async def test_what_only_comes_near_is_chosen_by_hand() -> None:
+    async with console(engine_of_the_house()) as desk:
+        await desk.press("ctrl+p", *"kitxen", "enter")
+        assert "No matches; the nearest:" in desk.text
+        assert desk.engine.sent == []
+        await desk.press("down", "enter")
+        assert desk.engine.sent == [Say("go to the kitchen")]
+        await desk.press("ctrl+p", *"kitxen", "down", "up", "down", "down", "enter")
+        assert len(desk.engine.sent) == 2
+        await desk.press("ctrl+p", *"zzz", "down", "enter")
+        assert desk.engine.sent[-1] == Say("zzz")
 
 
 # Forms
@@ -323,8 +383,6 @@ async def test_a_form_shows_what_its_arguments_may_be_and_composes_a_request() -
         assert "angle is missing" in desk.text
         await desk.press(*"90", "enter", *keyed("0.5"))
         await desk.until(lambda: "move_left(angle=90 deg, angular_speed=0.5 rad/s)" in desk.text)
-        await desk.press("enter")
-        assert line(desk).value == "move_left(angle=90 deg, angular_speed=0.5 rad/s)"
         assert desk.engine.sent == []
         await desk.press("enter")
         assert desk.engine.sent == [Say("move_left(angle=90 deg, angular_speed=0.5 rad/s)")]
@@ -338,7 +396,7 @@ async def test_a_form_completes_the_names_of_the_house() -> None:
         await desk.press("tab", "tab", *"stu")
         await desk.until(lambda: re.search(r"\bplace .*study", desk.text))
         await desk.press("tab", "enter", "enter")
-        assert line(desk).value == 'carry(object="red box", place="study")'
+        assert desk.engine.sent == [Say('carry(object="red box", place="study")')]
 
 
 async def test_enter_twice_at_once_ends_a_form_of_two_lines() -> None:
@@ -346,9 +404,8 @@ async def test_enter_twice_at_once_ends_a_form_of_two_lines() -> None:
         await chosen(desk, "move_left")
         for key in ("9", "0", "enter", "enter"):  # as a slow link delivers them
             desk.app.post_message(events.Key(key, key if len(key) == 1 else None))
-        await desk.until(lambda: line(desk).value)
-        assert line(desk).value == "move_left(angle=90 deg)"
-        assert desk.engine.sent == []
+        await desk.until(lambda: desk.engine.sent)
+        assert desk.engine.sent == [Say("move_left(angle=90 deg)")]
 
 
 async def test_enter_at_the_end_of_a_form_that_is_not_right_goes_to_the_mistake() -> None:
@@ -358,7 +415,7 @@ async def test_enter_at_the_end_of_a_form_that_is_not_right_goes_to_the_mistake(
         form = desk.app.screen.query_one(Form)
         assert form.query("BlankLine").first().has_focus
         assert "angle must be 0 to 3600 deg" in desk.text
-        assert line(desk).value == ""
+        assert desk.engine.sent == []
 
 
 # What was asked for before

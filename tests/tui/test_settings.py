@@ -144,8 +144,8 @@ async def test_the_keys_of_the_page_can_be_others_and_the_page_says_which(tmp_pa
         assert page(desk)._at == 1
         await desk.press("up", "x")
         await desk.until(lambda: "theme" not in written(tmp_path))
-        await desk.press("o", "question_mark", *["pagedown"] * 6)
-        assert "On the page of the settings" in desk.text
+        await desk.press("question_mark")
+        assert desk.text.index("On the page of the settings") < desk.text.index("To begin"), "where one is comes first"
         assert "ctrl+k  Save the value that is shown" in desk.text
 
 

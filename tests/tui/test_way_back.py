@@ -11,7 +11,7 @@ from textual.keys import key_to_character
 
 from config.changing import Layers
 from engine import events as ev
-from engine.commands import Drive, EndTask, Interrupt, Say, Wake
+from engine.commands import Drive, EndTask, Interrupt, Release, Say, Wake
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
 from tests.tui.house import offer
@@ -291,7 +291,7 @@ async def test_a_backspace_that_is_held_down_clears_the_line_and_does_not_leave_
 async def test_a_backspace_that_is_held_down_in_a_panel_does_not_close_it() -> None:
     async with console(engine()) as desk:
         await desk.press("ctrl+p", *"kit", *["backspace"] * 9, *"bed", "enter")
-        assert desk.app.main.line.value == "go to the bedroom"
+        assert desk.engine.sent == [Say("go to the bedroom")]
 
 
 def post(desk: Desk, *keys: str) -> None:
@@ -313,6 +313,23 @@ async def test_what_follows_the_key_that_goes_back_at_once_goes_where_the_keyboa
             assert desk.app.main.line.value == "ego"
             assert desk.engine.sent == [EndTask()], "no letter is a key where the line has the keyboard again"
             await desk.press("ctrl+u", "question_mark")
+
+
+@pytest.mark.parametrize("key", ["backspace", "tab", "ctrl+g"])
+async def test_what_follows_a_key_that_leaves_the_line_at_once_is_a_key(key: str) -> None:
+    async with console(engine(), in_line=True) as desk:
+        post(desk, key, "e", "l", "slash", *"go", "enter", key, "R")
+        await desk.settled()
+        assert desk.engine.sent == [EndTask(), Say("go"), Release()]
+        assert desk.app.main.line.value == ""
+
+
+async def test_requests_that_arrive_at_once_are_kept_one_by_one() -> None:
+    async with console(engine(), in_line=True) as desk:
+        post(desk, *"ab", "enter", *"cd", "enter", "up", "backspace", "e", "enter", "space", *"f")
+        await desk.settled()
+        assert desk.engine.sent == [Say("ab"), Say("cd"), Say("ce"), Wake("key")]
+        assert desk.app.main.line.value == "f"
 
 
 async def test_a_letter_that_was_dealt_out_before_the_line_got_the_keyboard_is_text() -> None:

@@ -172,11 +172,22 @@ SETTING_KEYS: Final = (
 )
 """Those of the page of the settings, where they go before the console's own. Their actions are the page's."""
 
+_SCROLLED: Final = ("older", "newer", "line_up", "line_down", "zoom", "copy")
+PANE_KEYS: Final[Mapping[str, tuple[str, ...]]] = {
+    "conversation": _SCROLLED,
+    "plan": _SCROLLED,
+    "actions": _SCROLLED,
+    "log": (*_SCROLLED, "border_left", "border_right"),
+    "turns": (*_SCROLLED, "border_left", "border_right", "turn_back", "turn_on", "turn"),
+    "camera": ("camera", "zoom"),
+    "map": ("map", "zoom"),
+    "line": ("wake", "recall", "palette", "pane_next", "back"),
+}
+"""The console's own keys that matter most where the keyboard is: in a pane, or in the line."""
+
 ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *QUEUE_KEYS, *LOG_KEYS, *TURN_KEYS, *HAND_KEYS, *SETTING_KEYS)
 
 
-AHEAD: Final = frozenset(key.id for key in KEYS if key.ahead)
-"""The actions whose keys the console takes before whatever has the keyboard."""
 EVERYWHERE: Final = frozenset(key.id for key in KEYS if key.everywhere)
 """The actions whose keys act while one types, too."""
 PUNCTUATION: Final = {

@@ -1,17 +1,19 @@
 """What the palette lists, and how what is typed finds it.
 
-An entry does nothing by itself: it says what choosing it asks for. What could move the robot is a request that goes
-into the input line, where enter sends it; only the console's own actions act at once.
+An entry does nothing by itself: it says what choosing it asks for. What could move the robot is a request, as if it had
+been typed into the line.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
+from config.nearest import nearest as nearest_name
 from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
-from tui.options import every
+from tui.options import SHOWN, every
 from tui.shown.facts import LogLine, printable
 from tui.words import strings
 from tui.words.language import told
@@ -21,8 +23,12 @@ if TYPE_CHECKING:
     from engine.skills.registry import Skill
 
 Where = Literal["console", "map", "queue", "log", "turn", "hand", "settings"]
-Kind = Literal["action", "place", "skill", "recent", "setting", "file", "log"]
+Kind = Literal["action", "place", "skill", "recent", "setting", "file", "log", "request"]
 MAX_RECENT: Final = 50
+MAX_NEAREST: Final = 5
+_SENTENCES: Final = ("action", "skill")
+"""The titles of these are sentences, and nobody abbreviates a word of a sentence: their names are among the words."""
+_WORD: Final = re.compile(r"\w+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +42,13 @@ class Act:
 @dataclass(frozen=True, slots=True)
 class Write:
     """Words for the input line."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Send:
+    """A request."""
 
     text: str
 
@@ -68,7 +81,15 @@ class Show:
     line: LogLine
 
 
-Choice = Act | Write | Fill | Tell | Change | Show
+@dataclass(frozen=True, slots=True)
+class Put:
+    """A setting by its dotted name gets this value."""
+
+    setting: str
+    value: str
+
+
+Choice = Act | Write | Send | Fill | Tell | Change | Put | Show
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,14 +113,17 @@ def entries(
     skills: Sequence[Skill],
     recent: Sequence[str],
     settings_file: str,
+    themes: Sequence[str] = (),
 ) -> tuple[Entry, ...]:
-    """All there is. ``keys`` are those in use by action id, as they are shown; ``recent``: the newest last."""
+    """All there is. ``keys`` are those in use by action id, as they are shown; ``recent``: the newest last; ``themes``
+    are those that there are."""
     return (
         *requests(recent),
         *_places(places),
         *_actions(keys),
         *_skills(skills),
         *_settings(),
+        *_values(themes),
         Entry("file", strings.SETTINGS_FILE.format(settings_file), strings.KIND_FILE,
               Tell(strings.SETTINGS_ARE_IN.format(settings_file)), "file config yaml"),
     )  # fmt: skip
@@ -124,7 +148,7 @@ def _places(places: Mapping[str, Place]) -> Iterator[Entry]:
         name = told(place.name)
         text = (strings.GO_TO if name.isascii() else strings.GO_TO_HAN).format(name)
         words = " ".join((symbol, place.name, *place.aliases))
-        yield Entry("place", printable(text), strings.KIND_PLACE, Write(text), words)
+        yield Entry("place", printable(text), strings.KIND_PLACE, Send(text), words)
 
 
 def _actions(keys: Mapping[str, str]) -> Iterator[Entry]:
@@ -164,6 +188,16 @@ def _settings() -> Iterator[Entry]:
         yield Entry("setting", title, key, Change(key), words, about)
 
 
+def _values(themes: Sequence[str]) -> Iterator[Entry]:
+    """What settings can be, where that is a list."""
+    from config.changing import choices
+
+    for key in SHOWN:
+        for value in themes if key == "console.theme" else choices(tuple(key.split("."))):
+            title = strings.VALUE_ENTRY.format(strings.SETTING_NAMES[key], strings.SETTING_VALUES.get(value, value))
+            yield Entry("setting", title, key, Put(key, value), f"{key} {value.replace('-', ' ')}")
+
+
 def about_skill(skill: Skill) -> str:
     """What a skill does, in one sentence; where there is none in the language of the console, with its word in it."""
     english, name = skill.summary.replace("`", ""), told(skill.name)
@@ -181,21 +215,35 @@ def found(listed: Sequence[Entry], typed: str) -> tuple[Entry, ...]:
     return tuple(listed[number] for _, number in sorted(scored, key=lambda pair: (-pair[0], pair[1])))
 
 
+def nearest(listed: Sequence[Entry], typed: str) -> tuple[Entry, ...]:
+    """What may have been meant by words that are in no entry: each stands for the word that is most like it. And what
+    was typed as a request, which is always possible."""
+    known = sorted({word for entry in listed for word in _WORD.findall(f"{entry.title} {entry.words}".casefold())})
+    alike = [nearest_name(word, known) or word for word in typed.casefold().split()]
+    asked = Entry("request", strings.ASK_TYPED.format(printable(typed.strip())), strings.KIND_REQUEST, Send(typed))
+    return (*found(listed, " ".join(alike))[:MAX_NEAREST], asked)
+
+
 def _score(entry: Entry, wanted: Sequence[str]) -> float:
     """How well an entry fits: 0 for not at all."""
     title, words, about = (text.casefold() for text in (entry.title, entry.words, entry.about))
     names = words.split()
     scores = [
-        max(_fit(title, word), 1.05 if word in names else 0.9 * _fit(words, word), 0.4 if word in about else 0.0)
+        max(
+            _fit(title, word, short=entry.kind not in _SENTENCES),
+            1.05 if word in names else 0.9 * _fit(words, word),
+            0.4 if word in about else 0.0,
+        )
         for word in wanted
     ]
     return 0.0 if min(scores) == 0 else sum(scores)
 
 
-def _fit(text: str, word: str) -> float:
-    """The beginning counts most, then a word as a whole, the beginning of one, a part, its letters in their order."""
+def _fit(text: str, word: str, *, short: bool = True) -> float:
+    """The beginning counts most, then a word as a whole, the beginning of one, a part, and last what it may be
+    ``short`` for."""
     if word not in text:
-        return 0.1 if len(word) > 2 and _scattered(text, word) else 0.0
+        return _abbreviated(text, word) if short and len(word) > 2 else 0.0
     if text.startswith(word):
         return 1.1
     parts = text.replace("_", " ").split()
@@ -204,10 +252,16 @@ def _fit(text: str, word: str) -> float:
     return 0.8 if any(part.startswith(word) for part in parts) else 0.5
 
 
-def _scattered(text: str, word: str) -> bool:
-    """Whether its letters stand in this order in one word: ``ktchn``."""
-    for part in text.split():
-        letters = iter(part)
-        if part[:1] == word[:1] and all(letter in letters for letter in word):
-            return True
-    return False
+def _abbreviated(text: str, word: str) -> float:
+    """Whether it is short for a word of the text, whose letters stand in this order (``ktchn``), or for several, of
+    which it has the first letters (``gttk``). The more of the word it has, the better it fits."""
+    parts = _WORD.findall(text)
+    if word in "".join(part[0] for part in parts):
+        return 0.1
+    fits = [len(word) / len(part) for part in parts if _is_short_for(word, part)]
+    return 0.2 * max(fits, default=0.0)
+
+
+def _is_short_for(word: str, part: str) -> bool:
+    letters = iter(part)
+    return part[:1] == word[:1] and all(letter in letters for letter in word)

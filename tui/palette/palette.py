@@ -12,7 +12,7 @@ from textual.message import Message
 from textual.widgets import Input, OptionList
 from textual.widgets.option_list import Option
 
-from tui.palette.entries import Choice, Entry, found
+from tui.palette.entries import Choice, Entry, found, nearest
 from tui.palette.over import Over
 from tui.widgets.text_line import TextLine
 from tui.words import strings
@@ -67,16 +67,18 @@ class Palette(Over):
             super().__init__()
             self.choice = choice
 
-    def __init__(self, entries: Sequence[Entry], keys: str, *, title: str) -> None:
-        """``keys``: what to press, for people."""
+    def __init__(self, entries: Sequence[Entry], keys: str, *, title: str, guesses: bool = True) -> None:
+        """``keys``: what to press, for people; ``guesses``: where nothing fits, what comes near is shown."""
         super().__init__(keys)
         self._entries = tuple(entries)
+        self._guesses = guesses
         self._line = PaletteLine()
         self._list = OptionList(markup=False)
         self._list.can_focus = False
         self.border_title = title
         self.shown: tuple[Entry, ...] = ()
-        """What fits, as it stands below the line."""
+        """What fits, or comes near it, as it stands below the line."""
+        self._fits = True  # else it only comes near
         self._width = 0  # for which it was drawn, columns
 
     def compose(self) -> ComposeResult:
@@ -101,8 +103,9 @@ class Palette(Over):
     def on_palette_line_moved(self, event: PaletteLine.Moved) -> None:
         event.stop()
         if self.shown:
-            at = (self._list.highlighted or 0) + event.step
-            self._list.highlighted = max(0, min(len(self.shown) - 1, at))
+            here = self._list.highlighted
+            at = self._above if here is None else here + event.step
+            self._list.highlighted = max(self._above, min(self._list.option_count - 1, at))
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         event.stop()
@@ -115,23 +118,32 @@ class Palette(Over):
         self._choose(event.option_index)
 
     def _choose(self, number: int | None) -> None:
-        if number is not None and number < len(self.shown):
+        number = number if number is None else number - self._above
+        if number is not None and 0 <= number < len(self.shown):
             self.post_message(self.Chosen(self.shown[number].choice))
+
+    @property
+    def _above(self) -> int:
+        """Lines that stand above the first entry."""
+        return 0 if self._fits else 1
 
     def _look(self) -> None:
         """Show what fits what is typed."""
         shown = found(self._entries, self._line.value)
+        fits = bool(shown)
+        if not fits and self._guesses:
+            shown = nearest(self._entries, self._line.value)
         width = self.columns - 5  # border, padding, scroll bar
         if (shown, width) == (self.shown, self._width) and self._list.option_count:
             return
-        at = self._list.highlighted if shown == self.shown else 0
-        self.shown, self._width = shown, width
+        at = self._list.highlighted if shown == self.shown else None
+        self.shown, self._width, self._fits = shown, width, fits
         self._list.clear_options()
-        if not shown:
-            self._list.add_option(Option(Content.styled(strings.NOTHING_FITS, "$text-muted"), disabled=True))
-            return
+        if not fits:
+            words = strings.NEAREST if len(shown) > 1 else strings.NOTHING_FITS
+            self._list.add_option(Option(Content.styled(words, "$text-muted"), disabled=True))
         self._list.add_options([Option(_drawn(entry, width)) for entry in shown])
-        self._list.highlighted = at or 0
+        self._list.highlighted = at if at is not None or not fits else 0  # what only comes near is chosen by hand
 
 
 def _drawn(entry: Entry, width: int) -> Content:

@@ -69,6 +69,14 @@ class Changing:
 
         self._do(job, before)
 
+    def put(self, key: str, value: str) -> None:
+        """Set the setting of this name without its page."""
+        from config.changing import choices
+        from tui.options import Option
+
+        path = tuple(key.split("."))
+        self.keep(Option(key, None, "", choices(path) or (value,), "", ""), value)
+
     def give_back(self, option: Option) -> None:
         """Set a setting to what sayso comes with."""
 
@@ -101,6 +109,8 @@ class Changing:
         page = self._page
         if page is not None and page.is_attached:
             page.settled(message)
+        elif told := message.failed or _kept(message):
+            self._stage.notify(told, severity="error" if message.failed else "information", markup=False)
         self._stage.redraw()
 
     def _do(self, job: Callable[[Layers, Sequence[str]], Settled], before: str) -> None:
@@ -145,6 +155,19 @@ def _options(layers: Layers, themes: Sequence[str]) -> tuple[Option, ...]:
     from tui.options import options
 
     return options(layers, themes)
+
+
+def _kept(message: Settled) -> str:
+    """That a setting is kept, and from when on it holds; empty where none was set."""
+    from tui.options import overridden
+
+    option = next((option for option in message.options if option.key == message.key), None)
+    if option is None:
+        return ""
+    kept = strings.SETTING_KEPT.format(name=strings.SETTING_NAMES[option.key], file=printable(message.file))
+    if option.over:
+        return f"{kept} {overridden(option)}"
+    return f"{kept} {strings.SETTING_LIVE if option.live else strings.SETTING_RESTART}"
 
 
 def _done(job: Callable[[], Settled], theme: str) -> Settled:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from engine.commands import EStop
@@ -12,16 +12,17 @@ from tui.words import strings
 if TYPE_CHECKING:
     from engine.skills.registry import Skill
     from tui.palette.entries import Choice, Entry, Where
+    from tui.rooms.changing import Changing
     from tui.stage import Stage
 
 
 class Choosing:
     """Opens panels over the main screen and acts on their answers; their modules are read when one is opened."""
 
-    def __init__(self, stage: Stage, change: Callable[[str], None]) -> None:
-        """``change`` opens the page of the settings at one of them."""
+    def __init__(self, stage: Stage, changing: Changing) -> None:
+        """``changing`` changes settings, and opens their page."""
         self._stage = stage
-        self._change = change
+        self._changing = changing
 
     async def open(self) -> None:
         """Everything that can be done; once more: not that."""
@@ -34,7 +35,8 @@ class Choosing:
         places = stage.handle.places() if stage.handle is not None else {}
         skills = stage.offer.skills if stage.offer is not None else ()
         file = str(paths().config / "config.yaml")
-        found = entries(stage.listed_keys, places, skills, stage.main.line.history, file)
+        themes = sorted(stage.available_themes, key=lambda name: "sayso" not in name)
+        found = entries(stage.listed_keys, places, skills, stage.main.line.history, file, themes)
         await self._show(found, strings.PALETTE)
 
     async def recall(self) -> None:
@@ -44,7 +46,7 @@ class Choosing:
             return
         from tui.palette.entries import requests
 
-        await self._show(requests(main.line.history), strings.PALETTE_RECENT)
+        await self._show(requests(main.line.history), strings.PALETTE_RECENT, guesses=False)
 
     async def _was_there(self, title: str) -> bool:
         """Close the panel of this title, if it is the one that is open."""
@@ -59,7 +61,7 @@ class Choosing:
 
     async def chosen(self, choice: Choice) -> None:
         """Do what was chosen."""
-        from tui.palette.entries import Act, Change, Fill, Show, Tell, Write
+        from tui.palette.entries import Act, Change, Fill, Put, Send, Show, Tell, Write
 
         stage = self._stage
         await stage.main.uncover()
@@ -71,25 +73,33 @@ class Choosing:
             case Tell(text):
                 stage.notify(text, title=strings.NAME, markup=False)
                 stage.note("info", printable(text))
+            case Send(text):
+                self._send(text)
             case Change(setting):
-                self._change(setting)
+                self._changing.open(setting)
+            case Put(setting, value):
+                self._changing.put(setting, value)
             case Show(line):
                 stage.main.go_to_line(line)
             case Fill(skill):
                 await self._fill(skill)
 
     async def composed(self, text: str) -> None:
-        """A form is filled in: what it says goes into the line."""
+        """A form is filled in: do what it says."""
         await self._stage.main.uncover()
-        self._write(text)
+        self._send(text)
 
-    async def _show(self, entries: Sequence[Entry], title: str) -> None:
+    def _send(self, text: str) -> None:
+        """As if it had been typed into the line and sent."""
+        self._stage.main.line.send(text)
+
+    async def _show(self, entries: Sequence[Entry], title: str, *, guesses: bool = True) -> None:
         from tui.palette.palette import Palette
 
         stage = self._stage
         stage.come_back()
         keys = strings.PALETTE_KEYS.format(**stage.shown_keys)
-        await stage.main.cover(Palette(entries, keys, title=title))
+        await stage.main.cover(Palette(entries, keys, title=title, guesses=guesses))
 
     async def _act(self, action: str, where: Where) -> None:
         """What the key does, where it does it; on the page of the settings nothing is meant before it is there."""
@@ -130,7 +140,7 @@ class Choosing:
 
         stage = self._stage
         if not skill.parameters or stage.offer is None or stage.handle is None:
-            self._write(as_written(skill, {}))
+            self._send(as_written(skill, {}))
             return
         seen = tuple(dict.fromkeys(thing.name for thing in stage.handle.world().things))
         keys = strings.FORM_KEYS.format(**stage.shown_keys)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 IN_PANES: Final[tuple[str, ...]] = ("interrupt", "wake", "end_task", "type", "help", "leave")
 IN_LINE: Final[tuple[str, ...]] = ("interrupt", "wake", "help", "pane_next", "palette", "leave_now")
-IN_PANEL: Final[tuple[str, ...]] = ("interrupt", "back", "leave_now")
+IN_SEARCH: Final[tuple[str, ...]] = ("interrupt", "back", "leave_now")
 ON_PAGE: Final[tuple[str, ...]] = ("interrupt", "wake", "end_task", "type", "help", "back")
 """The keys in the status line, by where the keyboard is."""
 LOG_FRAMES: Final = 4
@@ -248,12 +248,11 @@ class Drawing:
     def _hints(self) -> tuple[Hint, ...]:
         """The keys that are true where the keyboard is."""
         stage, model = self._stage, self.model
-        if stage.screen is not stage.main:
-            there = ON_PAGE
-        elif stage.typing:
-            there = IN_LINE if stage.main.line.has_focus else IN_PANEL
+        on_main = stage.screen is stage.main
+        if stage.typing:
+            there = IN_LINE if on_main and stage.main.line.has_focus else IN_SEARCH
         else:
-            there = IN_PANES
+            there = IN_PANES if on_main else ON_PAGE
         idle = () if model.ended is None else ("wake", "end_task", "type", "help")  # nobody is there to be told
         return tuple(self._hint(name) for name in there if name not in idle)
 

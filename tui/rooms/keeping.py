@@ -30,6 +30,8 @@ class Keeping:
     def __init__(self, stage: Stage) -> None:
         self.told = ""
         """What stands in the status line for a while."""
+        self.while_still = False
+        """It is true only while nothing is under way."""
         self._stage = stage
         self._untold: Timer | None = None
         self._copied: Part | None = None  # while the status line says so
@@ -66,13 +68,14 @@ class Keeping:
     def tell(self, text: str, level: Literal["info", "error"] = "info") -> None:
         """In the status line for a while, in the log for good, and where nothing cuts it."""
         self.remark(text)
+        self.while_still = False
         severity: Literal["error", "information"] = "error" if level == "error" else "information"
         self._stage.notify(self.told, severity=severity, timeout=TOLD_S, markup=False)
         self._stage.note(level, self.told)
 
     def remark(self, text: str) -> None:
-        """In the status line for a while."""
-        self.told, self._copied = printable(text), None
+        """In the status line for a while, unless something begins."""
+        self.told, self.while_still, self._copied = printable(text), True, None
         if self._untold is not None:
             self._untold.stop()
         self._untold = self._stage.set_timer(TOLD_S, self.forget)

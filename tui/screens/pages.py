@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 if TYPE_CHECKING:
     from tui.shown.view import View
@@ -24,6 +24,14 @@ class Paged(Protocol):
     def scroll_page(self, direction: int) -> None:
         """A screenful up (−1) or down (1)."""
         ...
+
+
+@runtime_checkable
+class Placed(Protocol):
+    """It has keys of its own."""
+
+    place: ClassVar[str]
+    """How the help page calls it."""
 
 
 @runtime_checkable

@@ -16,7 +16,7 @@ from textual.screen import Screen
 from textual.widgets import Input, Static
 
 from tui.keys.bindings import SETTING_BINDINGS
-from tui.options import Option, about, found, origin_of, shown, written
+from tui.options import Option, about, found, origin_of, overridden, shown, written
 from tui.shown.facts import printable
 from tui.widgets.lines import Drawn, Lines
 from tui.widgets.status import StatusLine
@@ -83,6 +83,7 @@ class SettingsScreen(Screen[None]):
 
     CSS_PATH = "settings.tcss"
     AUTO_FOCUS = ""
+    place: ClassVar[str] = "settings"
     BINDINGS: ClassVar[list[BindingType]] = SETTING_BINDINGS
 
     def __init__(self, keys: Mapping[str, str], wardrobe: Wardrobe, view: View, at: str = "") -> None:
@@ -281,7 +282,7 @@ class SettingsScreen(Screen[None]):
                 yield Content.styled(words, _DIM)
             yield Content.styled(strings.SETTING_LIVE if option.live else strings.SETTING_RESTART, _DIM)
             if option.over:
-                yield Content.styled(f"▲ {_overridden(option)}", "$text-warning")
+                yield Content.styled(f"▲ {overridden(option)}", "$text-warning")
         if self._line.display:
             words = strings.SETTINGS_FIND if self._finding else strings.SETTINGS_LINE
             yield Content.styled(words.format(**self._keys), _DIM)
@@ -295,7 +296,3 @@ class SettingsScreen(Screen[None]):
         yield strings.SETTING_KEPT.format(name=option.name, file=printable(message.file)), "$text-success"
         if not option.live and not option.over:
             yield f" {strings.SETTING_RESTART}", "$text-warning"
-
-
-def _overridden(option: Option) -> str:
-    return strings.SETTING_OVER.format(origin=printable(option.over), value=shown(option.value))

@@ -63,6 +63,7 @@ class TurnScreen(Screen[None]):
 
     CSS_PATH = "turn.tcss"
     AUTO_FOCUS = ""
+    place: ClassVar[str] = "turn"
     BINDINGS: ClassVar[list[BindingType]] = TURN_BINDINGS
 
     def __init__(self, keys: Mapping[str, str], view: View) -> None:

@@ -37,7 +37,8 @@ class Ask(TextLine):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("up", "recall(-1)", show=False),
         Binding("down", "recall(1)", show=False),
-        Binding("tab", "complete", show=False),
+        Binding("tab", "complete(1)", show=False),
+        Binding("shift+tab", "complete(-1)", show=False),
     ]
 
     class Asked(Message):
@@ -122,22 +123,26 @@ class Ask(TextLine):
         if pasted and self.value == before:
             self.app.notify(strings.PASTED_TOO_LONG.format(_MAX_LENGTH), severity="warning", markup=False)
 
-    async def action_complete(self) -> None:
+    async def action_complete(self, step: int) -> None:
         """Take what is suggested; the empty line is left for the panes."""
         if not self.value:
-            await self.app.run_action("app.next_pane(1)")
+            await self.app.run_action(f"app.next_pane({step})")
         elif self.cursor_at_end and self._suggestion:
             self.action_cursor_right()
 
     async def action_submit(self) -> None:
-        text = self.value.strip()
+        self.value, text = "", self.value
+        self.send(text)
+
+    def send(self, text: str) -> None:
+        """Ask for what was written, here or elsewhere; it is remembered."""
+        text = text.strip()
         if not requests_of(text):
             return
         if not self._history or self._history[-1] != text:
             self._history = [*self._history[1 - _MAX_HISTORY :], text]
         self._at, self._draft = len(self._history), ""
-        self.value = ""
-        self.post_message(self.Asked(text))
+        self.app.post_message(self.Asked(text))  # before the keys behind it
 
     def action_recall(self, step: int) -> None:
         """Go back (−1) or forth (1) in what was sent; what was being written is kept."""

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 from textual import events
 from textual.binding import Binding, BindingType
 from textual.keys import key_to_character
+from textual.message import Message
 from textual.widgets import Input
 
 from tui.keys.keys import EDITING, PUNCTUATION
@@ -31,10 +32,21 @@ class TextLine(Input):
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("backspace", "backspace", show=False)]
 
+    class Commanded(Message):
+        """A key in the empty line does this action of the console."""
+
+        def __init__(self, action: str) -> None:
+            super().__init__()
+            self.action = action
+
+    class Turned(Message):
+        """The line is empty now, or no more."""
+
     def __init__(self, value: str = "", *, commands: Commands = lambda key: "", **more: Any) -> None:
         super().__init__(value, compact=True, **more)
         self.cursor_blink = False  # a blinking cursor is traffic while nothing happens
         self._commands = commands
+        self._was_empty = not value
         self._clearing = False  # the last key was a backspace that had something to take away
 
     def acts(self, key: str) -> bool:
@@ -55,7 +67,7 @@ class TextLine(Input):
         if not self.value and (action := self._commands(event.key)):
             event.stop()
             event.prevent_default()
-            await self.app.run_action(f"app.{action}")
+            self.app.post_message(self.Commanded(action))  # which may take this line away: nobody waits for that here
             return
         await super()._on_key(event)
 
@@ -66,3 +78,9 @@ class TextLine(Input):
             self.action_delete_left()
         elif not self._clearing:
             await self.app.run_action("app.back")
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Some keys act in an empty line only."""
+        if bool(event.value) is self._was_empty:
+            self._was_empty = not event.value
+            self.post_message(self.Turned())
