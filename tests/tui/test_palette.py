@@ -309,7 +309,7 @@ async def test_a_value_of_a_setting_is_kept_at_once_and_that_is_said(tmp_path: P
         desk.app.dress("sayso-dark", 30, layers=Layers(environ={}, folder=tmp_path))
         await chosen(desk, "nord")
         await desk.until(lambda: desk.app.theme == "nord")
-        await desk.until(lambda: any("Theme: kept in" in told.message for told in desk.app._notifications))
+        await desk.until(lambda: any("Theme: saved in" in told.message for told in desk.app._notifications))
         assert (tmp_path / "config.yaml").read_text() == "console:\n  theme: nord\n"
         await chosen(desk, "voice never")
         await desk.until(lambda: any("started again" in told.message for told in desk.app._notifications))
