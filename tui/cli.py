@@ -141,6 +141,7 @@ def build_parser() -> argparse.ArgumentParser:
         help="print a completion script for a shell and exit",
     )
     parser.add_argument("--demo", action="store_true", help="play demo speech through a simulated microphone")
+    parser.add_argument("--theme", metavar="NAME", help="how the console looks: sayso-light, sayso-contrast, nord, …")
     parser.add_argument("--tab", action="store_true", help=argparse.SUPPRESS)  # how --web starts it
     parser.set_defaults(run="tui.commands.console:run", json=False)
     browser = parser.add_argument_group("the console in a browser")

@@ -25,13 +25,16 @@ SHOWN: Final = (
     "console.camera",
     "console.camera_graphics",
     "console.motion",
+    "console.notify",
     "voice.when",
     "voice.volume",
     "audio.device",
     "wake.words",
     "planner.profile",
 )
-LIVE: Final = frozenset({"console.theme", "console.language", "console.fps", "console.camera", "console.motion"})
+LIVE: Final = frozenset(
+    {"console.theme", "console.language", "console.fps", "console.camera", "console.motion", "console.notify"}
+)
 """Those that need no restart; the engine's own are read once."""
 
 
