@@ -254,6 +254,10 @@ class Console(Section):
     motion: Literal["full", "reduced"] = Field(
         description="reduced: nothing slides, and what moves by itself (sound, times, the robot) does so once a second."
     )
+    notify: Literal["auto", "off"] = Field(
+        description="auto: the end of a task of more than 20 s is told by a desktop notification and the bell, unless"
+        " the terminal reports that it has the keyboard."
+    )
     history: bool = Field(description="What is typed is kept in the state folder and recalled in later sessions.")
     keys: dict[str, str] = Field(description="Other keys, by action (`ctrl+p` in the console and its help name them).")
 

@@ -74,6 +74,7 @@ from tui.widgets.figures import Figures
 from tui.widgets.floor_view import FloorView
 from tui.widgets.log import LogView
 from tui.widgets.queue import ActionQueue
+from tui.widgets.status import StatusLine
 from tui.widgets.text_line import TextLine, is_text
 from tui.widgets.timeline import Timeline
 from tui.words import strings
@@ -267,7 +268,7 @@ class SaysoApp(Stage):
         self.note("warning", message.text)
 
     def on_told(self, message: Told) -> None:
-        self.keeping.tell(message.text, message.level)
+        self.keeping.tell(message.text, message.level, message.file)
 
     def on_seen(self, message: Seen) -> None:
         self.viewing.seen(message.found)
@@ -277,6 +278,12 @@ class SaysoApp(Stage):
 
     def on_answered(self, message: Answered) -> None:
         self.viewing.answered(message.answer)
+
+    def on_app_focus(self) -> None:
+        self.drawing.alerting.looked_at = True
+
+    def on_app_blur(self) -> None:
+        self.drawing.alerting.looked_at = False
 
     def on_hung_up(self, message: HungUp) -> None:
         self.leaving.leave()
@@ -496,6 +503,9 @@ class SaysoApp(Stage):
 
     async def action_recall(self) -> None:
         await self._choosing.recall()
+
+    async def on_status_line_chosen(self, message: StatusLine.Chosen) -> None:
+        await self._choosing.act(message.action)
 
     async def on_palette_chosen(self, message: Palette.Chosen) -> None:
         await self._choosing.chosen(message.choice)

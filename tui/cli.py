@@ -144,6 +144,7 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--line", action="store_true", help="the console on one line, for a small pane beside other work"
     )
+    parser.add_argument("--theme", metavar="NAME", help="how the console looks: sayso-light, sayso-contrast, nord, …")
     parser.add_argument("--tab", action="store_true", help=argparse.SUPPRESS)  # how --web starts it
     parser.set_defaults(run="tui.commands.console:run", json=False)
     browser = parser.add_argument_group("the console in a browser")

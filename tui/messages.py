@@ -123,10 +123,12 @@ class Warned(Message):
 class Told(Message):
     """Something that a person asked for is done, or was not to be had."""
 
-    def __init__(self, text: str, level: Literal["info", "error"] = "info") -> None:
+    def __init__(self, text: str, level: Literal["info", "error"] = "info", file: str = "") -> None:
+        """``file`` was written."""
         super().__init__()
         self.text = text
         self.level = level
+        self.file = file
 
 
 class Reported(Message):

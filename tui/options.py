@@ -25,6 +25,7 @@ SHOWN: Final = (
     "console.camera",
     "console.camera_graphics",
     "console.motion",
+    "console.notify",
     "voice.when",
     "voice.volume",
     "audio.device",
@@ -32,7 +33,9 @@ SHOWN: Final = (
     "planner.profile",
 )
 """Those that are changed most, which stand first."""
-LIVE: Final = frozenset({"console.theme", "console.language", "console.fps", "console.camera", "console.motion"})
+LIVE: Final = frozenset(
+    {"console.theme", "console.language", "console.fps", "console.camera", "console.motion", "console.notify"}
+)
 """Those that need no restart; the engine's own are read once."""
 
 

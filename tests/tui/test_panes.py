@@ -82,7 +82,7 @@ async def test_a_number_goes_to_its_pane_and_shows_it_wherever_it_was(size: tupl
             assert area(desk, pane).area > 0, key
 
 
-@pytest.mark.parametrize("before", [("l",), ("t",), ("m",), ("slash",)], ids="".join)
+@pytest.mark.parametrize("before", [("l",), ("t",), ("m",), ("slash",), ("enter",)], ids="".join)
 async def test_a_number_leads_there_from_wherever_one_is(before: tuple[str, ...]) -> None:
     async with console(robot(), size=(80, 24)) as desk:
         for key, pane in PANES[::2]:

@@ -51,6 +51,7 @@ def run(arguments: Namespace) -> int:
             camera=camera_of(settings),
             graphics=settings.console.camera_graphics,
             motion=settings.console.motion,
+            notify=settings.console.notify,
             keys=settings.console.keys,
             history=RequestHistory(folders.requests) if settings.console.history else None,
             sizes=SizeFile(folders.panes),

@@ -10,14 +10,14 @@ from engine.errors import StorageError
 if TYPE_CHECKING:
     from config.schema import Settings
 
-_SHORTCUTS = {"scene": "robot.scene", "speed": "robot.speed", "model": "asr.model"}
+_SHORTCUTS = {"scene": "robot.scene", "speed": "robot.speed", "model": "asr.model", "theme": "console.theme"}
 
 
 def overrides(arguments: Namespace) -> list[str]:
     """``section.key=value`` for every option that stands for a setting; later ones win."""
     given = list(arguments.set or [])
     for option, key in _SHORTCUTS.items():
-        if (value := getattr(arguments, option)) is not None:
+        if (value := getattr(arguments, option, None)) is not None:
             given.append(f"{key}={value}")
     return given
 

@@ -73,7 +73,9 @@ def console_arguments(arguments: Namespace) -> list[str]:
     """What the console of a tab is started with: the settings of ours."""
     given = [f"--config={file.absolute()}" for file in arguments.config or ()]
     given += [f"--set={setting}" for setting in arguments.set or ()]
-    given += [f"--{name}={value}" for name in ("scene", "speed", "model") if (value := getattr(arguments, name))]
+    given += [
+        f"--{name}={value}" for name in ("scene", "speed", "model", "theme") if (value := getattr(arguments, name))
+    ]
     return [*given, "--demo"] if arguments.demo else given
 
 

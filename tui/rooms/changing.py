@@ -10,7 +10,7 @@ import queue
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from tui.messages import Settled
 from tui.rooms.dressing import Dressing, language_of, wording_of
@@ -110,7 +110,10 @@ class Changing:
         if page is not None and page.is_attached:
             page.settled(message)
         elif told := message.failed or _kept(message):
-            self._stage.notify(told, severity="error" if message.failed else "information", markup=False)
+            from tui.words.links import marked_up
+
+            severity: Literal["error", "information"] = "error" if message.failed else "information"
+            self._stage.notify(marked_up(told, printable(message.file)), severity=severity)
         self._stage.redraw()
 
     def _do(self, job: Callable[[Layers, Sequence[str]], Settled], before: str) -> None:

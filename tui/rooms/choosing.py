@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from engine.commands import EStop
+from tui.keys.keys import KEYS
 from tui.shown.facts import printable
 from tui.words import strings
 
@@ -100,6 +101,11 @@ class Choosing:
         stage.come_back()
         keys = strings.PALETTE_KEYS.format(**stage.shown_keys)
         await stage.main.cover(Palette(entries, keys, title=title, guesses=guesses))
+
+    async def act(self, action: str) -> None:
+        """What a click on a key in the status line does: what the key does. Nobody quits by a slip of the hand."""
+        key = next(key for key in KEYS if key.id == ("leave" if action == "leave_now" else action))
+        await self._act(key.does or key.id, "console")
 
     async def _act(self, action: str, where: Where) -> None:
         """What the key does, where it does it; on the page of the settings nothing is meant before it is there."""

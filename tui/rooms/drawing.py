@@ -14,6 +14,7 @@ from msgspec.structs import replace
 from engine.errors import ExitCode
 from engine.events import ActionProgress, Body, ErrorRaised, Event, InterruptRaised, ListenLevel, Log, RobotStateView
 from tui.messages import Woken
+from tui.rooms.alerting import Alerting
 from tui.rooms.leaving import Leaving
 from tui.rooms.noticing import Noticing
 from tui.rooms.sending import Sending
@@ -84,6 +85,7 @@ class Drawing:
         self._floor_map: FloorMap | None = None
         self._watchdog = Watchdog(stage.clock())
         self._noticing = Noticing(stage)
+        self.alerting = Alerting(stage)
 
     def begin(self) -> None:
         """Timers run from now on."""
@@ -186,6 +188,7 @@ class Drawing:
             self._leaving.asked = False
         if self.tour is not None and self.tour.due and any(line.who == "you" for line in model.conversation):
             self.tour.end()
+        self.alerting.look(model)
         if model.problem is not None and model.problem.fatal:
             self._leaving.failed(ExitCode.MISSING if model.problem.code == "robot_lost" else ExitCode.FAILED)
         self.model = model

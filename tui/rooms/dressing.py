@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from tui.stage import Stage
 
 Motion = Literal["full", "reduced"]
+Notify = Literal["auto", "off"]
 
 
 class Rooms(NamedTuple):
@@ -72,6 +73,7 @@ class Dressing:
         camera: CameraChoice = "off",
         graphics: GraphicsChoice = "blocks",
         motion: Motion = "full",
+        notify: Notify = "auto",
         language: Language | None = None,
         wording: Telling | None = None,
         keys: Mapping[str, str] | None = None,
@@ -88,6 +90,7 @@ class Dressing:
         ``camera``: whether what it sees is shown from the start; auto: where there is room for everything.
         ``graphics``: what pictures are drawn with.
         ``motion``: whether anything moves by itself oftener than once a second.
+        ``notify``: whether the end of a long task is told to people who look at something else.
         ``language``: that of all words; None: as it is. ``wording``: puts what the engine says into it.
         ``keys``: those to use in place of the usual ones, by action id.
         ``history``: where what is typed is kept for later sessions; None: nowhere.
@@ -99,6 +102,7 @@ class Dressing:
         """
         stage, rooms = self._stage, self._rooms
         rooms.leaving.secrets = tuple(secrets)
+        rooms.drawing.alerting.on = notify != "off"
         if prompt and (reader := getattr(stage.terminal, "reader", None)) is not None:
             raise_priority(reader)
             prefer(threading.main_thread().native_id or 0)
@@ -194,6 +198,8 @@ class Dressing:
                 self._look(camera_of(settings), or_not=True)
             case "console.motion":
                 self._move(console.motion)
+            case "console.notify":
+                self._rooms.drawing.alerting.on = console.notify != "off"
 
     def _look(self, camera: CameraChoice, *, or_not: bool) -> None:
         """Show what the camera sees, if it is to be shown; ``or_not``: else no longer."""

@@ -65,12 +65,15 @@ class Keeping:
         session = self._stage.shown.session
         threading.Thread(target=self._save, args=(session, picture), name="save", daemon=True).start()
 
-    def tell(self, text: str, level: Literal["info", "error"] = "info") -> None:
-        """In the status line for a while, in the log for good, and where nothing cuts it."""
+    def tell(self, text: str, level: Literal["info", "error"] = "info", file: str = "") -> None:
+        """In the status line for a while, in the log for good, and where nothing cuts it; there the ``file`` that it
+        names can be opened."""
+        from tui.words.links import marked_up
+
         self.remark(text)
         self.while_still = False
         severity: Literal["error", "information"] = "error" if level == "error" else "information"
-        self._stage.notify(self.told, severity=severity, timeout=TOLD_S, markup=False)
+        self._stage.notify(marked_up(self.told, printable(file)), severity=severity, timeout=TOLD_S)
         self._stage.note(level, self.told)
 
     def remark(self, text: str) -> None:
@@ -96,7 +99,7 @@ class Keeping:
             self._stage.post_message(Told(f"{error.message} {error.hint}", "error"))
         else:
             words = strings.SAVED if saved.events else strings.SAVED_PICTURE
-            self._stage.post_message(Told(words.format(folder=saved.folder)))
+            self._stage.post_message(Told(words.format(folder=saved.folder), file=str(saved.folder)))
 
     @property
     def _in_sight(self) -> Part:

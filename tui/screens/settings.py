@@ -23,6 +23,7 @@ from tui.widgets.status import StatusLine
 from tui.widgets.text_line import TextLine
 from tui.words import strings
 from tui.words.hints import EDGES, fitting
+from tui.words.links import marked_up
 from tui.words.widths import left
 
 if TYPE_CHECKING:
@@ -293,6 +294,8 @@ class SettingsScreen(Screen[None]):
         if not message.key:
             return
         option = next(option for option in message.options if option.key == message.key)
-        yield strings.SETTING_KEPT.format(name=option.name, file=printable(message.file)), "$text-success"
+        file = printable(message.file)
+        kept = marked_up(strings.SETTING_KEPT.format(name=option.name, file=file), file)
+        yield Content.from_markup(kept).stylize_before("$text-success")
         if not option.live and not option.over:
             yield f" {strings.SETTING_RESTART}", "$text-warning"

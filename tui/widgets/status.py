@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from rich.cells import cell_len
+from textual import events
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.content import Content
+from textual.message import Message
 from textual.widgets import Static
 
 from tui.shown.readiness import lost, named, waited_for
@@ -42,8 +44,16 @@ _IMPORTANCE: Final = ("back", "wake", "type", "pane_next", "end_task", "leave", 
 class StatusLine(Horizontal):
     """Chip, the key that stops, task, other keys. ``esc stop`` stands where it stood, whatever the rest says."""
 
+    class Chosen(Message):
+        """Somebody clicked on the key of this action."""
+
+        def __init__(self, action: str) -> None:
+            super().__init__()
+            self.action = action
+
     def __init__(self) -> None:
         super().__init__()
+        self._shown: dict[Static, Sequence[Hint]] = {}  # the keys in either part
         self._chip_part = Static(id="chip", markup=False)
         self._stop_part = Static(id="stop", markup=False)
         self._task_part = Static(id="task", markup=False)
@@ -58,17 +68,31 @@ class StatusLine(Horizontal):
     def update_from(self, view: View) -> None:
         """Show state and keys; a notice stands in the task's place, and goes before keys."""
         columns = self.app.size.width  # our own is not known before the first layout
-        stop = _keys([hint for hint in view.hints if hint.urgent])
+        urgent = [hint for hint in view.hints if hint.urgent]
+        stop = _keys(urgent)
         room = columns - _CHIP - stop.cell_length
         notice = f" {view.notice} " if view.notice else ""
         others = [hint for hint in view.hints if not hint.urgent]
-        keys = _keys(_fitting(others, room - cell_len(notice)))
+        fit = _fitting(others, room - cell_len(notice))
+        keys = _keys(fit)
+        self._shown = {self._stop_part: urgent, self._keys_part: fit}
         _put(self._chip_part, chip(view))
         _put(self._stop_part, stop)
         style = "bold $text-error" if is_pressed(view) else "bold $text-warning"
         shown = Content.styled(notice.rstrip(), style) if notice else None
         _put(self._task_part, shown or _task(view, columns >= WIDE_COLUMNS, room - keys.cell_length))
         _put(self._keys_part, keys)
+
+    def on_click(self, event: events.Click) -> None:
+        """A key that is clicked on does what it does."""
+        for part, hints in self._shown.items():
+            if part.region.contains(*event.screen_offset):
+                column = event.screen_offset.x - part.region.x
+                for hint in hints:
+                    column -= cell_len(hint.text)
+                    if column < 0:
+                        self.post_message(self.Chosen(hint.action))
+                        return
 
 
 def is_pressed(view: View) -> bool:

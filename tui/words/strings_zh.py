@@ -705,6 +705,7 @@ SETTING_NAMES: Final = {
     "console.camera": "相机",
     "console.camera_graphics": "相机画面",
     "console.motion": "动态效果",
+    "console.notify": "通知",
     "voice.when": "语音",
     "voice.volume": "音量",
     "audio.device": "麦克风",
@@ -721,6 +722,7 @@ SETTING_ABOUTS: Final = {
         "auto：终端支持、线路良好且不在 tmux 或 screen 里时用像素。"
     ),
     "console.motion": "reduced：没有滑动，自行变化的内容（声音、时间、机器人）每秒只更新一次。",
+    "console.notify": "auto：20秒以上的任务结束时，用桌面通知和响铃告知，除非终端报告它有键盘焦点；off：不通知。",
     "voice.when": "哪些回答会说出来：spoken 只回答口头请求，always 也回答键入的请求，never 都不说。",
     "voice.volume": "语音和提示音的音量，0 到 1。",
     "audio.device": "麦克风的名称（或一部分）或编号，或卫星设备 tcp://HOST:PORT；不写：系统默认。",
