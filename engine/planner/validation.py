@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import Final
 
 from engine.errors import ExitCode, PlanError
-from engine.perception.naming import wanted
 from engine.plan import Action, ActionCall, Argument, Plan, Quantity
 from engine.planner.request import Language, NoPlan, PlanRequest
 from engine.planner.sentences import SAID
@@ -70,7 +69,7 @@ class Validation:
             words = str(action.args.get("object", ""))
             several = self._vocabulary.fitting(words) if action.name in _TAKES else ()
             called = [name for name in several if is_said(name, request.text)]
-            if len(called) == 1 and wanted(words) == wanted(self._vocabulary.object(called[0])):
+            if len(called) == 1 and words == self._vocabulary.object(called[0]):
                 several = ()  # another thing looks like it, and is called otherwise
             if len(several) > 1 and not any_of(words, request.text):
                 seen = [name for name in several if any(name in told for told in request.seen)]

@@ -107,7 +107,7 @@ def test_every_skill_describes_itself_with_units_and_limits() -> None:
         for parameter in described["parameters"]:
             if parameter["type"] == "number":
                 assert parameter["min"] < parameter["max"]
-                assert parameter["unit"] or parameter["name"] in {"id", "tag", "x", "y", "x1", "y1", "x2", "y2"}
+                assert parameter["unit"] or parameter["name"] in {"id", "tag", "most", "x", "y", "x1", "y1", "x2", "y2"}
             else:
                 assert parameter["kind"]
 
