@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import Final
 
-from engine.perception.people import Looks, PersonSeen
+from engine.perception.people import PersonSeen
 from engine.robot.geometry import Pose
 from engine.skills.context import SkillContext
 from engine.skills.drive import settle
@@ -86,7 +86,7 @@ async def _is_still(context: SkillContext, legs: Legs, outfit: Outfit) -> bool:
     await face_point(context, (*legs.at, _CHEST))
     await context.see()
     legs.update()
-    here = [p for p in context.world.people.everybody if p.seen_at > began and outfit.fits(Looks(p.shirt, p.trousers))]
+    here = outfit.worn_since(began, context.world.people.everybody)
     seen = min(here, key=lambda p: p.distance_to(*legs.at), default=None)
     if seen is None or seen.distance_to(*legs.at) > _BESIDE_THEM:
         return False
@@ -137,8 +137,7 @@ async def _fetch(context: SkillContext, legs: Legs, outfit: Outfit) -> bool:
     found: list[PersonSeen] = []
 
     def seen() -> bool:
-        people = context.world.people.everybody
-        found[:] = [p for p in people if p.seen_at > began and outfit.fits(Looks(p.shirt, p.trousers))]
+        found[:] = outfit.worn_since(began, context.world.people.everybody)
         return bool(found)
 
     await look_around(context, seen)

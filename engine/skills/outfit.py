@@ -7,6 +7,7 @@ person who stands apart from everybody else: beside other people a sighting may 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from typing import Final
 
 from engine.perception.people import Looks, PersonSeen
@@ -55,6 +56,10 @@ class Outfit:
         pairs = ((seen.shirt, self.shirt), (seen.trousers, self.trousers))
         shown = [(a, b) for a, b in pairs if a is not None and b is not None]
         return all(a == b for a, b in shown) and (bool(shown) or self.shirt is None)
+
+    def worn_since(self, t: float, people: Iterable[PersonSeen]) -> list[PersonSeen]:
+        """Those of ``people`` who fit and were seen after ``t`` (robot time, s)."""
+        return [p for p in people if p.seen_at > t and self.fits(Looks(p.shirt, p.trousers))]
 
 
 def _most(votes: Counter[Colour]) -> Colour | None:

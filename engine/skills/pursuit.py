@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from engine.perception.people import Looks, PersonSeen
+from engine.perception.people import PersonSeen
 from engine.perception.sighting import Part, Sight, Sighting
 from engine.robot.geometry import Pose, Twist
 from engine.robot.occupancy import Unreachable, distances
@@ -204,8 +204,7 @@ class Pursuit:
         found: list[PersonSeen] = []
 
         def seen() -> bool:
-            people = context.world.people.everybody
-            found[:] = [p for p in people if p.seen_at > began and self._outfit.fits(Looks(p.shirt, p.trousers))]
+            found[:] = self._outfit.worn_since(began, context.world.people.everybody)
             return bool(found)
 
         await face_point(context, (x, y, _WAIST))
