@@ -151,6 +151,13 @@ class PeopleMemory:
         with self._lock:
             self._records.pop(number, None)
 
+    def forget_gestures(self) -> None:
+        """What they do with their arms is looked at anew."""
+        with self._lock:
+            for record in self._records.values():
+                record.lately.clear()
+                record.person = replace(record.person, gesture=None)
+
     def clear(self) -> None:
         """Begin anew; those who live here stay known."""
         with self._lock:

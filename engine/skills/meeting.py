@@ -98,8 +98,11 @@ async def look_around(
     context: SkillContext, found: Callable[[], bool] = lambda: False, *, gestures: bool = False
 ) -> Result | None:
     """Look all the way round with the camera level, until ``found()``; what kept it from that. ``gestures``: watch
-    everybody who is seen for a while, to tell what they do with their arms."""
+    everybody who is seen for a while before that is asked, to tell what they do with their arms: in one picture that
+    cuts off their head, the shoulder of an arm that hangs looks like one that is up."""
     watched: list[tuple[float, float]] = []
+    if gestures:
+        context.world.people.forget_gestures()  # as they were seen in passing
     for half in range(2):
         if half:
             turned = await turn(context, math.pi, _TURN)
@@ -111,7 +114,7 @@ async def look_around(
                 return fail("no_progress", "The arm stopped on the way to its looking pose.")
             began = context.robot.state().t
             await context.see()
-            if found():
+            if not gestures and found():
                 return None
             for person in context.world.people.everybody if gestures else ():
                 x, y, _ = person.position
@@ -119,8 +122,8 @@ async def look_around(
                     continue
                 watched.append((x, y))
                 await _watch(context, person)
-                if found():
-                    return None
+            if gestures and found():
+                return None
     return None
 
 
@@ -161,7 +164,7 @@ async def find_somebody(
         return seen_now(context, wanted, inside)
 
     here = room_at(context.robot.floor_map, context.pose.x, context.pose.y)
-    if (person := found()) is not None:
+    if not gestures and (person := found()) is not None:
         return person
     if here in order or not rooms:
         trouble = await look_around(context, lambda: found() is not None, gestures=gestures)
