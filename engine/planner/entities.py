@@ -108,6 +108,11 @@ _PERSON: Final = re.compile(
     r"mom|dad|grandma|grandpa|granny|brother|sister|neighbou?r|visitor|whoever)\b|"
     r"人|妈|爸|爷|奶|哥|姐|弟|妹|孩|客|老师|同事|先生|女士|大家|他|她|医生"
 )
+_PEOPLE: Final = re.compile(
+    r"(?:people|men|women|boys|girls|kids|children|guests|ladies|gentlemen|guys|elders|adults|folks|friends|visitors|"
+    r"colleagues|neighbou?rs)\b|(?<![我你您他她它咱])们"
+)
+"""Several of them, though no word says how many."""
 _SIDES: Final[tuple[tuple[Side, re.Pattern[str]], ...]] = (
     ("left", re.compile(r"(?:(?:to|on|over|at) )*(?:the |your )?left(?: hand)?(?: side)?|左|左边|左侧|左面|左手边")),
     ("right", re.compile(r"(?:(?:to|on|over|at) )*(?:the |your )?right(?: hand)?(?: side)?|右|右边|右侧|右面|右手边")),
@@ -217,7 +222,7 @@ class Entities:
             or self._numbered(inner)
             or self._plainly(inner, candidates, chinese, which),
             person=plain if _PERSON.search(head) else None,
-            every=_ALL.search(plain) is not None,
+            every=_ALL.search(plain) is not None or _PEOPLE.search(head) is not None,
             superlative=_SUPERLATIVE.search(head) is not None,
             at=self.of(where) if where else None,
         )

@@ -32,11 +32,19 @@ _BRAKING, _TURN_BRAKING = 1.2, 6.0  # m/s² and rad/s², a little less than what
 _NEAR: Final = 0.08  # m from which the robot retreats…
 _RETREAT: Final = 0.12  # …at so many m/s
 _CORNERS: Final = 12  # points that stand for a thing's outline
+_FEET: Final = 0.35  # m around somebody in which what is seen low is their legs
+_STAYS_S: Final = 10.0  # for which somebody is taken to stand where they were seen
 
 
 def strewn(context: SkillContext) -> list[Thing]:
-    """Small things that are remembered to lie on the floor."""
-    return [thing for thing in context.world.things if thing.surface < LOW]
+    """Small things that are remembered to lie on the floor. From close by, legs look like one: the lidar sees those."""
+    now = context.robot.state().t
+    people = [person for person in context.world.people.everybody if now - person.seen_at < _STAYS_S]
+    return [
+        thing
+        for thing in context.world.things
+        if thing.surface < LOW and all(person.distance_to(*thing.position[:2]) > _FEET for person in people)
+    ]
 
 
 def outline(things: Iterable[Thing]) -> NDArray[np.float64]:

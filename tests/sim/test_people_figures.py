@@ -135,10 +135,10 @@ def test_an_arm_stretched_out_is_seen_whole_whatever_way_somebody_looks(facing: 
 
 def test_the_family_is_at_home_and_everybody_known_wears_a_colour_of_their_own() -> None:
     scene = load_scene(scene_path("family"))
-    assert {"William", "Anna", "Elizabeth", "James", "visitor"} == set(scene.people)
+    assert {"you", "William", "Anna", "Elizabeth", "James", "visitor"} == set(scene.people)
     shirts = [person.shirt for person in scene.people.values()]
     assert len(set(shirts)) == len(shirts)
-    assert [name for name, person in scene.people.items() if not person.known] == ["visitor"]
+    assert [name for name, person in scene.people.items() if not person.known] == ["you", "visitor"]
 
 
 def test_who_holds_something_that_does_not_exist_is_told() -> None:

@@ -180,3 +180,19 @@ def test_who_was_led_away_from_their_path_stays_there_after_the_host_was_replace
     assert stood[0] > 0
     drive(again, ZERO, 3.0)
     assert place(again, "eve") == pytest.approx(stood, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("words", "room", "robot"),
+    [("I follow you to the kitchen.", "kitchen", Pose(0.9, 0.6, 0)), ("我跟着你去书房。", "study", Pose(2.3, 0.6, 0))],
+)
+def test_who_gives_the_tasks_leads_to_any_room(words: str, room: str, robot: Pose) -> None:
+    world = family(robot, you={"path": [[1, 0]], "speed": 1.0, "gives_tasks": True})
+    assert [n.does for n in said(world, words)] == ["hears", "leads"]
+    drive(world, ZERO, 8.0)
+    assert load_scene(scene_path("family")).rooms[room].contains(*place(world, "you"))
+
+
+def test_who_gives_the_tasks_answers_as_a_person_at_the_keyboard_and_not_by_themselves() -> None:
+    world = hall(you={"path": [[1, 0]], "gives_tasks": True}, eve={"path": [[-2, 0]]})
+    assert [(n.who, n.does) for n in said(world, "What is your name?")] == [("eve", "hears"), ("eve", "says")]

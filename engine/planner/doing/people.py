@@ -12,6 +12,8 @@ from dataclasses import replace
 from typing import Final
 
 from engine.errors import PlanError
+from engine.facts import fact
+from engine.han import is_chinese
 from engine.plan import ActionCall, Quantity
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable
 from engine.planner.phrases.said import Calls, call
@@ -139,6 +141,10 @@ _HERE: Final = re.compile(r"\bbring\b.*\bback\b|\bback (?:here|to me|with you)\b
 
 
 def tell(doing: Doing, words: str, where: str, text: str) -> Calls:
+    """Gone to and told; several people each by themselves, in all rooms where none is said."""
+    if are_several(doing, words):
+        kind, room = somebody(doing, words, where)
+        return call("tell_everyone", text, kind, *((room,) if room else ()))
     who, there = somebody(doing, words, where, stranger=True)
     if not there and who not in (ME, "person") and doing.entities.is_stranger_called(who) and doing.calls == []:
         return call("say", text)  # aloud: nobody knows where they are
@@ -155,7 +161,7 @@ def ask(doing: Doing, roles: Roles) -> Calls:
         return call("say", question(text))
     found = find_person(doing, who, there)
     if _LEAVES.search(text.casefold()):
-        return (*found, *call("tell", who, "Please leave." if text.isascii() else "请您离开。"))
+        return tell(doing, words, where, "Please leave." if text.isascii() else "请您离开。")
     return (*found, *call("ask_person", who, question(text)))
 
 
@@ -196,13 +202,39 @@ def _inverted(found: re.Match[str]) -> str:
 
 
 def introduce(doing: Doing, roles: Roles) -> Calls:
+    """Whoever is introduced is met where they are said to be, and named to the others. With nobody, or one person and
+    "yourself", the robot tells of itself."""
     people, where = roles.all("person"), roles.all("place")
+    to, there = (people[-1], where[-1] if where else "") if people else ("", "")
     if len(people) < 2:
-        raise Open("who")
-    one, at = somebody(doing, people[0], where[0] if len(where) > 1 else "")
-    first = call("meet", one, at) if at else ()
-    other, there = somebody(doing, people[1], where[-1] if where else "", stranger=True)
-    return (*first, *find_person(doing, other, there), *call("tell", other, f"This is {one}."))
+        if not _YOURSELF.search(doing.said.casefold()):
+            raise Open("who")
+        itself = "你自己" if is_chinese(doing.said) else "something about yourself"
+        return tell(doing, to, there, itself) if to else call("say", fact(itself))
+    at = where[0] if len(where) > 1 else ""
+    if doing.entities.of(people[0]).me:
+        one, met = ME, ""
+    else:
+        one, met = somebody(doing, people[0], at)
+    first = call("meet", one, met) if met else ()
+    return (*first, *tell(doing, to, there, _introduced(one, met, is_chinese(doing.said))))
+
+
+def _introduced(one: str, at: str, chinese: bool) -> str:
+    if one == ME:
+        return "有人想认识您。" if chinese else "Somebody here would like to meet you."
+    if chinese:
+        return f"给您介绍{one}{f'，就在{at}' if at else ''}。"
+    return f"I would like to introduce {one}{f', who is at the {at}' if at else ''}."
+
+
+_YOURSELF: Final = re.compile(r"\byourself\b|自己|自我")
+
+
+def are_several(doing: Doing, words: str) -> bool:
+    """Whether each of several people is meant: "everyone", "the guests"."""
+    found = doing.entities.of(words) if words else None
+    return found is not None and found.every and bool(found.person)
 
 
 def hand(doing: Doing, words: str, where: str = "") -> Calls:

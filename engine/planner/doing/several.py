@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Final
 
 from engine.planner.doing.doing import Doing, Open, Unable
+from engine.planner.doing.people import are_several
 from engine.planner.entities import Entity
 from engine.understanding.acts import RoleName
 from engine.understanding.meaning import Do, If, Repeat, Role
@@ -29,7 +30,7 @@ def one_by_one(act: Do, doing: Doing) -> Do:
     """The act with the things of this house that "all the cups but the blue one" are; as it is where it has no such
     group, and for what a skill does with all things of a colour."""
     to_a_place = act.act == "tidy" and bool(act.words("place"))
-    if _is_for_each(act, doing):
+    if are_several(doing, act.words("person")):  # each of them gets one: "drinks to everyone"
         return act
     if act.words("source") and any(_is_group(doing, words, act) for words in act.all("thing")):
         raise Unable("every", act.words("thing"))  # which of them lie there, nobody knows yet
@@ -45,13 +46,6 @@ def one_by_one(act: Do, doing: Doing) -> Do:
     named = [doing.entity(role.words).thing if role.name == "thing" else None for role in roles]
     roles = [role for at, role in enumerate(roles) if named[at] is None or named[at] not in named[:at]]
     return replace(act, act="put" if to_a_place else act.act, roles=tuple(roles))
-
-
-def _is_for_each(act: Do, doing: Doing) -> bool:
-    """Whether each of several people gets one: "drinks to everyone"."""
-    words = act.words("person")
-    found = doing.entities.of(words) if words else None
-    return found is not None and found.every and bool(found.person)
 
 
 def _is_group(doing: Doing, words: str, act: Do) -> bool:

@@ -35,6 +35,7 @@ _PHRASES: Final[dict[Wish, re.Pattern[str]]] = {
     "give": re.compile(rf"(?:{_ORDER}|\byou )(?:give|hand) me\b|{_ORDER_ZH}把.*[给递]我|{_ORDER_ZH}[给递](?:给)?我"),
     "pass": re.compile(rf"{_ORDER}(?:let me pass|step aside)\b|\bmay i pass\b|{_ORDER_ZH}(?:让一[下让]|让我过|借过)"),
 }
+_GOAL = re.compile(r"follow(?:ing)? you to (?:the )?([^?.!,]+)|跟(?:着|随|在)?你(?:去|到)([^？?，。！]+)")
 _ARE_YOU = re.compile(r"\bare you (?:called |named )?([^?.!,]+)\?|你(?:是|叫)([^？?，。]+?)吗?\s*[？?]")
 _QUESTION = re.compile(r"[?？]\s*$|[吗呢]\s*[。]?\s*$")
 
@@ -47,6 +48,7 @@ class Heard:
     wish: Wish
     to: str | None = None  # who is spoken to by name
     are_you: str | None = None  # the name that is asked after: "are you William?"
+    goal: str = ""  # where the robot says it follows them to
 
     @property
     def chinese(self) -> bool:
@@ -82,4 +84,5 @@ def understood(text: str, names: Names) -> Heard:
     wish = next((wish for wish, phrase in _PHRASES.items() if phrase.search(plain)), None)
     if wish is None:
         wish = "answer" if _QUESTION.search(plain) else "nothing"
-    return Heard(text, wish, to)
+    goal = _GOAL.search(plain) if wish == "lead" else None
+    return Heard(text, wish, to, goal=goal[1] or goal[2] if goal is not None else "")

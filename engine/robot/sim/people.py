@@ -12,11 +12,13 @@ from typing import Any, Final
 
 from engine.robot.company import Happening, News
 from engine.robot.geometry import Pose, wrap
+from engine.robot.sim.destinations import Destinations
 from engine.robot.sim.free_floor import FreeFloor, direction
 from engine.robot.sim.handing import Giving, Hands, Taking
 from engine.robot.sim.heard import Heard, names_of, understood
 from engine.robot.sim.person import Mover
 from engine.robot.sim.scene import Scene
+from engine.robot.sim.scene_parts import Point
 from engine.robot.sim.somebody import Somebody
 from engine.robot.sim.walking import Following, Leading, SteppingAside, Trail
 
@@ -38,6 +40,7 @@ class People:
         forgotten."""
         self._data = data
         self._floor = FreeFloor(scene)
+        self._destinations = Destinations(scene)
         self._trail = Trail()
         self._hands = Hands(model, data, scene.objects)
         self._people = [
@@ -95,6 +98,12 @@ class People:
     def _tell_of(self, somebody: Somebody, does: Happening, text: str = "") -> None:
         self._news.append(News(self._t, somebody.key, does, text))
 
+    def _led_to(self, one: Somebody, goal: str) -> tuple[Point, ...]:
+        """The way that somebody walks ahead of the robot."""
+        if not one.person.gives_tasks or not goal:
+            return one.person.leads
+        return self._destinations.way(one.at, goal, [other.at for other in self._people if other is not one])
+
     def _rank(self, one: Somebody, heard: Heard) -> tuple[bool, bool, float]:
         """Less for who reacts rather: somebody who can, who sees the robot, and who is near, or looked at by it."""
         robot, at = self._robot, one.at
@@ -108,10 +117,10 @@ class People:
         wish, t = heard.wish, self._t
         if wish == "nothing" and one.strayed and heard.to is not None:
             wish = "come along"  # their name alone is enough
+        if not one.can(heard):
+            return
         if wish in ("name", "answer"):
             self._tell_of(one, "says", one.answer(heard))
-        elif not one.can(heard):
-            return
         elif wish == "follow":
             one.follow(Following(self._trail, self._floor))
             self._tell_of(one, "follows")
@@ -122,8 +131,9 @@ class People:
             one.stay()
             self._tell_of(one, "stays")
         elif wish == "lead":
-            one.way = Leading(one.person.leads, one.person.speed or 0.4, self._floor)
-            self._tell_of(one, "leads")
+            if points := self._led_to(one, heard.goal):
+                one.way = Leading(points, one.person.speed or 0.4, self._floor)
+                self._tell_of(one, "leads")
         elif wish == "pass":
             aside = SteppingAside(one.pose, self._robot, self._floor, t)
             if aside.to is not None:

@@ -207,6 +207,11 @@ class Person(Part):
         default=None, gt=0, description="m behind the robot after which they stop once, until they are called."
     )
     holds: str | None = Field(default=None, description="The loose object in their hand.")
+    gives_tasks: bool = Field(
+        default=False,
+        description="Who types or speaks to the robot: they answer no question, because that one does, and lead to any "
+        "room, furniture or place of the scene that the robot says it follows them to.",
+    )
 
 
 class ScenePlace(Part):

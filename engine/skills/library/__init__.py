@@ -30,7 +30,7 @@ from engine.skills.library.people import count_people, describe_person, find_per
 from engine.skills.library.searching import list_things, locate, navigate_to_object, scan_room, seewhat
 from engine.skills.library.signals import beep, light
 from engine.skills.library.sorting import apriltag_remove_higher, apriltag_sort, color_remove_higher
-from engine.skills.library.talking import answer_question, ask_person, report_answer, tell
+from engine.skills.library.talking import answer_question, ask_person, report_answer, tell, tell_everyone
 from engine.skills.registry import Skill
 
 LIBRARY: tuple[Skill, ...] = (
@@ -86,6 +86,7 @@ LIBRARY: tuple[Skill, ...] = (
     meet,
     guide,
     tell,
+    tell_everyone,
     ask_person,
     report_answer,
     answer_question,

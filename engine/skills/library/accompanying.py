@@ -53,7 +53,8 @@ async def person_follow(
             return stands > 0 and math.dist(at, began) > WALKED
         return room.holds(*at) or math.dist(at, (goal.x, goal.y)) < THERE
 
-    await context.say(addressed(person, in_theirs(context, person, "I follow you.")))
+    words = f"I follow you to {context.places.name(to)}." if to else "I follow you."
+    await context.say(addressed(person, in_theirs(context, person, words)))
     return await Pursuit(context, person, called(person), _outfit(context, person, who)).run(there, stands or STOOD_S)
 
 

@@ -10,11 +10,10 @@ from engine.perception.naming import wanted
 from engine.perception.people import PersonSeen
 from engine.robot.arm import Joints
 from engine.skills.context import SkillContext
-from engine.skills.find import room_called
 from engine.skills.hand import close_fingers, fold, move_to, open_fingers, presses, still_held
 from engine.skills.library.manipulation import fetch
-from engine.skills.library.people import people_in
-from engine.skills.meeting import NEARER, called, fits, go_up_to
+from engine.skills.library.people import those_in
+from engine.skills.meeting import NEARER, called, go_up_to
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.registry import Word, skill
 from engine.skills.with_people import (
@@ -24,7 +23,6 @@ from engine.skills.with_people import (
     addressed,
     in_theirs,
     name_of,
-    who_is,
     with_somebody,
 )
 
@@ -51,16 +49,12 @@ async def hand_over(context: SkillContext, who: Who = ANYBODY) -> Result:
 async def serve(context: SkillContext, object: Thing, who: Who = ANYBODY, where: Where = "") -> Result:
     """Bring a thing of a kind to each person in a room, or to each of these: one after the other is fetched and handed
     over."""
-    room = room_called(context, where)
-    wants = fits(context, who_is(context, who))
-    guests = await people_in(context, room.name)
-    if isinstance(guests, Result):
-        return guests
-    waiting = [person for person in guests if wants(person)]
-    if not waiting:
-        return fail("object_not_found", f"I looked in the {room.name} and saw nobody to serve.")
+    found = await those_in(context, who, where)
+    if isinstance(found, Result):
+        return found
+    room, guests = found
     served: list[str] = []
-    for guest in waiting:
+    for guest in guests:
         if context.world.held is None and not (picked := await fetch(context, wanted(object))).ok:
             return _served(served, picked)
         if (held := context.world.held) is None or not still_held(context):
@@ -71,7 +65,7 @@ async def serve(context: SkillContext, object: Thing, who: Who = ANYBODY, where:
         if not handed.ok:
             return _served(served, handed)
         served.append(called(person))
-    return ok(f"I served {len(served)} people in the {room.name}.", served=len(served))
+    return ok(f"I served {len(served)} people in the {room}.", served=len(served))
 
 
 def _served(served: list[str], trouble: Result) -> Result:

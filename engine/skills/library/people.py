@@ -124,6 +124,20 @@ async def people_in(context: SkillContext, room_name: str) -> tuple[PersonSeen, 
     return tuple(found)
 
 
+async def those_in(context: SkillContext, who: str, where: str) -> tuple[str, tuple[PersonSeen, ...]] | Result:
+    """The name of a room, and everybody in it who is meant; why not, where there is nobody. No room is the one where
+    the robot is."""
+    room = room_called(context, where)
+    everybody = await people_in(context, room.name)
+    if isinstance(everybody, Result):
+        return everybody
+    fit = fits(context, who_is(context, who))
+    found = tuple(person for person in everybody if fit(person))
+    if not found:
+        return fail("object_not_found", f"I looked in the {room.name} and saw nobody who is meant.")
+    return room.name, found
+
+
 def _counted(count: int, who: Someone) -> str:
     """``no person sitting``, ``one woman``, ``2 people waving``."""
     if count < 2:

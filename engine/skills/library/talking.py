@@ -6,14 +6,15 @@ from engine.facts import fact
 from engine.han import is_chinese
 from engine.perception.people import Answer
 from engine.skills.context import SkillContext
-from engine.skills.meeting import (
-    called,
-)
+from engine.skills.find import NO_WAY, by_distance
+from engine.skills.library.people import those_in
+from engine.skills.meeting import called, go_up_to
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.registry import skill
 from engine.skills.with_people import (
     ANYBODY,
     Sentence,
+    Where,
     Who,
     addressed,
     in_theirs,
@@ -31,6 +32,41 @@ async def tell(context: SkillContext, who: Who, text: Sentence) -> Result:
     words = fact(text) or text
     await context.say(addressed(person, words))
     return ok(f"I told {called(person)}: “{words}”.", said=words)
+
+
+@skill(occupies=["base", "arm", "camera", "voice"], lasting=True)
+async def tell_everyone(context: SkillContext, text: Sentence, who: Who = ANYBODY, where: Where = "") -> Result:
+    """Go to each person in a room, or to each of these, and say something to them; without a room, through all of
+    them."""
+    words = fact(text) or text
+    rooms = (where,) if where else tuple(room.name for room in by_distance(context.robot.floor_map, context.pose))
+    told: list[str] = []
+    shut: Result | None = None
+    for room in rooms:
+        found = await those_in(context, who, room)
+        people = () if isinstance(found, Result) else found[1]
+        if isinstance(found, Result) and found.error_code != "object_not_found":
+            shut = found
+            if found.error_code not in NO_WAY:
+                break
+        for one in people:
+            person = context.world.people.of_number(one.number) or one
+            went = await go_up_to(context, person)
+            if not went.ok:
+                return _told_only(told, went)
+            await context.say(addressed(person, words))
+            told.append(called(person))
+    if shut is not None:
+        return _told_only(told, shut)
+    if not told:
+        return fail("object_not_found", f"I looked in the {where} and saw nobody." if where else "I saw nobody at all.")
+    return ok(f"I told {len(told)} people: “{words}”.", said=words, told=len(told))
+
+
+def _told_only(told: list[str], trouble: Result) -> Result:
+    """A failure that says who has heard it before."""
+    before = f"I told {' and '.join(told)}. " if told else ""
+    return fail(trouble.error_code or "no_progress", f"{before}{trouble.message}", told=len(told))
 
 
 @skill(occupies=["base", "arm", "camera", "voice"])

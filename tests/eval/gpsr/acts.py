@@ -26,6 +26,7 @@ _SKILLS: Final[Mapping[str, tuple[What, ...]]] = {
     "putdown": ("put",), "place_in_bin": ("put",), "hand_over": ("give",), "take_from": ("take",),
     "bring": ("pick", "give"), "navigation": ("go",), "navigate_to_object": ("find",), "locate": ("find",),
     "find_person": ("find",), "meet": ("find",), "person_follow": ("follow",), "guide": ("guide",), "tell": ("tell",),
+    "tell_everyone": ("tell",),
     "say": ("tell",), "ask": ("ask",), "ask_person": ("ask",), "ask_user": (),
     "answer_question": ("ask", "tell"), "report_answer": ("tell",), "learn_name": (),
     "count_people": ("look",), "describe_person": ("look",),
