@@ -184,7 +184,7 @@ def test_who_was_led_away_from_their_path_stays_there_after_the_host_was_replace
 
 @pytest.mark.parametrize(
     ("words", "room", "robot"),
-    [("I follow you to the kitchen.", "kitchen", Pose(0.9, 0.6, 0)), ("我跟着你去书房。", "study", Pose(2.3, 0.6, 0))],
+    [("I follow you to the kitchen.", "kitchen", Pose(0.9, 0.6, 0)), ("我跟着你去书房。", "study", Pose(2.4, -0.3, 0))],
 )
 def test_who_gives_the_tasks_leads_to_any_room(words: str, room: str, robot: Pose) -> None:
     world = family(robot, you={"path": [[1, 0]], "speed": 1.0, "gives_tasks": True})
