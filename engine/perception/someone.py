@@ -67,7 +67,21 @@ class Someone:
         legs = f"with {self.trousers} trousers" if self.trousers else ""
         return " ".join(filter(None, (who, posture, self.gesture, dressed, legs)))
 
+    def in_chinese(self) -> str:
+        """The same in Chinese: ``William``, 坐着的穿红衣服的女士."""
+        posture = {None: "", "sitting": "坐着的", "standing": "站着的", "lying": "躺着的"}[self.posture]
+        gesture = _GESTURES_ZH[self.gesture] if self.gesture else ""
+        shirt = f"穿{_COLOURS_ZH[self.shirt]}衣服的" if self.shirt else ""
+        legs = f"穿{_COLOURS_ZH[self.trousers]}裤子的" if self.trousers else ""
+        who = self.name or {None: "人", "female": "女士", "male": "男士"}[self.gender]
+        return f"{posture}{gesture}{shirt}{legs}{who}"
 
+
+_GESTURES_ZH: Final[dict[Gesture, str]] = {
+    "waving": "挥手的", "raising the left arm": "举左手的", "raising the right arm": "举右手的",
+    "pointing to the left": "指着左边的", "pointing to the right": "指着右边的",
+}  # fmt: skip
+_COLOURS_ZH: Final = {colour: word for word, colour in reversed(CHINESE.items()) if colour in get_args(Colour)}
 _COLOURS: Final = "|".join((*get_args(Colour), "gray"))
 _SIDE: Final = r"(?P<side>left|right)"
 _TOP: Final = r"(?:shirt|top|t-?shirt|jumper|jacket|sweater|blouse|coat|dress|hoodie|pullover|vest)"
@@ -129,7 +143,7 @@ _FILLERS: Final = re.compile(
     r"\b(?:the|a|an|any|some|that|this|those|these|all|every|each|other|who|which|is|are|'s|'re|there|of|and|"
     r"only|to|with|on|in|at|my|our|please|mr|mrs|ms|miss|dr|male|female|specific)\b|[.,!?;:]"
 )
-_FILLERS_ZH: Final = re.compile("[这那]一?[个位名]|一[个位名]|[个位名]|有|在|正|的|所有|所|和|，|。|？")
+_FILLERS_ZH: Final = re.compile("[这那每各]一?[个位名]|一[个位名]|[个位名每]|全部|全体|有|在|正|的|所有|所|和|，|。|？")
 _NAME: Final = re.compile(r"[^\W\d_][^\W\d_'’.-]*(?: [^\W\d_][^\W\d_'’.-]*){0,2}")
 
 

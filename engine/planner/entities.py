@@ -59,6 +59,8 @@ _SO_MANY: Final = re.compile(
     r"(?:(?:the|those|these|my) )?(?P<en>two|three|four|five|[2-5]) (?=[a-z])|"
     rf"[这那]?(?P<zh>[两二三四五2-5]){_MEASURE}(?=.)"
 )
+_SO_MANY_INNER: Final = re.compile(rf"(?<=的)(?P<zh>[两二三四五2-5]){_MEASURE}(?=.)")
+"""The same in the middle of a Chinese phrase: "the biggest three cups"."""
 _EVERY_ROOM: Final = re.compile(
     r"^(?:(?:in|into|to|through) )?(?:all|every|each)(?: one)?(?: of)?(?: the| my| our)? (?:single |other )*rooms?\b|"
     r"^(?:所有的?|每一?个?|各个?|全部的?)(?:房间|屋子|屋)"
@@ -110,7 +112,7 @@ _PERSON: Final = re.compile(
 )
 _PEOPLE: Final = re.compile(
     r"(?:people|men|women|boys|girls|kids|children|guests|ladies|gentlemen|guys|elders|adults|folks|friends|visitors|"
-    r"colleagues|neighbou?rs)\b|(?<![我你您他她它咱])们"
+    r"colleagues|neighbou?rs)\b|(?<![我你您他她它咱])们|每一?[个位名]|所有的?|大家|各位"
 )
 """Several of them, though no word says how many."""
 _SIDES: Final[tuple[tuple[Side, re.Pattern[str]], ...]] = (
@@ -338,9 +340,9 @@ class Entities:
         """Things of a kind, any of which will do, and how many are asked for (0: not said): "the three largest
         drinks", "cups". Empty where it is no kind of thing."""
         plain = " ".join(words.casefold().split()).strip(" ,.!?;:，。！？；：、")
-        so_many = _SO_MANY.match(plain)
-        count = round(number(so_many["en"] or so_many["zh"]) or 0) if so_many is not None else 0
-        rest = plain[so_many.end() :] if so_many is not None else _bare(plain)
+        so_many = _SO_MANY.match(plain) or _SO_MANY_INNER.search(plain)
+        count = round(number(next(filter(None, so_many.groups()))) or 0) if so_many is not None else 0
+        rest = f"{plain[: so_many.start()]}{plain[so_many.end() :]}" if so_many is not None else _bare(plain)
         for candidate in (_chinese if is_chinese(rest) else _english)(rest):
             if found := self._vocabulary.any_of(candidate):
                 return found, count

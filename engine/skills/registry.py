@@ -42,9 +42,10 @@ class Word(NamedTuple):
     thing, as ``str`` of :class:`~engine.perception.naming.Wanted` (``red box``, ``block 3``). surface: the name of a
     piece of furniture, ``bin``, ``floor``, or where that makes sense a room or another place by name. room: its name.
     person: somebody, as ``str`` of :class:`~engine.perception.someone.Someone` (``William``, ``person waving``).
+    people: the same, for each of several.
     """
 
-    kind: Literal["place", "colour", "thing_colour", "object", "surface", "room", "person", "sentence"]
+    kind: Literal["place", "colour", "thing_colour", "object", "surface", "room", "person", "people", "sentence"]
 
 
 Distance = Annotated[float, Measure("m", -50, 50)]

@@ -99,6 +99,7 @@ class Vocabulary:
             "room": self.room,
             "thing_colour": self.colour,
             "person": self.person,
+            "people": self.person,
         }
 
     def object(self, words: str) -> str:

@@ -26,6 +26,8 @@ from engine.skills.registry import Word
 from engine.skills.vocabulary import ME
 
 Who = Annotated[str, Word("person")]
+Those = Annotated[str, Word("people")]
+"""Each of several: who is meant of all in a room."""
 Where = Annotated[str, Word("surface")]
 Sentence = Annotated[str, Word("sentence")]
 ANYBODY: Final = "person"

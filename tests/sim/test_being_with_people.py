@@ -118,6 +118,19 @@ def test_somebody_is_found_in_a_room_and_told_something(family: Family) -> None:
     assert 0.6 < math.dist((x, y), (family.context.pose.x, family.context.pose.y)) < 2.2, "near, and not too near"
 
 
+def test_everybody_in_a_room_is_told_by_themselves(family: Family) -> None:
+    [told] = family.do(("tell_everyone", {"text": "dinner is ready", "where": "living room"}))
+    assert told.data["told"] == 2
+    assert family.heard("Elizabeth") == ["Elizabeth, dinner is ready"]
+    assert family.heard("William") == ["William, dinner is ready"]
+    assert family.heard("Anna") == []
+
+
+def test_the_one_who_gives_the_task_is_followed_to_a_room(family: Family) -> None:
+    [followed] = family.do(("person_follow", {"who": "me", "to": "A"}))
+    assert followed.message == "I followed the person in purple to the kitchen."
+
+
 def test_nobody_of_this_look_is_there(family: Family) -> None:
     [found] = family.do(("find_person", {"who": "person in purple", "where": "kitchen"}))
     assert (found.outcome, found.error_code) == ("failed", "object_not_found")

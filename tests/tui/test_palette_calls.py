@@ -20,7 +20,7 @@ from tui.palette.calls import Values, as_written
 
 WORDS = {
     "place": "study", "places": "study, kitchen", "object": "red box", "surface": "desk", "room": "kitchen",
-    "thing_colour": "red", "colour": "green", "sentence": "hello there", "person": "William",
+    "thing_colour": "red", "colour": "green", "sentence": "hello there", "person": "William", "people": "William",
 }  # fmt: skip
 NUMBERS = {"m": 0.8, "deg": 45.0, "s": 3.0, "m/s": 0.4, "rad/s": 0.5, "": 2.0}
 MEANT = {"place": "D", "places": "D,A"}

@@ -63,6 +63,7 @@ def told(argument: Quantity | str) -> str:
         ("describe | what is {thing: the smallest object} on {place: the desk}", "list_things(smallest thing, desk)"),
         ("describe | which are {thing: the three biggest boxes} on {place: the desk}",
          "list_things(biggest box, desk, 3)"),
+        ("describe | 告诉我{place: 书桌}上{thing: 最大的三个盒子}是哪些", "list_things(biggest box, desk, 3)"),
         ("count | how many {thing: cups} are on {place: the desk}", "list_things(cup, desk)"),
         ("find | find {thing: two cups} in {place: the kitchen}", "list_things(cup, kitchen)"),
         ("beep | honk {times: three times}", "beep(); beep(); beep()"),

@@ -63,6 +63,7 @@ def told(argument: Quantity | str) -> str:
          "find_person(person pointing to the left, kitchen); answer_question(person pointing to the left)"),
         ("tell | say {topic: something about yourself} to {person: Anna}", "tell(Anna, something about yourself)"),
         ("bring | serve {thing: cups} to {person: everyone in the kitchen}", "serve(cup, person, kitchen)"),
+        ("bring | 给{person: 厨房里的每个人}送{thing: 杯子}", "serve(cup, person, kitchen)"),
         ("bring | bring {thing: a box} to {person: all the men in the study}", "serve(box, man, study)"),
         ("guide | take {person: me} to {place: the study}", "guide(me, D)"),
         ("tell | tell {person: Anna} that {text: dinner is ready}", "tell(Anna, dinner is ready)"),

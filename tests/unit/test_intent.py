@@ -77,7 +77,7 @@ def test_the_steps_are_those_that_the_skills_go_through(written: str, steps: tup
 def test_every_skill_can_be_told_as_an_intent() -> None:
     for skill in REGISTRY:
         values = {"place": "A", "places": "A", "object": "cup", "surface": "stool", "room": "kitchen", "colour": "red",
-                  "thing_colour": "red", "sentence": "hello", "person": "William"}  # fmt: skip
+                  "thing_colour": "red", "sentence": "hello", "person": "William", "people": "William"}  # fmt: skip
         arguments = ", ".join(
             f"{p.low:g}" if p.low is not None else f"'{values[p.word or 'sentence']}'" for p in skill.parameters
         )

@@ -158,6 +158,7 @@ def test_the_words_of_a_language_may_be_left_out() -> None:
 
 EXAMPLES: dict[str | None, str] = {
     "place": "A", "places": "A,B", "object": "red box", "surface": "sofa", "room": "kitchen", "person": "Anna",
+    "people": "person in red",
     "colour": "red", "thing_colour": "red", "sentence": "Ж",
 }  # fmt: skip
 

@@ -213,19 +213,18 @@ def introduce(doing: Doing, roles: Roles) -> Calls:
         return tell(doing, to, there, itself) if to else call("say", fact(itself))
     at = where[0] if len(where) > 1 else ""
     if doing.entities.of(people[0]).me:
-        one, met = ME, ""
-    else:
-        one, met = somebody(doing, people[0], at)
+        return tell(
+            doing, to, there, "有人想认识您。" if is_chinese(doing.said) else "Somebody here would like to meet you."
+        )
+    one, met = somebody(doing, people[0], at)
     first = call("meet", one, met) if met else ()
-    return (*first, *tell(doing, to, there, _introduced(one, met, is_chinese(doing.said))))
+    return (*first, *tell(doing, to, there, _introduced(one, at, is_chinese(doing.said))))
 
 
 def _introduced(one: str, at: str, chinese: bool) -> str:
-    if one == ME:
-        return "有人想认识您。" if chinese else "Somebody here would like to meet you."
     if chinese:
         return f"给您介绍{one}{f'，就在{at}' if at else ''}。"
-    return f"I would like to introduce {one}{f', who is at the {at}' if at else ''}."
+    return f"I would like to introduce {one}{f', who is at {at}' if at else ''}."
 
 
 _YOURSELF: Final = re.compile(r"\byourself\b|自己|自我")

@@ -14,11 +14,12 @@ from typing import Any, Final
 
 from config.schema import Place, Telling
 from engine.han import is_chinese
+from engine.perception.someone import someone
 from engine.plan import ActionCall, Argument, Quantity
 from engine.planner.text.words import digits
 from engine.skills.places import ZERO_SYMBOL, Places
 from engine.skills.registry import Parameter, Skill
-from engine.skills.vocabulary import Vocabulary
+from engine.skills.vocabulary import ME, Vocabulary
 
 MAX_TOLD = 4
 """More things than these are not listened to in one answer."""
@@ -118,9 +119,24 @@ class Answers:
                 return self._surface(value)
             case "room":
                 return self._called(value)
+            case "person":
+                return self._person(value)
+            case "people" if self._chinese:
+                return someone(value).in_chinese()
             case "colour" | "thing_colour":
                 return self._word(value)
         return value
+
+    def _person(self, who: str) -> str:
+        """A name, or a description with its article."""
+        if who == ME:
+            return str(self._words["person"])
+        described = someone(who)
+        if self._chinese:
+            return described.in_chinese()
+        if described.is_anybody:
+            return "somebody"
+        return who if described.name else f"the {who}"
 
     def _thing(self, thing: str) -> str:
         """With its article; what has a number has a name."""

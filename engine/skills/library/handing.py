@@ -18,6 +18,7 @@ from engine.skills.outcome import Result, fail, ok
 from engine.skills.registry import Word, skill
 from engine.skills.with_people import (
     ANYBODY,
+    Those,
     Where,
     Who,
     addressed,
@@ -46,7 +47,7 @@ async def hand_over(context: SkillContext, who: Who = ANYBODY) -> Result:
 
 
 @skill(occupies=["base", "arm", "camera", "voice"], lasting=True)
-async def serve(context: SkillContext, object: Thing, who: Who = ANYBODY, where: Where = "") -> Result:
+async def serve(context: SkillContext, object: Thing, who: Those = ANYBODY, where: Where = "") -> Result:
     """Bring a thing of a kind to each person in a room, or to each of these: one after the other is fetched and handed
     over."""
     found = await those_in(context, who, where)

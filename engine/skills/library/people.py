@@ -20,6 +20,7 @@ from engine.skills.search import room_at
 from engine.skills.with_people import (
     ANYBODY,
     Sentence,
+    Those,
     Where,
     Who,
     ask_for_name,
@@ -87,7 +88,7 @@ async def learn_name(context: SkillContext, name: Sentence) -> Result:
 
 
 @skill(occupies=["base", "arm", "camera"], changes=["pose"])
-async def count_people(context: SkillContext, who: Who = ANYBODY, where: Where = "") -> Result:
+async def count_people(context: SkillContext, who: Those = ANYBODY, where: Where = "") -> Result:
     """Look through a room and say how many people, or how many of a kind, are there."""
     meant = who_is(context, who)
     room = room_called(context, where) if where else room_at(context.robot.floor_map, context.pose.x, context.pose.y)

@@ -14,6 +14,7 @@ from engine.skills.registry import skill
 from engine.skills.with_people import (
     ANYBODY,
     Sentence,
+    Those,
     Where,
     Who,
     addressed,
@@ -35,7 +36,7 @@ async def tell(context: SkillContext, who: Who, text: Sentence) -> Result:
 
 
 @skill(occupies=["base", "arm", "camera", "voice"], lasting=True)
-async def tell_everyone(context: SkillContext, text: Sentence, who: Who = ANYBODY, where: Where = "") -> Result:
+async def tell_everyone(context: SkillContext, text: Sentence, who: Those = ANYBODY, where: Where = "") -> Result:
     """Go to each person in a room, or to each of these, and say something to them; without a room, through all of
     them."""
     words = fact(text) or text
