@@ -224,10 +224,13 @@ class Planner:
         return answer
 
     def _told(self, heard: Heard, calls: Sequence[ActionCall], response: str | None = None) -> Plan | NoPlan:
-        """The plan of ``calls``, told in the language of the request."""
-        told = self._phrases(heard.language).told(calls)
-        answer = told.response if response is None else response
-        return self._validation.of(heard.text, calls, told.steps, answer)
+        """The plan of ``calls``, told in the language of the request: as what they are resolved to, not by the words
+        that an offer has for a place."""
+        found = self._validation.of(heard.text, calls, (), "")
+        if isinstance(found, NoPlan):
+            return found
+        told = self._tell(found.actions, heard.language)
+        return replace(found, steps=told.steps, response=told.response if response is None else response)
 
     def _plain(self, text: str, before: str = "") -> Plan | NoPlan | None:
         """What comes of ``text``, which somebody says, by itself or after the request ``before``; no large model is

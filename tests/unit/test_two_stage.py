@@ -386,7 +386,9 @@ def test_a_misspelt_place_is_asked_about_and_a_yes_goes_there() -> None:
         ("kitchen",),
     )
     before = (Said("go to teh kichen"), found)
-    assert names(read(Model([GOOD]), "yes please", happened=before)) == ["navigation"]
+    agreed = read(Model([GOOD]), "yes please", happened=before)
+    assert isinstance(agreed, Plan)
+    assert (names(agreed), agreed.response) == (["navigation"], "Going to the kitchen.")
     far = read(Model([GOOD]), "go to the moon")
     assert isinstance(far, NoPlan)
     assert far.answer.startswith("I don't know a place called moon. I know kitchen")
