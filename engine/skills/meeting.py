@@ -376,4 +376,4 @@ async def face_point(context: SkillContext, point: Point) -> None:
 
 def called(person: PersonSeen) -> str:
     """``William``, or ``the person in red``."""
-    return person.name or f"the person in {person.shirt}"
+    return person.name or (f"the person in {person.shirt}" if person.shirt else "the person")

@@ -209,13 +209,12 @@ class Pursuit:
 
         await face_point(context, (x, y, _WAIST))
         await context.see()
-        if not seen():
-            x, y = legs.at
-            if math.dist((x, y), (pose.x, pose.y)) > 0.8:
-                direction = math.atan2(y - pose.y, x - pose.x)
-                goal = Pose(x - 0.3 * math.cos(direction), y - 0.3 * math.sin(direction), direction)
-                await go_to(context, goal, "where they stayed")
-            await look_around(context, seen)
+        for x, y in ((x, y), legs.at) if not seen() else ():
+            direction = math.atan2(y - pose.y, x - pose.x)
+            goal = Pose(x - 0.3 * math.cos(direction), y - 0.3 * math.sin(direction), direction)
+            if math.dist((x, y), (pose.x, pose.y)) < 0.8 or (await go_to(context, goal, "where they walked to")).ok:
+                await look_around(context, seen)
+                break
         if not found:
             await look_through(context, room_at(context.robot.floor_map, x, y), seen)
         if not found:
