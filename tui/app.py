@@ -408,7 +408,9 @@ class SaysoApp(Stage):
             self.note("info", strings.ASKED_EARLY.format(printable(request)))
 
     def _follow(self) -> None:
-        """The user asks for something: the turn that is looked at is the newest again, unless it is on a page."""
+        """The user asks for something: the end of the conversation is in sight again, and the turn that is looked at
+        is the newest, unless it is on a page."""
+        self.main.follow("conversation")
         if self.screen is self.main:
             self.drawing.browse_to(None)
 
@@ -574,6 +576,14 @@ class SaysoApp(Stage):
 
     def action_newer(self) -> None:
         self._scroll_page(1)
+
+    def action_newest(self, name: PaneName | None = None) -> None:
+        """To the end of this pane, or of the one that is meant."""
+        if self.screen is not self.main:
+            return
+        if (name or self.main.pane) == "turns":
+            self.drawing.browse_to(None)
+        self.main.follow(name)
 
     def _scroll_page(self, step: int) -> None:
         page = self.screen if isinstance(self.screen, Paged) else self.main

@@ -90,6 +90,7 @@ KEYS: Final = (
     Key("examine", "r"),
     Key("older", "pageup", everywhere=True),
     Key("newer", "pagedown", everywhere=True),
+    Key("newest", "end"),
     Key("line_up", "up", does="scroll_line(-1)"),
     Key("line_down", "down", does="scroll_line(1)"),
 )
@@ -172,7 +173,7 @@ SETTING_KEYS: Final = (
 )
 """Those of the page of the settings, where they go before the console's own. Their actions are the page's."""
 
-_SCROLLED: Final = ("older", "newer", "line_up", "line_down", "zoom", "copy")
+_SCROLLED: Final = ("older", "newer", "newest", "line_up", "line_down", "zoom", "copy")
 PANE_KEYS: Final[Mapping[str, tuple[str, ...]]] = {
     "conversation": _SCROLLED,
     "plan": _SCROLLED,

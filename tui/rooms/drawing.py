@@ -216,6 +216,7 @@ class Drawing:
             now=max(model.t, stage.clock() - self._lag),
             started=handle is not None,
             notice=self._notice(),
+            newest=stage.acting("newest") or "",
             session=self._session,
             hints=self._hints(),
             parts=self._parts,

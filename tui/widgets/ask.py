@@ -39,6 +39,7 @@ class Ask(TextLine):
         Binding("down", "recall(1)", show=False),
         Binding("tab", "complete(1)", show=False),
         Binding("shift+tab", "complete(-1)", show=False),
+        Binding("end", "newest", show=False),
     ]
 
     class Asked(Message):
@@ -129,6 +130,13 @@ class Ask(TextLine):
             await self.app.run_action(f"app.next_pane({step})")
         elif self.cursor_at_end and self._suggestion:
             self.action_cursor_right()
+
+    async def action_newest(self) -> None:
+        """To the end of the text; from the empty line, to that of the conversation."""
+        if self.value:
+            self.action_end()
+        else:
+            await self.app.run_action("app.newest")
 
     async def action_submit(self) -> None:
         self.value, text = "", self.value

@@ -100,6 +100,7 @@ ABOUT_KEYS: Final = {
     "examine": "Examine everything once more.",
     "older": "Scroll back: the pane with the keyboard, or else the conversation.",
     "newer": "Scroll forward.",
+    "newest": "Show the newest lines again: of the pane with the keyboard, or else of the conversation.",
     "line_up": "Scroll back by a line.",
     "line_down": "Scroll forward by a line.",
     "map_nearer": "Look closer at the map.",
@@ -499,6 +500,7 @@ LOG_KEYS: Final = (
     "{log_level} level · {log_part} part · {log_find} search · {log_trouble_before} errors · {log_turn} turn"
 )
 NEW_LINES: Final = "{} new"
+SHOWS_NEW: Final = "{} shows them"
 LINE_OF_NO_TURN: Final = "This line belongs to no turn."
 
 # Quitting and failing

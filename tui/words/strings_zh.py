@@ -101,6 +101,7 @@ ABOUT_KEYS: Final = {
     "doctor": "检查 sayso 需要的一切，或离开该页。",
     "examine": "再检查一遍。",
     "older": "往回翻：有键盘焦点的窗格，否则是对话。",
+    "newest": "回到最新的内容：有键盘焦点的窗格，否则是对话。",
     "newer": "往前翻。",
     "line_up": "往回滚一行。",
     "line_down": "往前滚一行。",
@@ -477,6 +478,7 @@ SOURCES: Final = {
 LOG_LEVELS: Final = {"debug": "全部", "info": "信息以上", "warning": "警告以上", "error": "只看错误"}
 LOG_KEYS: Final = "{log_level} 级别 · {log_part} 部分 · {log_find} 搜索 · {log_trouble_before} 错误 · {log_turn} 该轮"
 NEW_LINES: Final = "{} 条新的"
+SHOWS_NEW: Final = "{} 查看"
 LINE_OF_NO_TURN: Final = "这一行不属于任何一轮。"
 
 # Quitting and failing
