@@ -44,6 +44,7 @@ class View(Struct, frozen=True):
     started: bool = False  # the engine is there
     session: str = ""  # the engine's, by its id, as the event log is named
     notice: str = ""  # stands in the status line
+    notice_does: str = ""  # the action that a click on it does
     newest: str = ""  # the key that leads to the newest line of a pane, where one does so now
     hints: tuple[Hint, ...] = ()
     parts: tuple[PartStatus, ...] = ()

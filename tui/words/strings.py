@@ -49,6 +49,8 @@ KEY_WORDS: Final = {
     "back": "back",
     "pane_next": "panes",
     "palette": "find",
+    "send": "send",
+    "earlier": "earlier",
 }
 """In the status line, by action."""
 ABOUT_KEYS: Final = {

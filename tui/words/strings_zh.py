@@ -46,6 +46,8 @@ KEY_WORDS: Final = {
     "back": "返回",
     "pane_next": "窗格",
     "palette": "查找",
+    "send": "发送",
+    "earlier": "上一条",
 }
 ABOUT_KEYS: Final = {
     "interrupt": "立即停止一切，先停运动。在任何地方都有效，不改变其他东西。",
