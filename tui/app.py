@@ -317,7 +317,7 @@ class SaysoApp(Stage):
 
     def action_release(self) -> None:
         self.send(Release())
-        self.redraw()
+        self.keeping.forget()  # that it is pressed
 
     async def action_back(self) -> None:
         """One step, and never a stop."""
@@ -384,6 +384,8 @@ class SaysoApp(Stage):
         model = self.drawing.model
         if kind in offered(model):
             self._ask(Say(strings.FOLLOW_UPS[kind]))
+        elif model.pressed:
+            self.keeping.tell(strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")))
         elif model.state not in REST:
             self.keeping.tell(strings.NOT_NOW.format(**self.shown_keys))
         elif kind == "undo" and model.offers.no_undo:

@@ -192,6 +192,7 @@ NOT_OFFERED: Final = {
     "again": "There is no plan yet that could be done again.",
 }
 NOT_NOW: Final = "The robot is at something: {interrupt} stops it."
+NOT_WHILE_PRESSED: Final = "The emergency stop is pressed: {release} releases it."
 NO_UNDO: Final = "No undo: {why}"
 KEY_STOPS: Final = "{} stops"
 
