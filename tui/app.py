@@ -38,6 +38,7 @@ from tui.keys.speeds import limit_beside
 from tui.looks.themes import CONTRAST, DARK, LIGHT
 from tui.messages import (
     Answered,
+    Burst,
     Dressed,
     Failed,
     HungUp,
@@ -142,7 +143,7 @@ class SaysoApp(Stage):
         self._start_engine = start_engine
         self._is_ready = False
         self._asked_early: list[Say] = []  # typed before the engine was there
-        self._keys: deque[events.Key] = deque()  # that wait to be dealt out
+        self._keys: deque[events.Key | Burst] = deque()  # that wait to be dealt out
         self._taker: Widget | None = None  # what the last one was dealt out to, and which is not done with it
 
     def _begin_dark(self) -> None:
@@ -437,10 +438,27 @@ class SaysoApp(Stage):
         Over a slow line to the terminal many arrive at once. The first ones wait until the line has the keyboard."""
         while self._is_ready and self._keys and (self._taker is None or not self._taker.is_attached):
             key, self._taker = self._keys.popleft(), None
+            if isinstance(key, Burst):
+                self._take(key)
+                continue
             await super().on_event(key)
             taker = self.focused or self.screen
             if key.is_forwarded and taker.post_message(KeyDone()):  # which comes back behind the key
                 self._taker = taker
+
+    async def on_burst(self, message: Burst) -> None:
+        self._keys.append(message)
+        await self._deal()
+
+    def _take(self, burst: Burst) -> None:
+        """In the line, several requests that come at once are one submission, each of which is done. Elsewhere they
+        are keys; and whatever stops or ends a task must not wait for its turn."""
+        from engine.planner.phrases.stopping import scope_of  # which most sessions do without
+
+        if self.main.line.has_focus and not any(map(scope_of, burst.text.splitlines())):
+            self.main.line.take(burst.text)
+        else:
+            self._keys.extendleft(reversed(burst.keys))
 
     async def on_key_done(self, message: KeyDone) -> None:
         self._taker = None

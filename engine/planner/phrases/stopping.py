@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, Literal
 
 from engine.planner.text.language import all_phrases, any_of, without
 from engine.planner.text.words import Token, words_of
@@ -44,6 +44,13 @@ def is_release(text: str) -> bool:
 def is_end_task(text: str) -> bool:
     """Whether ``text`` as a whole ends the conversation ("that's all", "end the current task"), in any language."""
     return len(text) <= MAX_TEXT and _words().ends_task(text)
+
+
+def scope_of(text: str) -> Literal["estop", "stop", "end_task"] | None:
+    """What a request in these words interrupts by itself, without being read."""
+    if is_emergency(text):
+        return "estop"
+    return "stop" if is_stop(text) else "end_task" if is_end_task(text) else None
 
 
 def is_only_stop(text: str) -> bool:
