@@ -38,7 +38,6 @@ from tui.keys.speeds import limit_beside
 from tui.looks.themes import CONTRAST, DARK, LIGHT
 from tui.messages import (
     Answered,
-    Burst,
     Dressed,
     Failed,
     HungUp,
@@ -68,6 +67,7 @@ from tui.shown.facts import Problem, printable
 from tui.shown.offers import FollowUp, offered
 from tui.shown.view import View
 from tui.stage import Stage
+from tui.terminal.bursts import Burst
 from tui.terminal.driver import listening_driver
 from tui.widgets.ask import Ask
 from tui.widgets.by_hand import ByHand

@@ -12,6 +12,7 @@ from engine.errors import StorageError
 from tui.messages import Told
 from tui.screens.pages import Copied
 from tui.shown.facts import printable
+from tui.widgets.status import has_room
 from tui.words import strings
 
 if TYPE_CHECKING:
@@ -66,15 +67,17 @@ class Keeping:
         threading.Thread(target=self._save, args=(session, picture), name="save", daemon=True).start()
 
     def tell(self, text: str, level: Literal["info", "error"] = "info", file: str = "") -> None:
-        """In the status line for a while, in the log for good, and where nothing cuts it; there the ``file`` that it
-        names can be opened."""
+        """In the status line for a while, and in the log for good. Where the status line has no room for it, and where
+        the ``file`` that it names can be opened, it lies over the screen."""
         from tui.words.links import marked_up
 
         self.remark(text)
         self.while_still = False
-        severity: Literal["error", "information"] = "error" if level == "error" else "information"
-        self._stage.notify(marked_up(self.told, printable(file)), severity=severity, timeout=TOLD_S)
-        self._stage.note(level, self.told)
+        stage = self._stage
+        if file or level == "error" or not has_room(self.told, stage.shown, stage.size.width):
+            severity: Literal["error", "information"] = "error" if level == "error" else "information"
+            stage.notify(marked_up(self.told, printable(file)), severity=severity, timeout=TOLD_S)
+        stage.note(level, self.told)
 
     def remark(self, text: str) -> None:
         """In the status line for a while, unless something begins."""

@@ -31,7 +31,7 @@ _SIGNS: Final = {
     "SPEAKING": ("♪", "bold $background on $primary-lighten-1"),
     "ACTING": ("▸", "bold $background on $success"),
     "FEEDBACK": ("↻", "bold $background on $primary-lighten-1"),
-    "WAITING": ("◇", "$foreground on $panel"),
+    "WAITING": ("○", "$foreground on $panel"),
 }
 _STARTING: Final = ("◌", "$foreground on $panel")
 _BROKEN: Final = ("✗", "bold $text on $error")
@@ -110,6 +110,12 @@ class StatusLine(Horizontal):
                     if column < 0:
                         self.post_message(self.Chosen(hint.action))
                         return
+
+
+def has_room(notice: str, view: View, columns: int) -> bool:
+    """Whether a status line so wide says all of this notice, and nothing else in its place."""
+    stop = sum(cell_len(hint.text) for hint in view.hints if hint.urgent)
+    return not is_pressed(view) and cell_len(f" {notice} ") <= columns - _CHIP - stop
 
 
 def is_pressed(view: View) -> bool:

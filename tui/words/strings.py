@@ -23,7 +23,7 @@ STATE_WORDS: Final[dict[State, str]] = {
     "SPEAKING": "SPEAKING",
     "ACTING": "ACTING",
     "FEEDBACK": "CHECKING",
-    "WAITING": "WAITING",
+    "WAITING": "READY",
 }
 STARTING: Final = "STARTING"
 BROKEN: Final = "FAILED"

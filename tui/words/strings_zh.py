@@ -20,7 +20,7 @@ STATE_WORDS: Final[dict[State, str]] = {
     "SPEAKING": "说话中",
     "ACTING": "执行中",
     "FEEDBACK": "核对中",
-    "WAITING": "等待中",
+    "WAITING": "就绪",
 }
 STARTING: Final = "启动中"
 BROKEN: Final = "故障"
