@@ -87,6 +87,18 @@ class Lines(Widget, Generic[Item], can_focus=False):
             strip -= height
         return None
 
+    def clicked(self, event: events.Click) -> int | None:
+        """The number of the item that was clicked on; None beside them, and on words that do something themselves."""
+        at = event.get_content_offset(self)
+        if at is None or "@click" in event.style.meta:
+            return None
+        row = self._top + at.y
+        for number, item in enumerate(self._items):
+            row -= len(self._cache[item])
+            if row < 0:
+                return number
+        return None
+
     @property
     def _last_top(self) -> int:
         return max(0, len(self._strips) - self.size.height)
