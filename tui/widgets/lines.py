@@ -87,6 +87,10 @@ class Lines(Widget, Generic[Item], can_focus=False):
             strip -= height
         return None
 
+    def focus_on_click(self) -> bool:
+        """Not on words that do something themselves: they stand elsewhere once other keys act."""
+        return "@click" not in self.screen.get_style_at(*self.app.mouse_position).meta
+
     def clicked(self, event: events.Click) -> int | None:
         """The number of the item that was clicked on; None beside them, and on words that do something themselves."""
         at = event.get_content_offset(self)
