@@ -367,6 +367,7 @@ class SaysoApp(Stage):
         self.queueing.move(message.request, message.before)
 
     def on_action_queue_taken_back(self, message: ActionQueue.TakenBack) -> None:
+        self.drawing.taken_back(message.request.id)
         self.queueing.take_back(message.request, message.before)
 
     def action_resume(self) -> None:

@@ -35,7 +35,7 @@ class Lines(Widget, Generic[Item], can_focus=False):
     """Base of the panes of text. Subclasses say how an item is drawn."""
 
     ALLOW_SELECT = False
-    DEFAULT_CSS = "Lines { height: 1fr; }"
+    DEFAULT_CSS = "Lines { height: 1fr; link-color: $text-accent; link-style: none; }"
 
     def __init__(self, *, id: str | None = None, classes: str | None = None) -> None:
         super().__init__(id=id, classes=classes)
