@@ -18,7 +18,7 @@ from tui.words.widths import left, right
 _GUTTER: Final = 7
 _WAITING: Final = 3
 """Requests that wait and are shown; of the others, only how many they are."""
-_STYLES: Final = {
+STYLES: Final = {
     "you": ("", "$text-primary", "$foreground"),
     "robot": ("", "$text-success", "$foreground"),
     "unheard": ("∅", "$foreground 60%", "italic $foreground 60%"),
@@ -31,6 +31,7 @@ _STYLES: Final = {
     "hint": (" ", "", "$foreground 60%"),
     "welcome": ("○", "$text-primary", "$foreground"),
 }
+"""The sign of each kind of line, empty where a name stands there; the style of that, and of the words."""
 
 
 class Conversation(Lines[tuple[str, str, str]]):
@@ -39,7 +40,7 @@ class Conversation(Lines[tuple[str, str, str]]):
 
     def update_from(self, model: ConsoleModel, welcome: Sequence[str]) -> None:
         """Show the model's conversation, or the lines of ``welcome``, which say how to begin one."""
-        items = [_item(line) for line in model.conversation]
+        items = [as_told(line) for line in model.conversation]
         items += [("waits", request.text, strings.WAITS) for request in model.waiting[:_WAITING]]
         if (more := len(model.waiting) - _WAITING) > 0:
             items.append(("waits", strings.MORE_WAIT.format(more), ""))
@@ -59,7 +60,7 @@ class Conversation(Lines[tuple[str, str, str]]):
 
     def drawn(self, item: tuple[str, str, str]) -> Drawn:
         kind, text, note = item
-        sign, sign_style, text_style = _STYLES[kind]
+        sign, sign_style, text_style = STYLES[kind]
         who = sign or (strings.ROBOT if kind == "robot" else strings.YOU)
         gutter = left(right(who, _GUTTER - 2), _GUTTER)
         if kind == "partial":
@@ -72,6 +73,7 @@ class Conversation(Lines[tuple[str, str, str]]):
         return Drawn(Content.styled(gutter, sign_style), body)
 
 
-def _item(line: Line) -> tuple[str, str, str]:
+def as_told(line: Line) -> tuple[str, str, str]:
+    """Who or what it comes from, its words, and the remark beside them, in the language of the console."""
     ours = line.who in ("done", "problem")
     return line.who, told(line.text) if ours else line.text, strings.REASONS.get(line.note, line.note)

@@ -562,6 +562,7 @@ TOO_SMALL: Final = (
 )
 ONE_LINE: Final = "Type what the robot should do."
 """On the only line, before anything was asked for."""
+NO_ROOM_IN_LINE: Final = "That needs the whole console."
 TOO_SMALL_KEYS: Final = "{stop} still stops the robot, {quit} quits."
 TOO_SMALL_SHORT: Final = "{columns}×{rows} is too small"
 STREAMS: Final = ("standard input", "standard output", "standard error")

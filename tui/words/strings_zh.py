@@ -534,6 +534,7 @@ SIGN_WORDS: Final = (
 # Terminals
 TOO_SMALL: Final = "sayso 至少需要 {min_columns}×{min_rows} 个字符（本终端为 {columns}×{rows}）。请放大终端。"
 ONE_LINE: Final = "输入机器人要做的事。"
+NO_ROOM_IN_LINE: Final = "这需要完整的控制台。"
 TOO_SMALL_KEYS: Final = "{stop} 仍能停止机器人，{quit} 退出。"
 TOO_SMALL_SHORT: Final = "{columns}×{rows} 太小"
 STREAMS: Final = ("标准输入", "标准输出", "标准错误")
