@@ -204,18 +204,20 @@ MAP_SIGNS: Final = {
     "path": "its way ahead",
     "trail": "its way so far",
     "scan": "an obstacle that the map does not have",
-    "place": "a place",
     "thing": "a thing in its own colour",
-    "stale": "seen long ago, may have moved",
+    "round": "a round thing",
+    "stale": "a thing seen long ago, may have moved",
     "person": "a person in the colour of their clothes",
+    "person_stale": "a person seen long ago",
     "hand": "the hand",
     "held": "the hand holds something",
 }
 GO_TO: Final = "go to the {}"
 GO_TO_NAMED: Final = "go to {}"  # somebody
 GO_TO_HAN: Final = "去{}"  # of a name that is written in Chinese
-GO_THERE: Final = "Go to {}? enter: yes · any other key: no"
+GO_THERE: Final = "{}? enter: yes · any other key: no"
 ENTER_GOES: Final = "· enter goes there"
+ENTER_GOES_TO: Final = "· enter goes to {}"
 NO_WAY_TO_SAY: Final = "· no named place here; tab chooses one"
 SEEN_AGO: Final = "seen {}"
 JUST_NOW: Final = "just now"

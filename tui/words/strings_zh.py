@@ -198,15 +198,17 @@ MAP_SIGNS: Final = {
     "path": "前面的路",
     "trail": "走过的路",
     "scan": "地图上没有的障碍物",
-    "place": "地点",
     "thing": "东西，用它自己的颜色",
-    "stale": "很久以前看到的，可能移动了",
+    "round": "圆的东西",
+    "stale": "很久以前看到的东西，可能移动了",
     "person": "人，用衣服的颜色",
+    "person_stale": "很久以前看到的人",
     "hand": "手",
     "held": "手里拿着东西",
 }
-GO_THERE: Final = "去{}吗？回车：是 · 其他键：否"
+GO_THERE: Final = "{}吗？回车：是 · 其他键：否"
 ENTER_GOES: Final = "· 回车前往"
+ENTER_GOES_TO: Final = "· 回车前往 {}"
 NO_WAY_TO_SAY: Final = "· 这里没有地名；tab 选一个"
 SEEN_AGO: Final = "{}看到"
 JUST_NOW: Final = "刚刚"
