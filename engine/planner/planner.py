@@ -80,8 +80,8 @@ class Planner:
     def in_words(self, action: Action) -> InWords:
         """How people are told of an action, in English."""
         told = self._tell((replace(action, alongside=False),), "en")
-        step, doing = told.steps[0].removesuffix("."), told.response.removesuffix(".")
-        return InWords(step, f"{doing[:1].lower()}{doing[1:]}" or step)
+        step = told.steps[0].removesuffix(".")
+        return InWords(step, told.doing or step)
 
     @property
     def understood(self) -> str:

@@ -24,6 +24,12 @@ class Told:
     steps: tuple[str, ...]  # one sentence for each action
     response: str  # what the robot answers; may be empty
 
+    @property
+    def doing(self) -> str:
+        """The answer as a part of a sentence: "going to the kitchen"."""
+        words = self.response.rstrip(".。")
+        return f"{words[:1].lower()}{words[1:]}"
+
 
 class Phrases:
     """Thread-safe. ``vocabulary`` has the words of the house beyond the places; ``skills`` are those of the library
