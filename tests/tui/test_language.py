@@ -30,6 +30,7 @@ from tests.tui.scripted import ScriptedEngine, flat, robot_at
 from tui.doctor.examiner import Examiner
 from tui.doctor.finding import Check, Finding
 from tui.keys.keys import ALL_KEYS
+from tui.options import every
 from tui.palette.entries import about_skill
 from tui.palette.palette import Palette
 from tui.plan.floor import draw, fit
@@ -75,12 +76,18 @@ def test_every_word_has_a_twin_with_the_same_slots() -> None:
     english, chinese = words_of(strings), words_of(strings_zh)
     assert english.keys() - chinese.keys() == SAME
     assert not chinese.keys() - english.keys()
-    for name in chinese.keys() - {"PHRASES", "EXAMPLES"}:
+    for name in chinese.keys() - {"PHRASES", "EXAMPLES", "SETTING_ABOUTS"}:
         ours, twins = dict(texts(english[name])), dict(texts(chinese[name]))
         assert ours.keys() == twins.keys(), name
         for key in ours:
             assert slots(ours[key]) == slots(twins[key]), (name, key)
             assert twins[key] or not ours[key], (name, key)
+
+
+def test_what_a_setting_means_is_told_in_chinese_for_every_setting() -> None:
+    assert strings_zh.SETTING_ABOUTS.keys() == set(every())
+    for name, about in strings_zh.SETTING_ABOUTS.items():
+        assert is_chinese(about), name
 
 
 def test_every_way_to_a_plan_has_words() -> None:

@@ -756,21 +756,8 @@ SETTING_NAMES: Final = {
     "wake.words": "Wake words",
     "planner.profile": "Large models",
 }
-SETTING_ABOUTS: Final = {
-    "console.theme": "The colours of the console. Left and right show others.",
-    "console.language": "",
-    "console.fps": "",
-    "console.camera": "",
-    "console.camera_graphics": "",
-    "console.motion": "",
-    "console.notify": "",
-    "voice.when": "",
-    "voice.volume": "",
-    "audio.device": "",
-    "wake.words": "",
-    "planner.profile": "",
-}
-"""What each means; empty: as the schema says, which is English."""
+SETTING_ABOUTS: Final = {"console.theme": "The colours of the console. Left and right show others."}
+"""What each means, where the schema does not say it, whose words are English."""
 SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文"}
 """Values that need a word more."""
 NO_VALUE: Final = "not set"

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from tui.words import settings_zh
+
 if TYPE_CHECKING:
     from engine.events import State
 
@@ -715,7 +717,7 @@ SETTING_NAMES: Final = {
     "wake.words": "唤醒词",
     "planner.profile": "大模型",
 }
-SETTING_ABOUTS: Final = {
+SETTING_ABOUTS: Final = settings_zh.RARE | {
     "console.theme": "控制台的配色。左右键可以试看其他的。",
     "console.language": "屏幕文字的语言；auto：planner.language 为 zh 时用中文，否则按 LC_ALL、LC_MESSAGES 或 LANG。",
     "console.fps": "活动窗格每秒重画多少次。",
