@@ -84,9 +84,9 @@ class Planner:
         return InWords(step, told.doing or step)
 
     @property
-    def understood(self) -> str:
-        """A sentence with examples of what can be said."""
-        return self._phrases(self._language or "en").understood
+    def abilities(self) -> str:
+        """A sentence that tells what the robot can do."""
+        return self._phrases(self._language or "en").abilities
 
     def warm_up(self) -> None:
         """Read the rules, and load the reader: the first command need not wait for them."""

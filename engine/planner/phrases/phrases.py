@@ -56,6 +56,11 @@ class Phrases:
         return self._answers.understood
 
     @property
+    def abilities(self) -> str:
+        """A sentence that tells what the robot can do."""
+        return self._answers.abilities
+
+    @property
     def places(self) -> tuple[str, ...]:
         """Names of the places on the map."""
         return self._answers.places
