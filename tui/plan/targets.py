@@ -40,10 +40,15 @@ class Target(Struct, frozen=True):
     @property
     def request(self) -> str:
         """What is said to go there."""
-        name = told(self.name)
-        if not name.isascii():
-            return strings.GO_TO_HAN.format(name)
-        return (strings.GO_TO_NAMED if self.named else strings.GO_TO).format(name)
+        return asked_to_go(self.name, named=self.named)
+
+
+def asked_to_go(name: str, *, named: bool = False) -> str:
+    """What is said to go to a place, or to somebody of this name (``named``)."""
+    name = told(name)
+    if not name.isascii():
+        return strings.GO_TO_HAN.format(name)
+    return (strings.GO_TO_NAMED if named else strings.GO_TO).format(name)
 
 
 def targets(

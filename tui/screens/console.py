@@ -19,6 +19,7 @@ from textual.widgets import Static
 
 from tui.kept.sizes import Shares
 from tui.plan.chart import Moving
+from tui.plan.targets import asked_to_go
 from tui.screens.panes import Pane, PaneName, Panes
 from tui.shown.model import ConsoleModel
 from tui.shown.offers import in_pieces, offered
@@ -208,7 +209,9 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         notice, trouble = _microphone(view.parts, view.started)
         welcome = strings.WELCOME_TYPING if trouble else strings.WELCOME
         begin = (welcome, *strings.TOUR) if view.touring else (welcome,)
-        self._conversation.update_from(model, [line.format(**self._keys) for line in begin])
+        somewhere = (asked_to_go(place.name) for place in list(view.places.values())[:1])
+        examples = (*strings.EXAMPLES, *somewhere)
+        self._conversation.update_from(model, [line.format(**self._keys) for line in begin], examples)
         self._plan.update_from(model, named(waited_for(model, view.parts)))
         self.line.wait_for(named(loading(view.parts)))
         self._queue.update_from(model, view.now, self._keys)

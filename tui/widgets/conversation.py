@@ -38,8 +38,8 @@ class Conversation(Lines[tuple[str, str, str]]):
     """The transcript, oldest first; what waits for its turn and words still being heard stand last, in italics where
     they may still change."""
 
-    def update_from(self, model: ConsoleModel, welcome: Sequence[str]) -> None:
-        """Show the model's conversation, or the lines of ``welcome``, which say how to begin one."""
+    def update_from(self, model: ConsoleModel, welcome: Sequence[str], examples: Sequence[str]) -> None:
+        """Show the model's conversation, or the lines of ``welcome``, which say how to begin one, and ``examples``."""
         items = [as_told(line) for line in model.conversation]
         items += [("waits", request.text, strings.WAITS) for request in model.waiting[:_WAITING]]
         if (more := len(model.waiting) - _WAITING) > 0:
@@ -54,7 +54,7 @@ class Conversation(Lines[tuple[str, str, str]]):
             items += [*(("welcome", line, "") for line in welcome), ("hint", "", "")]
             items += [
                 ("hint", f"{strings.TRY if not number else ' ' * cell_len(strings.TRY)}  {example}", "")
-                for number, example in enumerate(strings.EXAMPLES)
+                for number, example in enumerate(examples)
             ]
         self.show(items, matters=None if begun else len(model.conversation))
 

@@ -238,7 +238,7 @@ TOUR: Final = (
     "{pane_next} goes to the panes, where single letters are keys; {type} comes back.",
 )
 """Below the welcome until the first request was made."""
-EXAMPLES: Final = ("go to the kitchen", "turn left 90 degrees", "where are you?")
+EXAMPLES: Final = ("turn left 90 degrees", "where are you?")
 TRY: Final = "Try:"
 STOPPED: Final = "stopped"
 WAITS: Final = "waits"

@@ -230,7 +230,7 @@ TOUR: Final = (
     "{help} 显示所有按键，{palette} 查找所有能做的事。",
     "{pane_next} 转到窗格，在那里单个字母是按键；{type} 回到输入行。",
 )
-EXAMPLES: Final = ("去厨房", "向左转90度", "你在哪里？")
+EXAMPLES: Final = ("向左转90度", "你在哪里？")
 TRY: Final = "试试："
 STOPPED: Final = "已停止"
 WAITS: Final = "等待中"
