@@ -287,6 +287,15 @@ async def test_the_palette_finds_skills_by_both_languages() -> None:
             await desk.press("ctrl+g")
 
 
+async def test_what_begins_so_comes_first_in_the_palette_also_where_english_is_typed() -> None:
+    engine = ScriptedEngine(robot=robot_at(0, 0, 0), floor=flat())
+    engine.offers = offer()
+    async with console(engine, language="zh", wording=wording()) as desk:
+        await desk.press("ctrl+p", *"them")
+        palette = desk.app.screen.query_one(Palette)
+        assert palette.shown[0].title == "设置：主题"
+
+
 async def test_whatever_the_palette_says_of_skills_is_chinese_and_so_is_their_form() -> None:
     engine = ScriptedEngine(robot=robot_at(0, 0, 0), floor=flat())
     engine.offers = offer()

@@ -172,10 +172,10 @@ def _actions(keys: Mapping[str, str]) -> Iterator[Entry]:
 def _skills(skills: Sequence[Skill]) -> Iterator[Entry]:
     for skill in skills:
         words = " ".join((skill.name, skill.name.replace("_", " "), *(p.name for p in skill.parameters)))
-        about, name = about_skill(skill), told(skill.name)
+        english, name = "", told(skill.name)
         if name != skill.name:  # in another language: its own words find it as well
-            words = f"{words} {name} {printable(skill.summary)}"
-        yield Entry("skill", about, strings.KIND_SKILL, Fill(skill), words)
+            words, english = f"{words} {name}", printable(skill.summary)
+        yield Entry("skill", about_skill(skill), strings.KIND_SKILL, Fill(skill), words, english)
 
 
 def _settings() -> Iterator[Entry]:
