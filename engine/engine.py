@@ -257,8 +257,8 @@ class Engine:
         vision = make_vision(self._settings)
         models = make_models(self._settings, lambda words: self._tell_log("model", words))
 
-        def understood() -> str:
-            return planner.value.understood if planner.value else ""
+        def abilities() -> str:
+            return planner.value.abilities if planner.value else ""
 
         def in_words(action: Action) -> InWords:
             return planner.value.in_words(action) if planner.value else as_written(action)
@@ -268,7 +268,7 @@ class Engine:
             robot=robot,
             planner=planner,
             dispatcher=lambda up: Dispatcher(
-                registry, up, places, self._epoch, holds, understood, eyes, vision, dock, people
+                registry, up, places, self._epoch, holds, abilities, eyes, vision, dock, people
             ),
             around=lambda: around,
             hearing=hearing,

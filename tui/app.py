@@ -22,6 +22,7 @@ from msgspec.structs import replace
 from rich.console import RenderableType
 from textual import events
 from textual.app import App
+from textual.dom import DOMNode
 from textual.driver import Driver
 from textual.keys import _character_to_key
 from textual.screen import Screen
@@ -33,7 +34,7 @@ from engine.commands import Drive, EndTask, EStop, Here, Interrupt, LimitSpeed, 
 from engine.errors import ExitCode, SaysoError
 from engine.states import REST
 from tui.keys.bindings import BINDINGS
-from tui.keys.keys import ALL_KEYS, EDITING
+from tui.keys.keys import ALL_KEYS, EDITING, IN_ONE_LINE, KEYS
 from tui.keys.speeds import limit_beside
 from tui.looks.themes import CONTRAST, DARK, LIGHT
 from tui.messages import (
@@ -143,6 +144,8 @@ class SaysoApp(Stage):
         self._start_engine = start_engine
         self._is_ready = False
         self._asked_early: list[Say] = []  # typed before the engine was there
+        wanting = {(key.does or key.id).partition("(")[0] for key in KEYS if key.id not in IN_ONE_LINE}
+        self._without_room = wanting if one_line else set()  # actions that have none
         self._keys: deque[events.Key | Burst] = deque()  # that wait to be dealt out
         self._taker: Widget | None = None  # what the last one was dealt out to, and which is not done with it
 
@@ -368,6 +371,7 @@ class SaysoApp(Stage):
         self.queueing.move(message.request, message.before)
 
     def on_action_queue_taken_back(self, message: ActionQueue.TakenBack) -> None:
+        self.drawing.taken_back(message.request.id)
         self.queueing.take_back(message.request, message.before)
 
     def action_resume(self) -> None:
@@ -424,6 +428,13 @@ class SaysoApp(Stage):
         if priority and self.typing and (key in EDITING or is_text(key)):
             return False
         return await super()._check_bindings(key, priority)
+
+    async def _dispatch_action(self, namespace: DOMNode, action_name: str, params: Any) -> bool:
+        """As Textual's; where all stands on one line, what needs panes or pages says so."""
+        if namespace is self and action_name in self._without_room:
+            self.keeping.remark(strings.NO_ROOM_IN_LINE, while_still=False)
+            return True
+        return await super()._dispatch_action(namespace, action_name, params)
 
     async def on_event(self, event: events.Event) -> None:
         """As Textual's, but for keys, which are dealt out one after the other."""

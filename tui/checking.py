@@ -58,13 +58,18 @@ def _recogniser(settings: Settings) -> None:
 
 def _theme(settings: Settings) -> None:
     """Raises :class:`UsageError`."""
+    check_theme(settings.console.theme)
+
+
+def check_theme(name: str) -> None:
+    """Whether there is a theme of this name. Raises :class:`UsageError`, with the nearest one and all of them."""
     from textual.theme import BUILTIN_THEMES  # 0.1 s, and here alone outside of the console
 
     from tui.looks.themes import CONTRAST, DARK, LIGHT
 
-    name, known = settings.console.theme, (*BUILTIN_THEMES, *(theme.name for theme in (DARK, LIGHT, CONTRAST)))
+    known = (*(theme.name for theme in (DARK, LIGHT, CONTRAST)), *BUILTIN_THEMES)
     if name not in known:
-        hint = did_you_mean(name, known) or f"There are: {', '.join(known)}."
+        hint = " ".join(filter(None, (did_you_mean(name, known), f"There are: {', '.join(known)}.")))
         raise UsageError(f"There is no theme called {name!r}.", hint=hint)
 
 

@@ -48,7 +48,7 @@ class Stage(App[None]):
         """The engine, once it is there."""
         self.offer: Offer | None = None
         """What can be asked of it."""
-        self.main = ConsoleScreen(self.shown_keys, self.command_in_line, one_line=one_line)
+        self.main = ConsoleScreen(self.shown_keys, self.command_in_line, self.acting, one_line=one_line)
 
     def command_in_line(self, key: str) -> str:
         """The action of this key in an empty line."""

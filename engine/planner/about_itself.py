@@ -7,9 +7,11 @@ how much of it is left.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 from engine.events import Scope
+from engine.plan import Action
 from engine.planner.request import Language, OnRecord
 
 _BECAUSE: Final[dict[Language, dict[Scope, str]]] = {
@@ -81,9 +83,15 @@ def of(kind: str, record: OnRecord, holding: str, language: Language) -> str:
     return ""
 
 
-def cannot_continue(record: OnRecord, language: Language) -> str:
-    """Why what is left on record cannot go on by itself; empty where it can."""
-    if not record.left:
-        return _SAID[language]["nothing_left"]
-    first = record.left[0]
-    return _SAID[language]["cut"].format(action=first) if record.cut and first.name in RELATIVE else ""
+def goes_on(record: OnRecord) -> bool:
+    """Whether what is left on record can go on by itself."""
+    return bool(record.left) and not (record.cut and record.left[0].name in RELATIVE)
+
+
+def cannot_continue(record: OnRecord, language: Language, doing: Callable[[Action], str]) -> str:
+    """Why what is left on record cannot go on by itself; empty where it can. ``doing`` tells what goes on while an
+    action is done: "driving forward 1 metre"."""
+    if goes_on(record):
+        return ""
+    said = _SAID[language]
+    return said["cut"].format(action=doing(record.left[0])) if record.left else said["nothing_left"]

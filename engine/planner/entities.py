@@ -46,9 +46,12 @@ _IS_NOT: Final = re.compile(r"\b(?:isn't|is not|aren't|but not|other than|except
 _NUMBERED: Final = re.compile(
     r"(?:block|cube|box|tag|marker|apriltag|one)s?(?: (?:with|that has|marked|labelled|labeled|numbered))*"
     r"(?: (?:a|the))?(?: (?:tag|number|no))*"
-    r" (?P<n>[\w]+)(?: tag)?(?: on it)?|(?:number|tag|tag number) (?P<m>[\w]+)|(?P<zh>[\d一二三四五六七八九十]+)号.*"
+    r" (?P<n>[\w]+)(?: tag)?(?: on it)?|(?:number|tag|tag number) (?P<m>[\w]+)|"
+    r"(?P<zh>[\d一二三四五六七八九十]+)号的?(?P<noun>.*)"
 )
 """A block by its number, however that is said."""
+_HAS_NUMBER: Final = ("block", "box", "tag")
+"""What a block is called: a tray with a number is none."""
 _SOME: Final = re.compile(r"^(?:some|any|one|either|a few|several|a couple|\d+|two|three|four|five|six|both)\b|\bof\b")
 _ALL: Final = re.compile(
     r"^(?:all|every|everything|everyone|everybody|each|both|whatever|anything)\b|^(?:所有|全部|每|大家)|都"
@@ -399,10 +402,12 @@ class Entities:
 
     def _numbered(self, phrase: str) -> str | None:
         found = _NUMBERED.fullmatch(_DETERMINERS.sub("", phrase))
-        said = number(next(filter(None, found.groups()))) if found is not None else None
-        if said is None:
+        said = number(found["n"] or found["m"] or found["zh"]) if found is not None else None
+        if found is None or said is None:
             return None
         try:
+            if found["noun"] and self._object(found["noun"]).split()[-1] not in _HAS_NUMBER:
+                return None
             return self._object(f"block {said:g}")
         except PlanError:
             return None
@@ -413,6 +418,10 @@ class Entities:
 
     def _thing(self, candidates: list[str], chinese: bool, which: list[str]) -> str | None:
         for words in candidates:
+            numbered = _NUMBERED.fullmatch(words)
+            alone = number(words) is not None or (numbered is not None and numbered["m"])
+            if alone and words != candidates[0]:
+                continue  # of "tray 4", the number alone: it is that of a tray
             try:
                 found = self._object(words)
                 return found if found != "thing" or words == candidates[0] else None  # "the heavy thing" is not any
@@ -424,6 +433,8 @@ class Entities:
         if chinese or not candidates:
             return None
         *before, noun = candidates[0].split()
+        if number(noun) is not None:
+            return None
         noun = "thing" if noun in _STUFF else noun
         for colour in before:  # "the shiny red cup": what is known of it, and its colour
             try:

@@ -179,7 +179,12 @@ class Outcomes:
 
     def _continued(self, heard: Heard) -> Plan | NoPlan:
         """What an interruption left of the last plan."""
-        if why := about_itself.cannot_continue(heard.request.on_record, heard.language):
+
+        def doing(action: Action) -> str:
+            told = self._tell((replace(action, alongside=False),), heard.language)
+            return told.doing or told.steps[0]
+
+        if why := about_itself.cannot_continue(heard.request.on_record, heard.language, doing):
             return _question(heard, "nothing_to_continue", why)
         first, *others = heard.request.on_record.left
         left = (replace(first, alongside=False), *others)

@@ -80,13 +80,13 @@ class Planner:
     def in_words(self, action: Action) -> InWords:
         """How people are told of an action, in English."""
         told = self._tell((replace(action, alongside=False),), "en")
-        step, doing = told.steps[0].removesuffix("."), told.response.removesuffix(".")
-        return InWords(step, f"{doing[:1].lower()}{doing[1:]}" or step)
+        step = told.steps[0].removesuffix(".")
+        return InWords(step, told.doing or step)
 
     @property
-    def understood(self) -> str:
-        """A sentence with examples of what can be said."""
-        return self._phrases(self._language or "en").understood
+    def abilities(self) -> str:
+        """A sentence that tells what the robot can do."""
+        return self._phrases(self._language or "en").abilities
 
     def warm_up(self) -> None:
         """Read the rules, and load the reader: the first command need not wait for them."""

@@ -164,8 +164,8 @@ class Plans(Protocol):
     """Whatever makes plans for a session."""
 
     @property
-    def understood(self) -> str:
-        """A sentence with examples of what can be said."""
+    def abilities(self) -> str:
+        """A sentence that tells what the robot can do."""
         ...
 
     async def plan(self, request: PlanRequest) -> Plan | NoPlan:

@@ -405,12 +405,12 @@ class Dispatcher:
         except RobotError:
             return None
 
-    def way_back(self, acted: Sequence[Ran], *, relocated: bool) -> WayBack:
+    def way_back(self, acted: Sequence[Ran], *, relocated: bool, told: Callable[[Action], InWords]) -> WayBack:
         """From what was done in one turn; ``relocated``: somebody has put the robot elsewhere on the map since."""
         if (now := self._moment()) is None:
             return WayBack(why_not="I cannot undo anything while my robot is away.")
         robot = self._robot
-        return way_back(acted, self._registry, now, robot.floor_map, robot.arm.rest, relocated=relocated)
+        return way_back(acted, self._registry, now, robot.floor_map, robot.arm.rest, relocated=relocated, told=told)
 
     def _robot_time(self) -> float:
         """Robot time, s; of a lost robot, the last that was known."""

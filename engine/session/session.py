@@ -49,7 +49,7 @@ from engine.commands import (
 from engine.epoch import Epoch
 from engine.errors import ExitCode, RobotError, SaysoError
 from engine.events import Scope, State, TurnResult
-from engine.planner.about_itself import cannot_continue
+from engine.planner.about_itself import goes_on
 from engine.planner.text.language import language_of
 from engine.robot.geometry import Pose, Twist, wrap
 from engine.robot.robot import EMERGENCY_STOP
@@ -465,9 +465,9 @@ class Session:
         """What may be asked about the past is another thing now, perhaps."""
         turn, _ = self._cycle.acted_last()
         record, back = self._cycle.on_record(), way_back(self._needs, self._cycle)
-        goes_on = record.stopped is not None and not cannot_continue(record, "en")
+        stopped = record.stopped is not None and goes_on(record)
         offers = events.OffersMade(
-            resume=turn if turn and goes_on else None,
+            resume=turn if turn and stopped else None,
             undo=turn if turn and back.calls else None,
             again=self._cycle.planned_last() or None,
             acted=turn or None,

@@ -118,7 +118,7 @@ def way_back(needs: Needs, cycle: TaskCycle) -> WayBack:
     if (robot := needs.robot.value) is None:
         return WayBack(why_not="I cannot undo anything while my robot is away.")
     turn, acted = cycle.acted_last()
-    return needs.dispatcher(robot).way_back(acted, relocated=bool(turn) and turn == cycle.put_after)
+    return needs.dispatcher(robot).way_back(acted, relocated=bool(turn) and turn == cycle.put_after, told=needs.told)
 
 
 class Overtaken(Exception):

@@ -8,13 +8,13 @@ how far an action got. The way back is a list of actions like any other: it is p
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from engine.perception.memory import Thing, World
 from engine.perception.naming import wanted
-from engine.plan import ActionCall, Quantity
+from engine.plan import Action, ActionCall, InWords, Quantity, as_written
 from engine.robot.arm import ARM_UP, Joints
 from engine.robot.floor_map import FloorMap
 from engine.robot.geometry import Pose, wrap
@@ -46,27 +46,35 @@ class NoWayBack(Exception):
 
 
 def way_back(
-    acted: Sequence[Ran], skills: SkillRegistry, now: Moment, floor: FloorMap, rest: Joints, *, relocated: bool = False
+    acted: Sequence[Ran],
+    skills: SkillRegistry,
+    now: Moment,
+    floor: FloorMap,
+    rest: Joints,
+    *,
+    relocated: bool = False,
+    told: Callable[[Action], InWords] = as_written,
 ) -> WayBack:
     """The way back from what was done in one turn. ``rest`` is the arm's initial pose; ``relocated``: somebody has put
-    the robot elsewhere on the map since, so that no pose of the turn means anything any more."""
+    the robot elsewhere on the map since, so that no pose of the turn means anything any more; ``told`` tells people of
+    an action."""
     if not acted:
         return WayBack()
     try:
         began = _began(acted)
-        changes = {change for ran in acted for change in _changes(skills[ran.action.name], ran)}
+        changes = {change for ran in acted for change in _changes(skills[ran.action.name], ran, told)}
         calls = tuple(_back(changes, acted, skills, began, now, floor, rest, relocated))
     except NoWayBack as why:
         return WayBack(why_not=str(why))
     return WayBack(calls, "" if calls else NOTHING_CHANGED)
 
 
-def _changes(skill: Skill, ran: Ran) -> frozenset[Change]:
+def _changes(skill: Skill, ran: Ran, told: Callable[[Action], InWords]) -> frozenset[Change]:
     """What an action may have left changed. Raises :class:`NoWayBack`."""
     if skill.changes is None:
-        raise NoWayBack(f"I cannot undo {ran.action}.")
+        raise NoWayBack(f"I cannot undo {told(ran.action).doing}.")
     if ran.result.outcome == "uncertain":
-        raise NoWayBack(f"I do not know how far {ran.action} got, so I cannot undo it.")
+        raise NoWayBack(f"I do not know how far I got with {told(ran.action).doing}, so I cannot undo it.")
     return skill.changes
 
 

@@ -163,8 +163,8 @@ class SlowPlanner:
     answered: int = 0
 
     @property
-    def understood(self) -> str:
-        return self.real.understood
+    def abilities(self) -> str:
+        return self.real.abilities
 
     async def plan(self, request: PlanRequest) -> Plan | NoPlan:
         self.asked.append(request)

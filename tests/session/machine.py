@@ -130,7 +130,7 @@ class Reader:
     def __init__(self, planner: Planner, registry: SkillRegistry) -> None:
         self._planner = planner
         self._registry = registry
-        self.understood = planner.understood
+        self.abilities = planner.abilities
 
     async def plan(self, request: PlanRequest) -> Plan | NoPlan:
         if "(" not in request.text:

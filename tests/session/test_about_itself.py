@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from engine import events
 from engine.commands import Interrupt, Say
 from engine.errors import ExitCode
@@ -61,17 +63,22 @@ def test_continue_begins_what_was_cut_anew_where_it_is_no_matter_of_how_much() -
     converse(test)
 
 
-def test_continue_asks_about_a_motion_of_which_nobody_knows_how_much_is_left() -> None:
+@pytest.mark.parametrize(
+    ("text", "more", "told"),
+    [("drift, then wave", "continue", "in the middle of drifting"), ("漂移，然后挥手", "继续", "在做漂移的时候")],
+)
+def test_continue_asks_about_a_motion_of_which_nobody_knows_how_much_is_left(text: str, more: str, told: str) -> None:
     async def test(talk: Conversation) -> None:
-        talk.send(Say("drift, then wave"))
+        talk.send(Say(text))
         await talk.until(events.ActionStarted)
         await talk.pass_time(1.0)
         talk.send(Interrupt())
         await talk.result(1)
-        talk.send(Say("continue"))
+        talk.send(Say(more))
         asked = await talk.result(2)
         assert asked.exit_code == ExitCode.CLARIFY
-        assert "in the middle of drift" in asked.message
+        assert told in asked.message
+        assert "(" not in asked.message, "not as a program writes it"
         assert talk.robot.state().twist.is_zero
 
     converse(test)

@@ -96,9 +96,9 @@ def test_light_and_arm_go_back_to_what_they_were() -> None:
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("remember this place", "I cannot undo get_current_pose()."),
+        ("remember this place", "I cannot undo remembering this place."),
         ("beep", "Nothing is to be undone: all is as it was."),
-        ("go forward 1 metre and remember this place", "I cannot undo get_current_pose()."),
+        ("go forward 1 metre and remember this place", "I cannot undo remembering this place."),
     ],
 )
 def test_what_has_no_way_back_is_not_offered_and_says_why(text: str, why: str) -> None:

@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
+from rich.cells import cell_len
 from textual.pilot import Pilot
 
 from engine.handle import EngineHandle
@@ -60,6 +61,14 @@ class Desk:
         """Press keys, one after the other, and let the console show what came of them."""
         await self.settled()  # who presses keys has seen what there was to see
         await self.pilot.press(*keys)
+        await self.settled()
+
+    async def click(self, words: str) -> None:
+        """Click on these words, the first of that kind on the screen, and let the console show what came of it."""
+        await self.settled()
+        rows = self.text.splitlines()
+        y = next(number for number, row in enumerate(rows) if words in row)
+        await self.pilot.click(offset=(cell_len(rows[y].partition(words)[0]), y))
         await self.settled()
 
     async def picture(self) -> str:

@@ -30,6 +30,7 @@ from tests.tui.scripted import ScriptedEngine, flat, robot_at
 from tui.doctor.examiner import Examiner
 from tui.doctor.finding import Check, Finding
 from tui.keys.keys import ALL_KEYS
+from tui.options import every
 from tui.palette.entries import about_skill
 from tui.palette.palette import Palette
 from tui.plan.floor import draw, fit
@@ -75,12 +76,18 @@ def test_every_word_has_a_twin_with_the_same_slots() -> None:
     english, chinese = words_of(strings), words_of(strings_zh)
     assert english.keys() - chinese.keys() == SAME
     assert not chinese.keys() - english.keys()
-    for name in chinese.keys() - {"PHRASES", "EXAMPLES"}:
+    for name in chinese.keys() - {"PHRASES", "EXAMPLES", "SETTING_ABOUTS"}:
         ours, twins = dict(texts(english[name])), dict(texts(chinese[name]))
         assert ours.keys() == twins.keys(), name
         for key in ours:
             assert slots(ours[key]) == slots(twins[key]), (name, key)
             assert twins[key] or not ours[key], (name, key)
+
+
+def test_what_a_setting_means_is_told_in_chinese_for_every_setting() -> None:
+    assert strings_zh.SETTING_ABOUTS.keys() == set(every())
+    for name, about in strings_zh.SETTING_ABOUTS.items():
+        assert is_chinese(about), name
 
 
 def test_every_way_to_a_plan_has_words() -> None:
@@ -278,6 +285,15 @@ async def test_the_palette_finds_skills_by_both_languages() -> None:
             await desk.press("ctrl+p", *typed)
             assert "用手臂点头，表示是。" in desk.text
             await desk.press("ctrl+g")
+
+
+async def test_what_begins_so_comes_first_in_the_palette_also_where_english_is_typed() -> None:
+    engine = ScriptedEngine(robot=robot_at(0, 0, 0), floor=flat())
+    engine.offers = offer()
+    async with console(engine, language="zh", wording=wording()) as desk:
+        await desk.press("ctrl+p", *"them")
+        palette = desk.app.screen.query_one(Palette)
+        assert palette.shown[0].title == "设置：主题"
 
 
 async def test_whatever_the_palette_says_of_skills_is_chinese_and_so_is_their_form() -> None:

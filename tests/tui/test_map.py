@@ -17,8 +17,8 @@ from engine.robot.arm import ARM_DOWN, ARM_UP
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
 from tests.tui.scripted import PLACES, ScriptedEngine, flat, robot_at, scanned
-from tui.plan.chart import Moving, faded, hits, overlay, posture
-from tui.plan.floor import draw, fit
+from tui.plan.chart import TRAIL, Moving, faded, hits, overlay, posture
+from tui.plan.floor import draw, fit, person_sign, thing_sign
 from tui.plan.targets import Target, ago, pointed_at, targets
 from tui.plan.viewport import ZOOMS, Viewport
 from tui.widgets.floor_view import TURN, FloorView
@@ -52,10 +52,10 @@ async def test_m_takes_the_focus_to_the_map_and_away_again() -> None:
     async with console() as desk:
         await desk.press("m")
         assert desk.app.focused is view(desk)
-        assert "enter goes there" in desk.text
+        assert "enter goes" in desk.text
         await desk.press("m")
         assert desk.app.focused is None
-        assert "enter goes there" not in desk.text
+        assert "enter goes" not in desk.text
 
 
 async def test_on_a_small_terminal_the_map_gets_the_room_while_it_has_the_focus() -> None:
@@ -87,26 +87,26 @@ async def test_keys_typed_ahead_of_the_map_are_its_own() -> None:
         for key, character in (("m", "m"), ("tab", "\t"), ("enter", "\r")):  # as a slow link delivers them
             desk.app.post_message(Key(key, character))
         await desk.settled()
-        assert "Go to kitchen?" in desk.text
+        assert "Go to the kitchen?" in desk.text
 
 
 async def test_enter_asks_and_enter_again_sends_the_robot() -> None:
     async with console(engine(RED)) as desk:
         await desk.press("m", "tab", "enter")
         assert desk.engine.sent == []
-        assert "Go to kitchen?" in desk.text
+        assert "Go to the kitchen?" in desk.text
         await desk.press("enter")
         assert desk.engine.sent == [Say("go to the kitchen")]
-        assert "Go to kitchen?" not in desk.text
+        assert "Go to the kitchen?" not in desk.text
 
 
 @pytest.mark.parametrize("key", ["right", "tab", "plus", "f", "0", "shift+left", "x"])
 async def test_any_other_key_takes_the_question_back(key: str) -> None:
     async with console() as desk:
         await desk.press("m", "tab", "enter")
-        assert "Go to kitchen?" in desk.text
+        assert "Go to the kitchen?" in desk.text
         await desk.press(key)
-        assert "Go to kitchen?" not in desk.text
+        assert "Go to the kitchen?" not in desk.text
         await desk.press("m", "enter")
         assert desk.engine.sent == []
 
@@ -222,7 +222,7 @@ async def test_a_click_points_and_asks_and_a_click_on_the_question_goes() -> Non
         row, column = floor._frame.cell(*RED.position[:2]) or (0, 0)
         await desk.pilot.click(FloorView, offset=(column, row))
         await desk.settled()
-        assert "Go to red box?" in desk.text
+        assert "Go to the red box?" in desk.text
         assert desk.engine.sent == []
         await desk.pilot.click(FloorView, offset=(5, floor.size.height - 1))
         await desk.settled()
@@ -341,9 +341,9 @@ def test_the_map_cannot_be_lost_by_shifting() -> None:
 def test_people_are_on_the_map_in_the_colour_of_their_shirt() -> None:
     frame = fit(FLAT, 55, 22)
     cells = overlay(Moving(people=(ANNA,), now=200.0), frame, draw(FLAT, {}, frame))
-    assert [(cell.char, cell.colour) for cell in cells.values()] == [("●", "green")]
+    assert [(cell.char, cell.colour) for cell in cells.values()] == [("☻", "green")]
     later = overlay(Moving(people=(replace(ANNA, gone=True),), now=200.0), frame, draw(FLAT, {}, frame))
-    assert [cell.char for cell in later.values()] == ["○"]
+    assert [cell.char for cell in later.values()] == ["☺"]
 
 
 # What one points at
@@ -483,8 +483,46 @@ async def test_the_legend_says_what_the_signs_mean_and_who_and_what_was_seen_whe
         await desk.press("m", "z")
         assert "seen long ago" not in desk.text
         await desk.press("L")
-        for words in ("the robot and its heading", "its way ahead", "Anna · living room · just now",
+        for words in ("the robot and its heading", "☻ a person", "B living room", "Anna · living room · just now",
                       "red box · bedroom · 2 min ago"):  # fmt: skip
             assert words in desk.text, words
+        for words in ("its way ahead", "its way so far", "the hand holds"):
+            assert words not in desk.text, "nothing of that kind is in the picture"
         await desk.press("L")
         assert "the robot and its heading" not in desk.text
+
+
+async def test_the_legend_has_a_line_for_every_sign_in_the_picture_and_no_two_kinds_share_one() -> None:
+    bottle = replace(RED, kind="bottle", colour="green")
+    scene = ScriptedEngine(robot=HERE, floor=FLAT, seen=World((RED, bottle), people=(ANNA,)))
+    async with console(scene) as desk:
+        desk.engine.play(scripted.acting())
+        await desk.press("m", "z", "L")
+        floor = view(desk)
+        assert floor._legend is not None
+        listed = {entry.sign.char for row in floor._legend for entry in row}
+        shown = {cell.char for row in floor._cells for cell in row if cell.ink == "place"}
+        shown |= {cell.char for cell in floor._overlay.values() if cell.ink in ("thing", "hand", "robot")} - {" "}
+        assert shown <= listed
+        assert "its way ahead" in desk.text
+    assert len({person_sign(ANNA, 0.0), thing_sign(RED, 0.0), thing_sign(bottle, 0.0), TRAIL}) == 4
+
+
+async def test_pointing_into_a_room_tells_and_shows_where_the_robot_would_go() -> None:
+    async with console(engine()) as desk:
+        await desk.press("m", "z")
+        floor = view(desk)
+        living = next(place for place in PLACES.values() if place.name == "living room")
+        floor._point((living.position.x + 0.9, living.position.y - 0.9))
+        await desk.settled()
+        target = floor.pointed
+        assert target is not None
+        assert target.goal is not None
+        assert target.goal[:2] == (living.position.x, living.position.y)
+        assert f"· enter goes to {target.goal[2]}" in desk.text
+        assert floor._frame is not None
+        at = floor._frame.cell(living.position.x, living.position.y)
+        assert at is not None
+        assert floor._overlay[at].ink == "cursor", "it is marked"
+        await desk.press("enter")
+        assert "Go to the living room? enter: yes" in desk.text

@@ -9,6 +9,7 @@ from engine.commands import Interrupt, Say
 from tests.tui import scripted
 from tests.tui.desk import console
 from tests.tui.scripted import ScriptedEngine, flat, robot_at
+from tui.keys.keys import IN_ONE_LINE, KEYS
 from tui.widgets.ask import Ask
 
 SIZES = [(80, 1), (80, 2), (120, 3), (40, 1)]
@@ -68,3 +69,54 @@ async def test_a_pane_that_is_made_larger_and_smaller_goes_on_as_a_line() -> Non
             assert "READY" in desk.text
             assert "Conversation" not in desk.text
             assert "too small" not in desk.text
+
+
+@pytest.mark.parametrize("size", [(80, 1), (80, 3)], ids=str)
+async def test_a_key_that_needs_panes_or_pages_says_so(size: tuple[int, int]) -> None:
+    async with console(engine(), size=size, one_line=True) as desk:
+        needing = [key for key in KEYS if key.id not in IN_ONE_LINE]
+        assert {"palette", "recall", "settings", "pane_map", "help", "log", "by_hand"} <= {key.id for key in needing}
+        for key in needing:
+            for one in key.key.split(","):
+                desk.app.keeping.forget()
+                await desk.press(one)
+                assert "That needs the whole console." in desk.text, one
+                assert desk.app.screen is desk.app.main
+        assert desk.engine.sent == []
+
+
+async def test_in_the_line_too_and_what_is_typed_stays_text() -> None:
+    async with console(engine(), size=(80, 2), one_line=True, in_line=True) as desk:
+        await desk.press(*"o1")
+        assert "That needs" not in desk.text
+        assert desk.app.main.line.value == "o1"
+        for key in ("ctrl+p", "ctrl+r"):
+            desk.app.keeping.forget()
+            await desk.press(key)
+            assert "That needs the whole console." in desk.text, key
+
+
+async def test_a_request_that_a_stop_dropped_is_told_with_its_reason() -> None:
+    async with console(engine(), size=(80, 2), one_line=True) as desk:
+        desk.engine.publish(ev.RequestEnded("R1", "go to the study", "interrupted", "interrupt"), turn=None)
+        await desk.settled()
+        assert "■ go to the study  never begun: the stop key" in desk.text
+
+
+async def test_a_question_has_all_the_room_there_is_and_ends_with_an_ellipsis() -> None:
+    question = "Shall I go to the kitchen, to the living room, to the bedroom, to the study, or to the hall"
+    async with console(engine(), size=(80, 3), one_line=True) as desk:
+        desk.engine.publish(ev.SpeechStarted(f"{question}?", False))
+        await desk.settled()
+        shown = " ".join(" ".join(desk.text.splitlines()[:2]).split())
+        assert f"robot: {question[:20]}" in shown
+        assert f"{question[-30:]}?" in shown, "it goes on below"
+        assert "m 90°" in shown
+        await desk.pilot.resize_terminal(60, 4)
+        await desk.settled()
+        assert f"{question[-30:]}?" in " ".join(desk.text.split())
+        await desk.pilot.resize_terminal(60, 2)
+        await desk.settled()
+        assert "robot: Shall I go to the kitchen" in desk.text
+        assert "m 90°" not in desk.text, "what is asked goes before where the robot is"
+        assert desk.text.splitlines()[0].rstrip().endswith("…")

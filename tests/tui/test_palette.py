@@ -104,6 +104,8 @@ def test_what_was_asked_for_comes_first_the_newest_once() -> None:
         ("audio.device", "Setting: Microphone"),
         ("answers are spoken", "Setting: Voice"),
         ("thm", "Setting: Theme"),
+        ("them", "Setting: Theme"),
+        ("releas", "Release the emergency stop."),
         ("vlm", "Setting: Volume"),
         ("gttk", "go to the kitchen"),
         ("nord", "Setting: Theme → nord"),
@@ -114,6 +116,12 @@ def test_what_was_asked_for_comes_first_the_newest_once() -> None:
 )
 def test_a_part_of_a_name_finds_it(typed: str, first: str) -> None:
     assert found(listed(), typed)[0].title == first
+
+
+def test_what_is_called_so_comes_before_what_was_asked_for_and_what_only_speaks_of_it() -> None:
+    shown = found(listed(("I said relase it", "please release it")), "release")
+    assert [entry.kind for entry in shown[:2]] == ["action", "recent"]
+    assert [entry.kind for entry in found(listed(("tell them",)), "them")[:2]] == ["setting", "recent"]
 
 
 def test_every_word_counts_and_nonsense_finds_nothing() -> None:
@@ -425,7 +433,9 @@ async def test_ctrl_r_searches_what_was_asked_for() -> None:
     async with console(engine_of_the_house()) as desk:
         await desk.press("slash", *"nod", "enter", *"dance", "enter", *"beep", "enter")
         await desk.press("ctrl+r", *"da")
-        assert "go to the" not in desk.text.split("enter chooses")[0]
+        here = panel(desk)
+        assert here is not None
+        assert [entry.title for entry in here.shown] == ["dance"], "and nothing else that could be done"
         await desk.press("enter")
         assert line(desk).value == "dance"
 

@@ -155,12 +155,14 @@ async def test_another_pane_takes_the_room_of_the_one_that_has_it(size: tuple[in
 async def test_what_is_zoomed_stays_while_one_types_and_through_every_size() -> None:
     async with console(robot()) as desk:
         for (key, kind), title in list(zip(PANES, TITLES, strict=True))[3:]:
-            await desk.press(key, "z", "slash", "z")
+            await desk.press(key, "z")
+            assert f"{key} {title} · z back" in desk.text, key
+            await desk.press("slash", "z")
             for other in ((80, 24), (40, 10), (70, 16), (120, 40)):
                 await desk.pilot.resize_terminal(*other)
                 await desk.settled()
                 if other != (40, 10):
-                    assert f"{title} · z back" in desk.text, (key, other)
+                    assert f"─ {title} ─" in desk.text, "digits and letters are text now"
                     assert area(desk, kind).area > 0, (key, other)
             assert desk.app.screen.query_one(Ask).value.endswith("z")
             await desk.press("ctrl+g", "z")

@@ -165,6 +165,7 @@ async def test_one_that_waits_is_taken_back_into_the_line_and_waits_in_its_old_p
         desk.engine.publish(ev.RequestEnded("R2", "nod", "dropped"), turn=None)
         desk.engine.publish(waits(WAITING[0], WAITING[2]), turn=None)
         await desk.until(lambda: line.value == "nod")
+        assert "dropped" not in desk.text, "it is not lost: it stands in the line"
         await desk.press(*" twice", "enter")
         said = desk.engine.sent[-1]
         assert isinstance(said, Say)
@@ -220,6 +221,19 @@ async def test_every_request_that_came_to_nothing_leaves_a_row_that_says_why(end
         desk.engine.publish(ended, turn=None)
         await desk.settled()
         assert f"■  {told}" in desk.text
+
+
+async def test_the_log_repeats_no_end_that_has_a_row_and_names_no_command_of_programs() -> None:
+    async with console() as desk:
+        before = len(desk.app.shown.model.log)
+        desk.engine.publish(ev.Ack("say", False, "Dropped before it started."), turn=None)
+        desk.engine.publish(ev.RequestEnded("R1", "beep", "dropped"), turn=None)
+        desk.engine.publish(ev.Ack("limit_speed", False, "The robot is not there yet."), turn=None)
+        await desk.settled()
+        assert "■  beep  dropped" in desk.text
+        assert [(one.source, one.message) for one in desk.app.shown.model.log[before:]] == [
+            ("session", "The robot is not there yet.")
+        ]
 
 
 @pytest.mark.parametrize(

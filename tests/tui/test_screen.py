@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import random
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Literal
 
 import pytest
 from rich.cells import cell_len
 
+from config.schema import Place, Position
 from engine import events as ev
 from engine.commands import Interrupt
 from engine.handle import PartStatus
@@ -279,3 +281,21 @@ async def test_what_the_gripper_holds_is_named() -> None:
     async with console(engine) as desk:
         await desk.settled()
         assert "◆ red box" in " ".join(desk.text.split())
+
+
+async def test_the_examples_name_a_place_of_this_house_and_none_where_there_is_none() -> None:
+    class Workshop(ScriptedEngine):
+        def places(self) -> Mapping[str, Place]:
+            return {"A": Place(name="workshop", position=Position(x=0, y=0))}
+
+    class Empty(ScriptedEngine):
+        def places(self) -> Mapping[str, Place]:
+            return {}
+
+    here = robot_at(0, 0, 0)
+    for engine, example in ((Workshop(robot=here, floor=flat()), "go to the workshop"), (Empty(robot=here), "")):
+        async with console(engine) as desk:
+            assert "Try:  turn left 90 degrees" in desk.text
+            assert "go to the kitchen" not in desk.text
+            assert example in desk.text
+            assert example or "go to" not in desk.text

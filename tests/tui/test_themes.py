@@ -9,10 +9,13 @@ from rich.segment import Segment
 from textual.color import Color
 from textual.theme import BUILTIN_THEMES
 
+from engine.errors import UsageError
 from tests.tui import conversation as talk
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
 from tests.tui.scripted import ScriptedEngine, flat, robot_at
+from tui.cli import build_parser
+from tui.commands.console import run
 from tui.looks.contrast import FRAMES, WORDS, ratio
 
 
@@ -67,6 +70,16 @@ async def test_a_name_that_no_theme_has_is_told_with_the_nearest_one() -> None:
         await desk.until(lambda: any("sayso-contrst" in line.message for line in desk.app.shown.model.log))
         assert desk.app.theme == "sayso-dark"
         assert desk.app.shown.model.log[-1].message.endswith("Did you mean sayso-contrast?")
+        assert "There is no theme 'sayso-contrst'" in desk.text.splitlines()[0]
+
+
+@pytest.mark.parametrize("given", [["--theme", "sayso-lihgt"], ["--set", "console.theme=sayso-lihgt"]])
+def test_an_option_that_names_no_theme_is_an_error_at_start(given: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tui.commands.console.why_not_usable", lambda *_: "")
+    with pytest.raises(UsageError, match="There is no theme called 'sayso-lihgt'") as error:
+        run(build_parser().parse_args(given))
+    assert error.value.hint.startswith("Did you mean sayso-light? There are: sayso-dark, ")
+    assert "nord" in error.value.hint
 
 
 @pytest.mark.parametrize("theme", ["sayso-dark", "sayso-contrast"])

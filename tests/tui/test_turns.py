@@ -375,3 +375,10 @@ def test_a_heading_that_an_action_has_found_is_told_in_degrees() -> None:
     ended = ev.ActionFinished("a1", "navigation", talk.KITCHEN, "ok", None, "I am there.", 3.0, pose)
     turn = turn_of(*until_acting(), Step(1.0, ended))
     assert turn.actions[0].data == "x 1.5, y -2, heading 270°"
+
+
+def test_what_an_action_found_out_is_rounded_for_people() -> None:
+    found = {"x": 8.65e-06, "y": -1e-9, "far": 1234567.891, "pulse": 0.125, "count": 3}
+    body = ev.ActionFinished("A1", "navigation", {}, "ok", None, "", 1.0, found)
+    turn = turn_of(*until_acting(), Step(0.5, body))
+    assert turn.actions[-1].data == "x 0, y 0, far 1234567.89, pulse 0.12, count 3"

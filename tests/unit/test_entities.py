@@ -78,3 +78,14 @@ def test_an_unknown_name_is_nothing_and_can_be_asked_back(flat: Entities) -> Non
 
 def test_words_that_fit_several_pieces_ask_which_one(flat: Entities) -> None:
     assert "Which" in flat.of("the chair").which
+
+
+@pytest.mark.parametrize("words", ["tray 4", "the tray 4", "tray number 4", "platform 4", "4号托盘", "4号台"])
+def test_a_number_behind_a_word_that_nobody_knows_is_no_block(flat: Entities, words: str) -> None:
+    found = flat.of(words)
+    assert (found.thing, found.place, found.surface) == (None, None, None)
+
+
+@pytest.mark.parametrize("words", ["block 4", "number 4", "the tag 4", "4", "4号", "4号积木", "4号的红色积木"])
+def test_a_block_is_found_by_its_number(flat: Entities, words: str) -> None:
+    assert flat.of(words).thing == "block 4"

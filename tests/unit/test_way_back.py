@@ -82,7 +82,7 @@ def test_a_thing_that_was_held_and_put_down_is_taken_again() -> None:
         ([ran("carry", moment(0, BOX), fail("dropped", "It fell."), object="red box")], ELSEWHERE, "do not know where"),
         ([ran("clean_room", moment(0, BOX), room="")], ELSEWHERE, "cannot undo clean_room"),
         ([ran("light", moment(0, held=BOX), color="red")], ELSEWHERE, "do not hold the red box any more"),
-        ([ran("arm_up", moment(0), Result("uncertain", "robot_lost", "It was lost."))], ELSEWHERE, "how far arm_up"),
+        ([ran("arm_up", moment(0), Result("uncertain", "robot_lost", "It was lost."))], ELSEWHERE, "how far I got"),
         ([replace(ran("arm_up", moment(0)), before=None)], ELSEWHERE, "do not know how everything was before"),
     ],
 )  # fmt: skip

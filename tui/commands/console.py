@@ -26,6 +26,12 @@ def run(arguments: Namespace) -> int:
     streams = (sys.stdin.isatty(), sys.stdout.isatty(), sys.stderr.isatty())
     if not arguments.tab and (reason := why_not_usable(os.environ, *streams)):
         raise UsageError(reason)
+    for given in overrides(arguments):
+        setting, _, name = given.partition("=")
+        if setting == "console.theme":
+            from tui.checking import check_theme
+
+            check_theme(name)
     make_state_folder()
     launch = LaunchPicture(paths().launch, os.environ)
     if not (arguments.tab or arguments.line):

@@ -95,6 +95,12 @@ KEYS: Final = (
     Key("line_down", "down", does="scroll_line(1)"),
 )
 
+IN_ONE_LINE: Final = frozenset([
+    "interrupt", "back", "wake", "end_task", "type", "estop", "release", "speed_down", "speed_up", "resume", "undo",
+    "again", "leave", "leave_now", "copy", "save",
+])  # fmt: skip
+"""The actions that need neither panes nor pages."""
+
 MAP_KEYS: Final = (
     Key("map_nearer", "plus,equals_sign", does="map_zoom(1)"),
     Key("map_farther", "minus", does="map_zoom(-1)"),

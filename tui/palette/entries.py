@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final, Literal
 from config.nearest import nearest as nearest_name
 from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
 from tui.options import SHOWN, every
+from tui.plan.targets import asked_to_go
 from tui.shown.facts import LogLine, printable
 from tui.words import strings
 from tui.words.language import told
@@ -145,8 +146,7 @@ def log_lines(lines: Sequence[LogLine]) -> tuple[Entry, ...]:
 
 def _places(places: Mapping[str, Place]) -> Iterator[Entry]:
     for symbol, place in places.items():
-        name = told(place.name)
-        text = (strings.GO_TO if name.isascii() else strings.GO_TO_HAN).format(name)
+        text = asked_to_go(place.name)
         words = " ".join((symbol, place.name, *place.aliases))
         yield Entry("place", printable(text), strings.KIND_PLACE, Send(text), words)
 
@@ -172,10 +172,10 @@ def _actions(keys: Mapping[str, str]) -> Iterator[Entry]:
 def _skills(skills: Sequence[Skill]) -> Iterator[Entry]:
     for skill in skills:
         words = " ".join((skill.name, skill.name.replace("_", " "), *(p.name for p in skill.parameters)))
-        about, name = about_skill(skill), told(skill.name)
+        english, name = "", told(skill.name)
         if name != skill.name:  # in another language: its own words find it as well
-            words = f"{words} {name} {printable(skill.summary)}"
-        yield Entry("skill", about, strings.KIND_SKILL, Fill(skill), words)
+            words, english = f"{words} {name}", printable(skill.summary)
+        yield Entry("skill", about_skill(skill), strings.KIND_SKILL, Fill(skill), words, english)
 
 
 def _settings() -> Iterator[Entry]:
@@ -225,13 +225,13 @@ def nearest(listed: Sequence[Entry], typed: str) -> tuple[Entry, ...]:
 
 
 def _score(entry: Entry, wanted: Sequence[str]) -> float:
-    """How well an entry fits: 0 for not at all."""
+    """How well an entry fits: 0 for not at all. What is called so comes first, then what begins so."""
     title, words, about = (text.casefold() for text in (entry.title, entry.words, entry.about))
-    names = words.split()
+    names = words.split() if entry.kind in _SENTENCES else (*words.split(), title)
     scores = [
         max(
             _fit(title, word, short=entry.kind not in _SENTENCES),
-            1.05 if word in names else 0.9 * _fit(words, word),
+            1.2 if word in names else 1.1 if any(name.startswith(word) for name in names) else 0.9 * _fit(words, word),
             0.4 if word in about else 0.0,
         )
         for word in wanted
@@ -241,15 +241,14 @@ def _score(entry: Entry, wanted: Sequence[str]) -> float:
 
 def _fit(text: str, word: str, *, short: bool = True) -> float:
     """The beginning counts most, then a word as a whole, the beginning of one, a part, and last what it may be
-    ``short`` for."""
+    ``short`` for; in a sentence, which is not ``short``, words are not names and count less."""
     if word not in text:
         return _abbreviated(text, word) if short and len(word) > 2 else 0.0
     if text.startswith(word):
         return 1.1
     parts = text.replace("_", " ").split()
-    if word in parts:
-        return 1.0
-    return 0.8 if any(part.startswith(word) for part in parts) else 0.5
+    share = 1.0 if word in parts else 0.8 if any(part.startswith(word) for part in parts) else 0.5
+    return share if short else 0.8 * share
 
 
 def _abbreviated(text: str, word: str) -> float:

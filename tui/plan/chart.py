@@ -29,6 +29,7 @@ Overlay = dict[tuple[int, int], Cell]
 Spot = tuple[float, float]
 """Map frame, m."""
 
+TRAIL: Final = "·"
 AGES: Final = (10.0, 60.0, 300.0)
 """s after which a thing that was seen fades by a step."""
 _HULL: Final = (0.30, 0.24)
@@ -58,14 +59,15 @@ class Moving(Struct, frozen=True):
     held: Thing | None = None
     now: float = 0.0  # robot time, s
     cursor: Spot | None = None
+    goal: Spot | None = None  # where it would go from there, where that is elsewhere
 
 
 def overlay(moving: Moving, frame: Frame, plan: Sequence[Sequence[Cell]]) -> Overlay:
     """The cells that differ from the plan."""
     cells: Overlay = {}
-    for (row, column), char in way(moving.trail, frame).items():
+    for row, column in way(moving.trail, frame):
         if plan[row][column].char == " ":
-            cells[row, column] = Cell(char, "trail", plan[row][column].ground)
+            cells[row, column] = Cell(TRAIL, "trail", plan[row][column].ground)
     cells |= _lit(moving.seen, moving.loose, frame, plan)
     pose = moving.robot.pose if moving.robot is not None else None
     path = moving.path if pose is None else ahead(moving.path, pose.x, pose.y)
@@ -82,9 +84,10 @@ def overlay(moving: Moving, frame: Frame, plan: Sequence[Sequence[Cell]]) -> Ove
             cells[at] = Cell(sign, "thing", plan[at[0]][at[1]].ground, person.shirt or "grey", fade)
     if moving.robot is not None:
         _put_robot(cells, moving.robot, moving.held, frame, plan)
-    if moving.cursor is not None and (at := frame.cell(*moving.cursor)) is not None:
-        under = cells.get(at, plan[at[0]][at[1]])
-        cells[at] = Cell("+" if under.char == " " else under.char, "cursor", "floor")
+    for spot in (moving.goal, moving.cursor):
+        if spot is not None and (at := frame.cell(*spot)) is not None:
+            under = cells.get(at, plan[at[0]][at[1]])
+            cells[at] = Cell("+" if under.char == " " else under.char, "cursor", "floor")
     return cells
 
 

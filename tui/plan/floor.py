@@ -159,7 +159,7 @@ def thing_sign(thing: Thing, now: float) -> str:
 
 def person_sign(person: PersonSeen, now: float) -> str:
     """The same for somebody."""
-    return "○" if person.is_stale(now) else "●"
+    return "☺" if person.is_stale(now) else "☻"
 
 
 def _quarters(floor: FloorMap, frame: Frame) -> NDArray[np.int8]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from typing import TYPE_CHECKING, Final
 
 from msgspec import Struct
 from rich.cells import cell_len
 
-from tui.plan.chart import Moving, faded
+from tui.plan.chart import TRAIL, Moving, faded
 from tui.plan.floor import Cell, Ink, person_sign, thing_sign
 from tui.plan.targets import ago
 from tui.shown.facts import printable
@@ -16,21 +16,24 @@ from tui.words import strings
 from tui.words.language import told
 
 if TYPE_CHECKING:
+    from config.schema import Place
     from engine.robot.floor_map import FloorMap
 
 _SIGNS: Final[tuple[tuple[str, Ink, str], ...]] = (
-    ("→", "robot", "robot"),
-    ("▶", "robot", "robot_outside"),
-    ("⠤", "path", "path"),
-    ("⠤", "trail", "trail"),
-    ("⠂", "scan", "scan"),
-    ("A", "place", "place"),
+    ("→↗↑↖←↙↓↘?", "robot", "robot"),
+    ("▶◀▼▲", "robot", "robot_outside"),
+    ("", "path", "path"),
+    (TRAIL, "trail", "trail"),
+    ("", "scan", "scan"),
     ("■", "thing", "thing"),
-    ("□", "thing", "stale"),
-    ("●", "thing", "person"),
+    ("●", "thing", "round"),
+    ("□○", "thing", "stale"),
+    ("☻", "thing", "person"),
+    ("☺", "thing", "person_stale"),
     ("◇", "hand", "hand"),
-    ("◆", "hand", "held"),
+    ("◆", "thing", "held"),
 )
+"""The characters of each kind, or all of an ink."""
 _GAP: Final = 2
 
 
@@ -49,14 +52,25 @@ class Entry(Struct, frozen=True):
 Row = tuple[Entry, ...]
 
 
-def legend(moving: Moving, floor: FloorMap, columns: int, rows: int) -> tuple[Row, ...]:
-    """The signs, as many on a line as it has room for, then a line for each person and each thing that was seen, the
-    newest first; of these as many as there is room for."""
-    signs = [
-        Entry(Cell(sign, ink, "floor", "grey" if ink == "thing" else ""), strings.MAP_SIGNS[word])
-        for sign, ink, word in _SIGNS
+def legend(
+    moving: Moving, floor: FloorMap, places: Mapping[str, Place], shown: Set[tuple[str, Ink]], columns: int, rows: int
+) -> tuple[Row, ...]:
+    """Of what is ``shown``, by character and ink: the signs, then the places, as many on a line as it has room for;
+    then a line for each person and each thing that was seen, the newest first; of all that as much as there is room
+    for."""
+    signs: list[Entry] = []
+    for chars, ink, word in _SIGNS:
+        found = min(
+            (char for char, its in shown if its == ink and char.strip() and (char in chars or not chars)), default=""
+        )
+        if found:
+            signs.append(Entry(Cell(found, ink, "floor", "grey" if ink == "thing" else ""), strings.MAP_SIGNS[word]))
+    named = [
+        Entry(Cell(symbol[:1], "place", "floor"), printable(told(place.name)))
+        for symbol, place in places.items()
+        if (symbol[:1], "place") in shown
     ]
-    listed = [*_packed(signs, columns), *((entry,) for entry in _seen(moving, floor))]
+    listed = [*_packed(signs, columns), *_packed(named, columns), *((entry,) for entry in _seen(moving, floor))]
     return tuple(listed[: max(0, rows)])
 
 

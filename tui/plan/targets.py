@@ -34,14 +34,21 @@ class Target(Struct, frozen=True):
     """Where one goes; empty: nobody can be sent there."""
     named: bool = False
     """It is somebody's name."""
+    goal: tuple[float, float, str] | None = None
+    """Where one really goes, m, and what stands there, for people: a room is gone to at its place, not at the spot."""
 
     @property
     def request(self) -> str:
         """What is said to go there."""
-        name = told(self.name)
-        if not name.isascii():
-            return strings.GO_TO_HAN.format(name)
-        return (strings.GO_TO_NAMED if self.named else strings.GO_TO).format(name)
+        return asked_to_go(self.name, named=self.named)
+
+
+def asked_to_go(name: str, *, named: bool = False) -> str:
+    """What is said to go to a place, or to somebody of this name (``named``)."""
+    name = told(name)
+    if not name.isascii():
+        return strings.GO_TO_HAN.format(name)
+    return (strings.GO_TO_NAMED if named else strings.GO_TO).format(name)
 
 
 def targets(
@@ -82,12 +89,16 @@ def pointed_at(
     near = min(known, key=lambda target: math.hypot(target.x - x, target.y - y), default=None)
     if near is not None and math.hypot(near.x - x, near.y - y) <= reach:
         return near
-    by_name = {place.name for place in places.values()}
+    by_name = {place.name: (symbol, place) for symbol, place in places.items()}
     areas: tuple[Furniture | Room, ...] = (*floor.furniture, *floor.rooms)
     for area in areas:
         if area.x_min <= x <= area.x_max and area.y_min <= y <= area.y_max:
-            name = area.name if area.name in by_name else ""
-            return Target(x, y, f"{printable(told(area.name))} ({x:.1f}, {y:.1f})", name)
+            about = f"{printable(told(area.name))} ({x:.1f}, {y:.1f})"
+            if area.name not in by_name:
+                return Target(x, y, about)
+            symbol, place = by_name[area.name]
+            there = place.position.x, place.position.y, printable(f"{symbol} {told(place.name)}")
+            return Target(x, y, about, area.name, goal=there)
     return Target(x, y, f"({x:.1f}, {y:.1f})")
 
 

@@ -138,6 +138,10 @@ class Drawing:
         self._frames.pace(interval)
         self._logs.pace(LOG_FRAMES * interval)
 
+    def taken_back(self, request: str) -> None:
+        """The waiting request of this id is dropped only to stand in the line."""
+        self.model = replace(self.model, taken_back=request)
+
     def browse(self, step: int) -> None:
         """Look at another turn; beyond the newest one, at whichever is the newest."""
         ids = [turn.id for turn in self.model.turns.kept]

@@ -132,8 +132,9 @@ class Dressing:
             from config.nearest import nearest
 
             near = filter(None, [nearest(message.theme, stage.available_themes)])
-            words = (strings.UNKNOWN_THEME.format(message.theme), *map(strings.DID_YOU_MEAN_THEME.format, near))
-            stage.note("warning", " ".join(words))
+            told = (strings.UNKNOWN_THEME.format(message.theme), *map(strings.DID_YOU_MEAN_THEME.format, near))
+            stage.note("warning", " ".join(told))
+            stage.remark(" ".join(told))
         rooms.viewing.choose(message.graphics)
         self._look(message.camera, or_not=False)
         self._move(message.motion)

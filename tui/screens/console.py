@@ -19,9 +19,10 @@ from textual.widgets import Static
 
 from tui.kept.sizes import Shares
 from tui.plan.chart import Moving
+from tui.plan.targets import asked_to_go
 from tui.screens.panes import Pane, PaneName, Panes
 from tui.shown.model import ConsoleModel
-from tui.shown.offers import in_words, offered
+from tui.shown.offers import in_pieces, offered
 from tui.shown.readiness import loading, named, waited_for
 from tui.terminal.spans import WholeCompositor
 from tui.terminal.terminal import SHORT_ROWS, TALL_ROWS, layout_for, too_small
@@ -42,7 +43,7 @@ from tui.widgets.status import StatusLine
 from tui.widgets.text_line import Commands, TextLine
 from tui.widgets.timeline import Timeline
 from tui.words import strings
-from tui.words.hints import fitting
+from tui.words.hints import Acting, fitting
 from tui.words.language import told
 
 if TYPE_CHECKING:
@@ -65,19 +66,20 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
     AUTO_FOCUS = ""
     focused: Reactive[Widget | None] = Reactive(None, repaint=False)  # Textual's sends the whole screen each time
 
-    def __init__(self, keys: Mapping[str, str], commands: Commands, *, one_line: bool = False) -> None:
+    def __init__(self, keys: Mapping[str, str], commands: Commands, acting: Acting, *, one_line: bool = False) -> None:
         """``keys`` are the keys in use by action id, as they are shown to people; ``commands`` says which keys act in
-        an empty line (``TextLine``); ``one_line``: all of it stands on one line, and on a second one that is typed in
-        where there are two."""
+        an empty line (``TextLine``), ``acting`` which do where the keyboard is; ``one_line``: all of it stands on one
+        line, and on a second one that is typed in where there are two."""
         super().__init__()
         self._one_line = OneLine() if one_line else None
         self._compositor = WholeCompositor()
         self._keys = keys
+        self._acting = acting
         self._status = StatusLine()
         self._problem = ProblemPanel()
         self._conversation = Conversation(classes="pane")
         self._plan = PlanView(classes="pane")
-        self._queue = ActionQueue(classes="pane")
+        self._queue = ActionQueue(acting, classes="pane")
         self._floor = FloorView()
         self._camera = CameraView()
         self._figures = Figures(classes="pane")
@@ -207,14 +209,18 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         notice, trouble = _microphone(view.parts, view.started)
         welcome = strings.WELCOME_TYPING if trouble else strings.WELCOME
         begin = (welcome, *strings.TOUR) if view.touring else (welcome,)
-        self._conversation.update_from(model, [line.format(**self._keys) for line in begin], view.newest)
+        somewhere = (asked_to_go(place.name) for place in list(view.places.values())[:1])
+        examples = (*strings.EXAMPLES, *somewhere)
+        begin_with = [line.format(**self._keys) for line in begin]
+        self._conversation.update_from(model, begin_with, examples, view.newest)
         self._plan.update_from(model, named(waited_for(model, view.parts)))
         self.line.wait_for(named(loading(view.parts)))
         self._queue.update_from(model, view.now, self._keys)
         self._figures.update_from(view.robot, view.parts, view.world.held if view.world is not None else None)
         self._figures.tell(view.link)
-        self._timeline.offer({turn.id: in_words(offered(model, turn.id), self._keys) for turn in model.turns.kept})
-        self._timeline.update_from(model.turns.kept, view.turn, view.now, view.fresh)
+        kept = model.turns.kept
+        self._timeline.offer({turn.id: in_pieces(offered(model, turn.id), self._acting) for turn in kept})
+        self._timeline.update_from(kept, view.turn, view.now, view.fresh)
         self._mic.update_from(model.trace, notice=notice, trouble=trouble)
         if view.floor_map is not None:
             self._floor.show_map(view.floor_map, view.places)
@@ -408,11 +414,15 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._show_pane_keys()
         self.line.prompt()
         self._log_view.entitle()
-        self._entitle()
+
+    def on_text_line_turned(self) -> None:
+        """Some keys act in an empty line only."""
+        self._show_pane_keys()
 
     def _show_pane_keys(self) -> None:
-        """Below the panes that have keys of their own, while these are no letters in a line."""
+        """Above the panes and below those that have keys of their own, while these are no letters in a line."""
         typing = isinstance(self.focused, TextLine)
+        self._entitle()
         self._hint_at_map()
         self._timeline.tell("" if typing else strings.BROWSE.format(**self._keys))
 
@@ -429,7 +439,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._warn_if_tiny()
 
     def _entitle(self) -> None:
-        self._panes.entitle(self._keys)
+        self._panes.entitle(self._acting)
 
     @property
     def queue(self) -> ActionQueue:

@@ -18,6 +18,7 @@ from textual.widget import Widget
 from tui.kept.sizes import USUAL, Shares, Split, shifted
 from tui.widgets.figures import WIDE as FIGURES_COLUMNS
 from tui.words import strings
+from tui.words.hints import Acting
 
 PaneName = Literal["conversation", "plan", "actions", "map", "log", "turns", "camera"]
 
@@ -88,12 +89,13 @@ class Panes:
         """What gets the keyboard in that pane."""
         return self._panes[name].body
 
-    def entitle(self, keys: Mapping[str, str]) -> None:
-        """Write the titles, with the keys in use: the one that goes there, and on a pane with all the room the way
-        back."""
+    def entitle(self, acting: Acting) -> None:
+        """Write the titles, with the keys that act now: the one that goes there, and on a pane with all the room the
+        way back."""
         for name, pane in self._panes.items():
-            back = f" · {strings.ZOOM_BACK.format(**keys)}" if name == self._zoomed else ""
-            number, words = f"{keys[f'pane_{name}']} ", strings.PANES[name] + back
+            key, zoom = acting(f"pane_{name}"), acting("zoom") if name == self._zoomed else None
+            back = f" · {strings.ZOOM_BACK.format(zoom=zoom)}" if zoom else ""
+            number, words = f"{key} " if key else "", strings.PANES[name] + back
             if self._titles.get(name) != number + words:  # a title that is set repaints the pane
                 self._titles[name] = number + words
                 title = Content.assemble((number, "not bold $foreground 60%"), words)

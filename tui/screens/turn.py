@@ -15,7 +15,7 @@ from textual.content import Content
 from textual.screen import Screen
 
 from tui.keys.bindings import TURN_BINDINGS
-from tui.shown.offers import in_words, offered
+from tui.shown.offers import in_pieces, offered
 from tui.shown.timeline import Bar, bars
 from tui.shown.turn import Answer, Asked, Thought, Turn
 from tui.widgets.lines import Drawn
@@ -158,8 +158,8 @@ def rows(turn: Turn, now: float, *, unfolded: bool) -> Iterator[Item]:
 
 def _offers(model: ConsoleModel, turn: Turn, keys: Mapping[str, str]) -> Iterator[Row]:
     """What may be asked about the turn in a word; and why it cannot be undone, where it cannot."""
-    if words := in_words(offered(model, turn.id), keys):
-        yield Row("", ((words, "$text-accent"),))
+    if pieces := in_pieces(offered(model, turn.id), keys.get):
+        yield Row("", pieces)
     if turn.id == model.offers.acted and model.offers.no_undo:
         yield Row("", ((strings.NO_UNDO.format(why=told(model.offers.no_undo)), _DIM),))
 

@@ -3,6 +3,7 @@ a terminal: :func:`printable` is what every text from outside goes through on it
 
 from __future__ import annotations
 
+import math
 import unicodedata
 from collections.abc import Mapping
 from typing import Final, Literal
@@ -114,10 +115,15 @@ def printable_lines(text: str) -> str:
 
 def call(name: str, args: Mapping[str, Value]) -> str:
     """An action as it is written: ``navigate_to(A)``, with names once there is more than one argument."""
-    values = [f"{value:g}" if isinstance(value, float) else str(value) for value in args.values()]
+    values = [figure(value) if isinstance(value, float) else str(value) for value in args.values()]
     if len(values) > 1:
         values = [f"{key}={value}" for key, value in zip(args, values, strict=True)]
     return printable(f"{name}({', '.join(values)})")
+
+
+def figure(value: float) -> str:
+    """A number for people: two decimals at most, without an exponent and without the minus of −0."""
+    return f"{round(value, 2) + 0.0:.2f}".rstrip("0").rstrip(".") if math.isfinite(value) else str(value)
 
 
 def in_words(body: ActionQueued | ActionStarted) -> str:

@@ -47,6 +47,7 @@ class ConsoleModel(Struct, frozen=True):
     plan: Plan | None = None
     queue: tuple[Row, ...] = ()
     waiting: tuple[Waiting, ...] = ()  # requests that are not begun yet, next first
+    taken_back: str = ""  # the id of one that this console drops only to have it in the line
     offers: ev.OffersMade = field(default_factory=ev.OffersMade)  # what may be asked about the past in a word
     log: tuple[LogLine, ...] = ()
     listening: bool = False
@@ -179,6 +180,8 @@ def _(body: ev.RequestsWaiting, model: ConsoleModel, event: ev.Event) -> Console
 @_fold.register
 def _(body: ev.RequestEnded, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
     if event.turn is not None or body.outcome not in strings.LOST:  # what became a turn has said so there
+        return model
+    if body.outcome == "dropped" and body.request == model.taken_back:  # it stands in the line
         return model
     note = strings.LOST[body.outcome]
     if body.by is not None and body.outcome == "interrupted":
@@ -350,7 +353,9 @@ def _(body: ev.Timing, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
 
 @_fold.register
 def _(body: ev.Ack, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    return model if body.ok else model.with_log("warning", body.do, body.message, event.turn)
+    if body.ok or body.do == "say":  # how a request in words ended has a row that names it
+        return model
+    return model.with_log("warning", "session", body.message, event.turn)
 
 
 def _problem(body: ev.ErrorRaised) -> Problem:

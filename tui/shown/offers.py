@@ -8,7 +8,7 @@ from typing import Literal, get_args
 from engine.states import REST
 from tui.shown.model import ConsoleModel
 from tui.words import strings
-from tui.words.hints import JOINT
+from tui.words.hints import JOINT, Acting
 
 FollowUp = Literal["resume", "undo", "again"]
 
@@ -24,6 +24,11 @@ def offered(model: ConsoleModel, turn: str | None = None) -> tuple[FollowUp, ...
     return tuple(kind for kind in kinds if about[kind] is not None and turn in (None, about[kind]))
 
 
-def in_words(kinds: Sequence[FollowUp], keys: Mapping[str, str]) -> str:
-    """Each with its key."""
-    return JOINT.join(f"{keys[kind]} {strings.FOLLOW_UPS[kind]}" for kind in kinds)
+def in_pieces(kinds: Sequence[FollowUp], acting: Acting) -> tuple[tuple[str, str], ...]:
+    """Each as text and style, with the key that asks for it where ``acting`` knows one that does so now; so does a
+    click."""
+    pieces: list[tuple[str, str]] = []
+    for kind in kinds:
+        words = " ".join(filter(None, (acting(kind), strings.FOLLOW_UPS[kind])))
+        pieces += [(JOINT, "$foreground 60%"), (words, f"$text-accent @click=app.{kind}")]
+    return tuple(pieces[1:])

@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from engine import events as ev
 from engine.robot.geometry import heading_in_degrees
-from tui.shown.facts import call, in_words, printable, printable_lines
+from tui.shown.facts import call, figure, in_words, printable, printable_lines
 from tui.shown.turn import STAGES, VOICE, Action, Answer, Asked, Sample, Span, Stage, Thought, Turn
 from tui.words import strings
 
@@ -351,7 +351,7 @@ def _found(key: str, value: ev.Value) -> str:
 
 
 def _figure(value: ev.Value) -> str:
-    return f"{value:.3g}" if isinstance(value, float) else str(value)
+    return figure(value) if isinstance(value, float) else str(value)
 
 
 def _clean(body: _Body) -> _Body:

@@ -19,7 +19,7 @@ from tui.words.widths import left, right
 _GUTTER: Final = 7
 _WAITING: Final = 3
 """Requests that wait and are shown; of the others, only how many they are."""
-_STYLES: Final = {
+STYLES: Final = {
     "you": ("", "$text-primary", "$foreground"),
     "robot": ("", "$text-success", "$foreground"),
     "unheard": ("∅", "$foreground 60%", "italic $foreground 60%"),
@@ -32,6 +32,7 @@ _STYLES: Final = {
     "hint": (" ", "", "$foreground 60%"),
     "welcome": ("○", "$text-primary", "$foreground"),
 }
+"""The sign of each kind of line, empty where a name stands there; the style of that, and of the words."""
 
 
 class Conversation(Growing[tuple[str, str, str]]):
@@ -41,13 +42,15 @@ class Conversation(Growing[tuple[str, str, str]]):
     _said: Sequence[Line] = ()
     _newest = ""  # the key that leads to the newest line
 
-    def update_from(self, model: ConsoleModel, welcome: Sequence[str], newest: str = "") -> None:
-        """Show the model's conversation, or the lines of ``welcome``, which say how to begin one. ``newest`` is the key
-        that leads to the newest line, where one does so now."""
+    def update_from(
+        self, model: ConsoleModel, welcome: Sequence[str], examples: Sequence[str], newest: str = ""
+    ) -> None:
+        """Show the model's conversation, or the lines of ``welcome``, which say how to begin one, and ``examples``.
+        ``newest`` is the key that leads to the newest line, where one does so now."""
         self.count(self._said, model.conversation)
         self._said, self._newest = model.conversation, newest
         self.entitle()
-        items = [_item(line) for line in model.conversation]
+        items = [as_told(line) for line in model.conversation]
         items += [("waits", request.text, strings.WAITS) for request in model.waiting[:_WAITING]]
         if (more := len(model.waiting) - _WAITING) > 0:
             items.append(("waits", strings.MORE_WAIT.format(more), ""))
@@ -61,7 +64,7 @@ class Conversation(Growing[tuple[str, str, str]]):
             items += [*(("welcome", line, "") for line in welcome), ("hint", "", "")]
             items += [
                 ("hint", f"{strings.TRY if not number else ' ' * cell_len(strings.TRY)}  {example}", "")
-                for number, example in enumerate(strings.EXAMPLES)
+                for number, example in enumerate(examples)
             ]
         self.show(items, matters=None if begun else len(model.conversation))
 
@@ -72,7 +75,7 @@ class Conversation(Growing[tuple[str, str, str]]):
 
     def drawn(self, item: tuple[str, str, str]) -> Drawn:
         kind, text, note = item
-        sign, sign_style, text_style = _STYLES[kind]
+        sign, sign_style, text_style = STYLES[kind]
         who = sign or (strings.ROBOT if kind == "robot" else strings.YOU)
         gutter = left(right(who, _GUTTER - 2), _GUTTER)
         if kind == "partial":
@@ -85,6 +88,7 @@ class Conversation(Growing[tuple[str, str, str]]):
         return Drawn(Content.styled(gutter, sign_style), body)
 
 
-def _item(line: Line) -> tuple[str, str, str]:
+def as_told(line: Line) -> tuple[str, str, str]:
+    """Who or what it comes from, its words, and the remark beside them, in the language of the console."""
     ours = line.who in ("done", "problem")
     return line.who, told(line.text) if ours else line.text, strings.REASONS.get(line.note, line.note)

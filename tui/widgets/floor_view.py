@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import chain
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from msgspec.structs import replace
@@ -29,7 +30,6 @@ from tui.plan.legend import Row, legend
 from tui.plan.targets import Target, pointed_at, targets
 from tui.plan.viewport import Viewport
 from tui.words import strings
-from tui.words.language import told
 from tui.words.widths import centred
 
 if TYPE_CHECKING:
@@ -122,7 +122,8 @@ class FloorView(Widget, can_focus=True):
             seen, loose = (), ()
         elif self._map is not None and (self._scan is None or abs(scan.t - self._scan.t) >= SCAN_PERIOD_S):
             self._scan, (seen, loose) = scan, chart.hits(scan, robot, self._map)
-        self._moving = replace(moving, seen=seen, loose=loose, cursor=self._cursor)
+        self._moving = replace(moving, seen=seen, loose=loose)
+        self._mark(self._cursor)
         if self._viewport.follows and self._whole is not None and (here := self._robot_spot) is not None:
             self._look(self._viewport.showing(here, self._whole))
         self._update()
@@ -165,7 +166,9 @@ class FloorView(Widget, can_focus=True):
         """Bring the legend up to date, where somebody reads it."""
         if self._legend is None or self._map is None:
             return
-        rows = legend(self._moving, self._map, self.size.width - 2, self.size.height // 2)
+        without = self._overlaid(replace(self._moving, cursor=None, goal=None))
+        shown = {(cell.char, cell.ink) for cell in (*chain(*self._cells), *without.values())}
+        rows = legend(self._moving, self._map, self._places, shown, self.size.width - 2, self.size.height // 2)
         if rows != self._legend:
             top = self._legend_top
             self._legend = rows
@@ -184,8 +187,8 @@ class FloorView(Widget, can_focus=True):
             segments += [Segment(entry.sign.char, self._style(entry.sign)), Segment(f" {entry.words}  ", style)]
         return Strip(segments).adjust_cell_length(width, style)
 
-    def _overlaid(self) -> Overlay:
-        return {} if self._frame is None else chart.overlay(self._moving, self._frame, self._cells)
+    def _overlaid(self, moving: Moving | None = None) -> Overlay:
+        return {} if self._frame is None else chart.overlay(moving or self._moving, self._frame, self._cells)
 
     def render_line(self, y: int) -> Strip:
         width = self.size.width
@@ -219,9 +222,11 @@ class FloorView(Widget, can_focus=True):
         """What the cursor points at, or the question whether to go there."""
         kind, text = "caption", ""
         if self._asked is not None:
-            kind, text = "question", strings.GO_THERE.format(told(self._asked.name))
+            request = self._asked.request
+            kind, text = "question", strings.GO_THERE.format(request[0].upper() + request[1:])
         elif (target := self.pointed) is not None:
-            text = f"{target.about}  {strings.ENTER_GOES if target.name else strings.NO_WAY_TO_SAY}"
+            there = strings.ENTER_GOES if target.goal is None else strings.ENTER_GOES_TO.format(target.goal[2])
+            text = f"{target.about}  {there if target.name else strings.NO_WAY_TO_SAY}"
         style = self.get_component_rich_style(f"floor--{kind}")
         return Strip([Segment(Content(f" {text}").truncate(width, ellipsis=True, pad=True).plain, style)], width)
 
@@ -288,13 +293,19 @@ class FloorView(Widget, can_focus=True):
 
     def _point(self, spot: Spot | None, *, asked: Target | None = None) -> None:
         self._cursor, self._asked = spot, asked
-        self._moving = replace(self._moving, cursor=spot)
+        self._mark(spot)
         if spot is not None and self._whole is not None and self._frame is not None:
             row = self._frame.at(*spot)[1]
             if self._frame.cell(*spot) is None or row >= self._frame.rows - 1:  # the last line is the cursor's own
                 self._look(self._viewport.showing(spot, self._whole))
         self._update()
         self._refresh_caption()
+
+    def _mark(self, spot: Spot | None) -> None:
+        """On the map: the cursor, and where the robot would go from there, where that is elsewhere."""
+        target = self.pointed
+        goal = target.goal[:2] if target is not None and target.goal is not None else None
+        self._moving = replace(self._moving, cursor=spot, goal=goal)
 
     def _refresh_caption(self) -> None:
         self.refresh(Region(0, self.size.height - 1, self.size.width, 1))

@@ -35,7 +35,7 @@ class Lines(Widget, Generic[Item], can_focus=False):
     """Base of the panes of text. Subclasses say how an item is drawn."""
 
     ALLOW_SELECT = False
-    DEFAULT_CSS = "Lines { height: 1fr; }"
+    DEFAULT_CSS = "Lines { height: 1fr; link-color: $text-accent; link-style: none; }"
 
     def __init__(self, *, id: str | None = None, classes: str | None = None) -> None:
         super().__init__(id=id, classes=classes)
@@ -90,6 +90,22 @@ class Lines(Widget, Generic[Item], can_focus=False):
             if strip < height:
                 return item, strip
             strip -= height
+        return None
+
+    def focus_on_click(self) -> bool:
+        """Not on words that do something themselves: they stand elsewhere once other keys act."""
+        return "@click" not in self.screen.get_style_at(*self.app.mouse_position).meta
+
+    def clicked(self, event: events.Click) -> int | None:
+        """The number of the item that was clicked on; None beside them, and on words that do something themselves."""
+        at = event.get_content_offset(self)
+        if at is None or "@click" in event.style.meta:
+            return None
+        row = self._top + at.y
+        for number, item in enumerate(self._items):
+            row -= len(self._cache[item])
+            if row < 0:
+                return number
         return None
 
     @property

@@ -143,14 +143,14 @@ class LogView(Growing[Shown | str]):
 
     def on_click(self, event: events.Click) -> None:
         """A line is marked; once more: its turn."""
-        at = self._item_at(self._top + event.get_content_offset_capture(self).y)
-        if at is None or isinstance(at[0], str):
+        at = self.clicked(event)
+        item = self.items[at] if at is not None else ""
+        if isinstance(item, str):
             return
-        line = at[0].line
-        if line is self._marked:
+        if item.marked:
             self.action_log_turn()
         else:
-            self._mark(line, scroll=False)
+            self._mark(item.line, scroll=False)
 
     def on_focus(self) -> None:
         self.entitle()

@@ -1,5 +1,6 @@
 """The whole console on one line, for a pane beside other work: state, what is heard, said or done, what waits, and
-where the robot is. What there is no room for is left out as a whole, the least urgent first."""
+where the robot is. What there is no room for is left out as a whole, the least urgent first; words that are longer than
+that have the rows below, where there are some, and end with an ellipsis where there is no more room."""
 
 from __future__ import annotations
 
@@ -10,6 +11,7 @@ from rich.cells import cell_len
 from textual.content import Content
 from textual.widgets import Static
 
+from tui.widgets.conversation import STYLES, as_told
 from tui.widgets.status import chip
 from tui.words import strings
 from tui.words.hints import JOINT
@@ -22,7 +24,7 @@ Piece = tuple[str, str]
 
 
 class OneLine(Static):
-    """One line; it is drawn anew only when its words change."""
+    """One line, or a few; it is drawn anew only when its words change."""
 
     def __init__(self) -> None:
         super().__init__(id="one-line", markup=False)
@@ -34,12 +36,16 @@ class OneLine(Static):
         sign = chip(view)
         words, style = happening(view)
         aside = [part for part in (_waiting(view), _where(view)) if part]
-        room = max(0, self.size.width - sign.cell_length - 2)
-        while aside and cell_len(JOINT.join(aside)) > room // 2:  # what happens has half of the line at least
+        room, below = max(0, self.size.width - sign.cell_length - 2), self.size.height - 1
+        while aside and cell_len(JOINT.join((*aside, words if below < 1 else ""))) > room:
             aside.pop()
         right = JOINT.join(aside)
-        left = Content.styled(words, style).truncate(max(0, room - cell_len(right)), ellipsis=True, pad=True)
+        first = max(1, room - cell_len(right))
+        rows = [words] if below < 1 else _wrapped(words, first, self.size.width, below)
+        left = Content.styled(rows[0], style).truncate(first, ellipsis=True, pad=True)
         shown = Content.assemble(sign, " ", left, " ", (right, "$foreground 60%"))
+        for row in rows[1:]:
+            shown = Content.assemble(shown, "\n", Content.styled(row, style).truncate(self.size.width, ellipsis=True))
         if not shown.is_same(self._shown):
             self._shown = shown
             self.update(shown, layout=False)
@@ -64,10 +70,18 @@ def happening(view: View) -> Piece:
     if model.plan is not None and model.plan.stage == "thinking":
         return f"{strings.YOU}: {model.plan.goal}", "$foreground"
     if model.conversation:
-        line = model.conversation[-1]
-        who = {"you": f"{strings.YOU}: ", "robot": f"{strings.ROBOT}: "}.get(line.who, "")
-        return f"{who}{told(line.text) if line.who != 'you' else line.text}", "$foreground"
+        kind, text, note = as_told(model.conversation[-1])
+        who = STYLES[kind][0] or {"you": f"{strings.YOU}:", "robot": f"{strings.ROBOT}:"}[kind]
+        return f"{who} {text}" + (f"  {note}" if note and kind != "you" else ""), "$foreground"
     return strings.ONE_LINE, "$foreground 60%"
+
+
+def _wrapped(words: str, first: int, columns: int, below: int) -> list[str]:
+    """The words in rows: one of ``first`` columns, and so many ``below`` it at most, the last of which has the rest."""
+    head = Content(words).wrap(first)[0].plain.rstrip()
+    rest = words[len(head) :].strip()
+    lines = [line.plain.rstrip() for line in Content(rest).wrap(max(1, columns))] if rest else []
+    return [head, *lines[: below - 1], " ".join(lines[below - 1 :])]
 
 
 def _waiting(view: View) -> str:

@@ -13,10 +13,10 @@ from textual.message import Message
 from tui.keys.bindings import QUEUE_BINDINGS
 from tui.shown.facts import Phase, Row, Waiting
 from tui.shown.model import ConsoleModel
-from tui.shown.offers import in_words, offered
+from tui.shown.offers import in_pieces, offered
 from tui.widgets.lines import Drawn, Lines
 from tui.words import strings
-from tui.words.hints import EDGES, fitting
+from tui.words.hints import EDGES, Acting, fitting
 from tui.words.language import told
 
 SIGNS: Final[dict[Phase, tuple[str, str]]] = {
@@ -82,11 +82,15 @@ class ActionQueue(Lines[Shown | Waits]):
             super().__init__()
             self.request, self.before = request, before
 
-    _summary = ""
+    _summary = Content("")
     _known: tuple[ConsoleModel, float, Mapping[str, str]] | None = None  # what it was told to show
     _waiting: tuple[Waiting, ...] = ()
     _chosen = ""  # the id of a request
     _place = 0  # where that stood
+
+    def __init__(self, acting: Acting, *, classes: str | None = None) -> None:
+        super().__init__(classes=classes)
+        self._acting = acting
 
     def update_from(self, model: ConsoleModel, now: float, keys: Mapping[str, str]) -> None:
         """Show the queue with durations as of event time ``now``; ``keys`` are those in use by action id."""
@@ -94,9 +98,8 @@ class ActionQueue(Lines[Shown | Waits]):
         running = next((number for number, row in enumerate(model.queue) if row.phase == "running"), None)
         self._know(tuple(request for request in model.waiting if request.id))
         summary = self._summed_up(model, keys, acts=running is not None)
-        if summary != self._summary:  # another one repaints the pane
-            self._summary = summary
-            self.border_subtitle = Content(summary)
+        if not summary.is_same(self._summary):  # another one repaints the pane
+            self._summary = self.border_subtitle = summary
         roomy = self.size.height >= _ROOM_FOR_WORDS
         rows = [
             _shown(row, now, roomy if row.phase == "running" else running is None and row.phase not in ("queued", "ok"))
@@ -121,13 +124,13 @@ class ActionQueue(Lines[Shown | Waits]):
             self._chosen = waiting[min(self._place, len(waiting) - 1)].id if waiting else ""
         self._place = next((at for at, request in enumerate(waiting) if request.id == self._chosen), 0)
 
-    def _summed_up(self, model: ConsoleModel, keys: Mapping[str, str], *, acts: bool) -> str:
+    def _summed_up(self, model: ConsoleModel, keys: Mapping[str, str], *, acts: bool) -> Content:
         """What stands in the frame: what the keys do, or how it goes; when all is over, what is offered."""
         if self._waiting and self.has_focus:
-            return fitting(strings.QUEUE_KEYS.format(**keys), self.size.width - EDGES)
+            return Content(fitting(strings.QUEUE_KEYS.format(**keys), self.size.width - EDGES))
         if acts or model.waiting:
-            return _summary(model, keys["interrupt"])
-        return in_words(offered(model), keys) if model.queue else ""
+            return Content(_summary(model, keys["interrupt"]))
+        return Content.assemble(*in_pieces(offered(model), self._acting) if model.queue else ())
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Where no request waits, these keys do what they do everywhere."""

@@ -15,6 +15,7 @@ from tui.shown.timeline import Bar, Cell, axis, bars, cells
 from tui.shown.turn import Stage, Turn
 from tui.widgets.growing import mark
 from tui.widgets.lines import Drawn, Item, Lines
+from tui.widgets.page import Piece
 from tui.widgets.queue import SIGNS
 from tui.words import strings
 from tui.words.hints import JOINT
@@ -60,7 +61,12 @@ class Head(NamedTuple):
 class Offered(NamedTuple):
     """The line below the bars of a turn about which something may be asked in a word."""
 
-    words: str  # with their keys
+    pieces: tuple[Piece, ...]  # text and style
+
+    @property
+    def words(self) -> str:
+        """With the keys that ask for it."""
+        return "".join(text for text, _ in self.pieces)
 
 
 class FromTop(Lines[Item]):
@@ -90,10 +96,10 @@ class Timeline(FromTop[Head | Bar | Offered | str]):
         self._hint = hint
         self._known: tuple[Sequence[Turn], Turn | None, float] = ((), None, 0.0)  # what it was told to show
         self._fresh = 0
-        self._offers: Mapping[str, str] = {}
+        self._offers: Mapping[str, tuple[Piece, ...]] = {}
 
-    def offer(self, offers: Mapping[str, str]) -> None:
-        """What may be asked about turns, by their ids, in words; to be shown with the next news."""
+    def offer(self, offers: Mapping[str, tuple[Piece, ...]]) -> None:
+        """What may be asked about turns, by their ids; to be shown with the next news."""
         self._offers = offers
 
     def tell(self, hint: str) -> None:
@@ -122,8 +128,8 @@ class Timeline(FromTop[Head | Bar | Offered | str]):
             if number == first:
                 matters = len(items)
             items += [head(turn, shown=number == first), *bars(turn, now)]
-            if words := self._offers.get(turn.id):
-                items.append(Offered(words))
+            if pieces := self._offers.get(turn.id):
+                items.append(Offered(pieces))
             if len(items) - matters > 2 * max(_LEAST_ROWS, self.size.height):
                 break
         if items and (began or fresh != self._fresh):
@@ -137,19 +143,14 @@ class Timeline(FromTop[Head | Bar | Offered | str]):
         super().on_resize(event)
 
     def on_click(self, event: events.Click) -> None:
-        at = event.get_content_offset(self)
-        row, number = self._top + at.y if at is not None else -1, 0
-        for item in self._items:
-            number = item.number if isinstance(item, Head) else number
-            row -= len(self._cache[item])
-            if row < 0:
-                break
-        if number and at is not None and row < 0:
-            self.post_message(self.Chosen(number))
+        at = self.clicked(event)
+        heads = [item for item in self._items[: at + 1] if isinstance(item, Head)] if at is not None else []
+        if heads:
+            self.post_message(self.Chosen(heads[-1].number))
 
     def drawn(self, item: Head | Bar | Offered | str) -> Drawn:
         if isinstance(item, Offered):
-            return Drawn(Content("  "), Content.styled(item.words, "$text-accent"), nowrap=True)
+            return Drawn(Content("  "), Content.assemble(*item.pieces), nowrap=True)
         if isinstance(item, str):
             return Drawn(Content(""), Content.styled(item, _DIM))
         return drawn_head(item) if isinstance(item, Head) else drawn_bar(item, self.size.width)

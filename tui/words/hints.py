@@ -5,11 +5,14 @@ The last one stays in any case and where it is: it is the one that stops the rob
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 from rich.cells import cell_len
 
 JOINT: Final = " · "
+Acting = Callable[[str], str | None]
+"""The key of an action, as people read it, where it acts now; None: it is text there, or has none."""
 EDGES: Final = 6
 """Columns of a frame that are not there for the words in it: its corners, a line, and a blank on either side."""
 

@@ -208,18 +208,20 @@ MAP_SIGNS: Final = {
     "path": "its way ahead",
     "trail": "its way so far",
     "scan": "an obstacle that the map does not have",
-    "place": "a place",
     "thing": "a thing in its own colour",
-    "stale": "seen long ago, may have moved",
+    "round": "a round thing",
+    "stale": "a thing seen long ago, may have moved",
     "person": "a person in the colour of their clothes",
+    "person_stale": "a person seen long ago",
     "hand": "the hand",
     "held": "the hand holds something",
 }
 GO_TO: Final = "go to the {}"
 GO_TO_NAMED: Final = "go to {}"  # somebody
 GO_TO_HAN: Final = "去{}"  # of a name that is written in Chinese
-GO_THERE: Final = "Go to {}? enter: yes · any other key: no"
+GO_THERE: Final = "{}? enter: yes · any other key: no"
 ENTER_GOES: Final = "· enter goes there"
+ENTER_GOES_TO: Final = "· enter goes to {}"
 NO_WAY_TO_SAY: Final = "· no named place here; tab chooses one"
 SEEN_AGO: Final = "seen {}"
 JUST_NOW: Final = "just now"
@@ -240,7 +242,7 @@ TOUR: Final = (
     "{pane_next} goes to the panes, where single letters are keys; {type} comes back.",
 )
 """Below the welcome until the first request was made."""
-EXAMPLES: Final = ("go to the kitchen", "turn left 90 degrees", "where are you?")
+EXAMPLES: Final = ("turn left 90 degrees", "where are you?")
 TRY: Final = "Try:"
 STOPPED: Final = "stopped"
 WAITS: Final = "waits"
@@ -567,6 +569,7 @@ TOO_SMALL: Final = (
 )
 ONE_LINE: Final = "Type what the robot should do."
 """On the only line, before anything was asked for."""
+NO_ROOM_IN_LINE: Final = "That needs the whole console."
 TOO_SMALL_KEYS: Final = "{stop} still stops the robot, {quit} quits."
 TOO_SMALL_SHORT: Final = "{columns}×{rows} is too small"
 STREAMS: Final = ("standard input", "standard output", "standard error")
@@ -758,21 +761,8 @@ SETTING_NAMES: Final = {
     "wake.words": "Wake words",
     "planner.profile": "Large models",
 }
-SETTING_ABOUTS: Final = {
-    "console.theme": "The colours of the console. Left and right show others.",
-    "console.language": "",
-    "console.fps": "",
-    "console.camera": "",
-    "console.camera_graphics": "",
-    "console.motion": "",
-    "console.notify": "",
-    "voice.when": "",
-    "voice.volume": "",
-    "audio.device": "",
-    "wake.words": "",
-    "planner.profile": "",
-}
-"""What each means; empty: as the schema says, which is English."""
+SETTING_ABOUTS: Final = {"console.theme": "The colours of the console. Left and right show others."}
+"""What each means, where the schema does not say it, whose words are English."""
 SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文"}
 """Values that need a word more."""
 NO_VALUE: Final = "not set"

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from tui.words import settings_zh
+
 if TYPE_CHECKING:
     from engine.events import State
 
@@ -202,15 +204,17 @@ MAP_SIGNS: Final = {
     "path": "前面的路",
     "trail": "走过的路",
     "scan": "地图上没有的障碍物",
-    "place": "地点",
     "thing": "东西，用它自己的颜色",
-    "stale": "很久以前看到的，可能移动了",
+    "round": "圆的东西",
+    "stale": "很久以前看到的东西，可能移动了",
     "person": "人，用衣服的颜色",
+    "person_stale": "很久以前看到的人",
     "hand": "手",
     "held": "手里拿着东西",
 }
-GO_THERE: Final = "去{}吗？回车：是 · 其他键：否"
+GO_THERE: Final = "{}吗？回车：是 · 其他键：否"
 ENTER_GOES: Final = "· 回车前往"
+ENTER_GOES_TO: Final = "· 回车前往 {}"
 NO_WAY_TO_SAY: Final = "· 这里没有地名；tab 选一个"
 SEEN_AGO: Final = "{}看到"
 JUST_NOW: Final = "刚刚"
@@ -230,7 +234,7 @@ TOUR: Final = (
     "{help} 显示所有按键，{palette} 查找所有能做的事。",
     "{pane_next} 转到窗格，在那里单个字母是按键；{type} 回到输入行。",
 )
-EXAMPLES: Final = ("去厨房", "向左转90度", "你在哪里？")
+EXAMPLES: Final = ("向左转90度", "你在哪里？")
 TRY: Final = "试试："
 STOPPED: Final = "已停止"
 WAITS: Final = "等待中"
@@ -539,6 +543,7 @@ SIGN_WORDS: Final = (
 # Terminals
 TOO_SMALL: Final = "sayso 至少需要 {min_columns}×{min_rows} 个字符（本终端为 {columns}×{rows}）。请放大终端。"
 ONE_LINE: Final = "输入机器人要做的事。"
+NO_ROOM_IN_LINE: Final = "这需要完整的控制台。"
 TOO_SMALL_KEYS: Final = "{stop} 仍能停止机器人，{quit} 退出。"
 TOO_SMALL_SHORT: Final = "{columns}×{rows} 太小"
 STREAMS: Final = ("标准输入", "标准输出", "标准错误")
@@ -717,7 +722,7 @@ SETTING_NAMES: Final = {
     "wake.words": "唤醒词",
     "planner.profile": "大模型",
 }
-SETTING_ABOUTS: Final = {
+SETTING_ABOUTS: Final = settings_zh.RARE | {
     "console.theme": "控制台的配色。左右键可以试看其他的。",
     "console.language": "屏幕文字的语言；auto：planner.language 为 zh 时用中文，否则按 LC_ALL、LC_MESSAGES 或 LANG。",
     "console.fps": "活动窗格每秒重画多少次。",

@@ -21,6 +21,8 @@ from engine.skills.places import ZERO_SYMBOL, Places
 from engine.skills.registry import Parameter, Skill
 from engine.skills.vocabulary import ME, Vocabulary
 
+GO: Final = "navigation"
+"""The skill that nobody has without a place to go to."""
 MAX_TOLD = 4
 """More things than these are not listened to in one answer."""
 
@@ -46,12 +48,20 @@ class Answers:
         name = next(iter(self._places.values()), "")
         self.understood: str = self._words["understood" if name else "understood_anywhere"].format(place=name)
         """A sentence with examples of what can be said."""
+        self.abilities: str = self._can(name)
+        """A sentence that tells what these skills can do."""
         self._example_place = name
 
     @property
     def places(self) -> tuple[str, ...]:
         """Names of the places on the map."""
         return tuple(self._places.values())
+
+    def _can(self, place: str) -> str:
+        words: Mapping[str, str] = self._words["abilities"]
+        told = [words[name].format(place=place) for name in words if name in self._skills and (place or name != GO)]
+        listed = self._words["comma"].join(told[:-1])
+        return words["told"].format(abilities=words["last"].join(filter(None, (listed, *told[-1:]))))
 
     def phrase(self, key: str) -> str:
         """A fixed sentence."""

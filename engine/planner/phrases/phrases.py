@@ -24,6 +24,12 @@ class Told:
     steps: tuple[str, ...]  # one sentence for each action
     response: str  # what the robot answers; may be empty
 
+    @property
+    def doing(self) -> str:
+        """The answer as a part of a sentence: "going to the kitchen"."""
+        words = self.response.rstrip(".。")
+        return f"{words[:1].lower()}{words[1:]}"
+
 
 class Phrases:
     """Thread-safe. ``vocabulary`` has the words of the house beyond the places; ``skills`` are those of the library
@@ -48,6 +54,11 @@ class Phrases:
     def understood(self) -> str:
         """A sentence with examples of what can be said."""
         return self._answers.understood
+
+    @property
+    def abilities(self) -> str:
+        """A sentence that tells what the robot can do."""
+        return self._answers.abilities
 
     @property
     def places(self) -> tuple[str, ...]:
