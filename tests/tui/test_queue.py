@@ -122,11 +122,11 @@ async def test_the_actions_list_what_waits_and_name_the_keys_while_they_have_the
     async with waiting(size) as desk:
         assert listed(desk) == [("beep", True), ("nod", False), ("go home", False)]
         assert "› 1 beep" in desk.text
+        assert "x drop · K J move" in desk.text, "also where there is no room for all of them"
         assert "esc stops" in desk.text
-        assert "choose" in desk.text
         await desk.press("1")
         assert [chosen for _, chosen in listed(desk)] == [False, False, False]
-        assert "choose" not in desk.text
+        assert "x drop" not in desk.text
 
 
 async def test_one_that_waits_is_chosen_and_dropped() -> None:
@@ -140,10 +140,28 @@ async def test_one_that_waits_is_chosen_and_dropped() -> None:
         assert listed(desk) == [("beep", False), ("go home", True)], "its neighbour is chosen then"
 
 
+@pytest.mark.parametrize("there", [True, False])
+@pytest.mark.parametrize(("number", "text"), [(1, "beep"), (2, "nod"), (3, "go home")])
+async def test_a_click_chooses_the_request_that_is_clicked_on(number: int, text: str, *, there: bool) -> None:
+    async with waiting() as desk:
+        if not there:
+            await desk.press("slash")
+            queue_of(desk).scroll_lines(9)
+            await desk.settled()
+        row, line = next((y, line) for y, line in enumerate(desk.text.splitlines()) if f" {number} {text} " in line)
+        await desk.pilot.click(offset=(line.index(text), row))
+        await desk.settled()
+        assert [what for what, chosen in listed(desk) if chosen] == [text]
+        assert f"› {number} {text}" in desk.text.splitlines()[row], "nothing scrolls below the hand"
+        await desk.press("x")
+        assert desk.engine.sent == [Drop(f"R{number}")]
+
+
 @pytest.mark.parametrize(
     ("keys", "sent"),
     [
         (("shift+down",), [Move("R1", "R3")]),
+        (("J",), [Move("R1", "R3")]),
         (("down", "shift+down"), [Move("R2", None)]),
         (("down", "down", "shift+up"), [Move("R3", "R2")]),
         (("shift+up",), []),

@@ -122,8 +122,8 @@ QUEUE_KEYS: Final = (
     Key("queue_up", "up", does="choose(-1)"),
     Key("queue_down", "down", does="choose(1)"),
     Key("queue_drop", "x", does="drop"),
-    Key("queue_earlier", "shift+up,K", does="move(-1)"),
-    Key("queue_later", "shift+down,J", does="move(1)"),
+    Key("queue_earlier", "K,shift+up", does="move(-1)"),
+    Key("queue_later", "J,shift+down", does="move(1)"),
     Key("queue_change", "enter", does="change"),
 )
 """Those of the actions, while requests wait and it has the focus; they go before the console's own. Their actions are

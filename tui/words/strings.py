@@ -176,8 +176,8 @@ STEPS_ENDED: Final = "{} of {} ended"
 STEPS_FAILED: Final = "{} failed"
 REQUESTS_WAIT: Final = "{} waiting"
 QUEUE_KEYS: Final = (
-    "{queue_up}{queue_down} choose · {queue_drop} drop · {queue_change} change · "
-    "{queue_earlier} {queue_later} move · {interrupt} stops"
+    "{queue_drop} drop · {queue_earlier} {queue_later} move · {queue_change} change · "
+    "{queue_up}{queue_down} choose · {interrupt} stops"
 )
 TAKEN_BACK: Final = "Enter puts it back into its place; empty the line to leave it out."
 TAKEN_BACK_TOO_LATE: Final = "It has begun already, or ended."

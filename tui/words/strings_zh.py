@@ -171,8 +171,8 @@ STEPS_ENDED: Final = "{}/{} 已结束"
 STEPS_FAILED: Final = "{} 个失败"
 REQUESTS_WAIT: Final = "{} 个在等待"
 QUEUE_KEYS: Final = (
-    "{queue_up}{queue_down} 选择 · {queue_drop} 取消 · {queue_change} 修改 · "
-    "{queue_earlier} {queue_later} 移动 · {interrupt} 停止"
+    "{queue_drop} 取消 · {queue_earlier} {queue_later} 移动 · {queue_change} 修改 · "
+    "{queue_up}{queue_down} 选择 · {interrupt} 停止"
 )
 TAKEN_BACK: Final = "回车把它放回原处；清空这一行就不做了。"
 TAKEN_BACK_TOO_LATE: Final = "它已经开始或结束了。"
