@@ -6,7 +6,7 @@ import pytest
 
 from engine import events
 from engine.commands import Command, Drop, EndTask, Halted, Interrupt, Move, Quit, Say, Snapshot, Wake
-from tests.session.conversation import Conversation, converse
+from tests.session.conversation import Conversation, SlowVoice, converse
 
 THREE = ("beep", "turn left 90 degrees", "raise your arm")
 
@@ -213,5 +213,108 @@ def test_what_was_to_follow_something_is_left_wherever_it_was_moved_to() -> None
             ("and raise your arm", "left"),
             ("beep", "done"),
         ]
+
+    converse(test)
+
+
+# A question about one of them
+
+ASKS = "go to the bedrom"
+"""A name that is no place's: the robot asks whether it is another one."""
+
+
+async def asked_about_the_second(talk: Conversation) -> None:
+    """Three requests; the robot asks about the second one, and the third one waits."""
+    talk.send(Say("beep", then=(ASKS, "raise your arm")))
+    assert (await talk.result(2)).outcome == "clarify"
+    await talk.pass_time(60)
+
+
+@pytest.mark.parametrize("busy", ["interrupt", "queue", "reject"])
+def test_what_waits_behind_a_question_begins_when_that_is_answered(busy: str) -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        assert names(talk) == ["beep"]
+        talk.send(Say("yes"))
+        assert (await talk.result(3)).outcome == "done"
+        await talk.result(4)
+        assert names(talk) == ["beep", "navigation", "arm_up"]
+        assert [(text, outcome) for text, outcome, _ in ends(talk)] == [
+            ("beep", "done"), (ASKS, "clarify"), ("yes", "done"), ("raise your arm", "done"),
+        ]  # fmt: skip
+
+    converse(test, f"session.busy={busy}")
+
+
+@pytest.mark.parametrize(
+    ("said", "does"), [("no", []), ("never mind", []), ("不", []), ("turn left 90 degrees", ["move_left"])]
+)
+def test_a_question_is_let_go_by_a_no_or_by_another_request_in_its_place(said: str, does: list[str]) -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        talk.send(Say(said))
+        await talk.result(4)
+        assert names(talk) == ["beep", *does, "arm_up"]
+
+    converse(test)
+
+
+def test_an_answer_may_be_spoken_and_nothing_that_waits_is_dropped_by_waking() -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        await talk.wake_and_say("")
+        assert (await talk.result(3)).outcome == "unheard"
+        await talk.pass_time(60)
+        assert names(talk) == ["beep"], "nothing was said: the question is still open"
+        await talk.wake_and_say("yes")
+        await talk.result(5)
+        assert names(talk) == ["beep", "navigation", "arm_up"]
+
+    converse(test)
+
+
+@pytest.mark.parametrize("busy", ["interrupt", "queue"])
+def test_an_answer_while_the_question_is_being_put_goes_before_what_waits(busy: str) -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say(ASKS, then=("raise your arm",)))
+        await talk.until_state("CLARIFYING")
+        talk.send(Say("yes"))
+        await talk.result(3)
+        assert names(talk) == ["navigation", "arm_up"]
+
+    converse(test, f"session.busy={busy}", voice=SlowVoice())
+
+
+def test_what_is_added_to_the_queue_during_a_question_is_no_answer() -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        talk.send(Say("turn left 90 degrees", wait=True))
+        await talk.pass_time(60)
+        assert names(talk) == ["beep"]
+        talk.send(Say("yes"))
+        await talk.result(5)
+        assert names(talk) == ["beep", "navigation", "arm_up", "move_left"]
+
+    converse(test)
+
+
+@pytest.mark.parametrize("command", [Interrupt(), Say("stop"), EndTask()])
+def test_an_interruption_drops_what_waits_for_an_answer(command: Command) -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        talk.send(command)
+        await talk.pass_time(60)
+        assert names(talk) == ["beep"]
+        assert ("raise your arm", "interrupted") in [(text, outcome) for text, outcome, _ in ends(talk)]
+
+    converse(test)
+
+
+def test_a_session_that_is_to_end_waits_for_no_answer() -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        talk.send(Quit(drain=True, id="quit"))
+        await talk.until(events.Ack, lambda body: body.id == "quit")
+        assert names(talk) == ["beep", "arm_up"]
 
     converse(test)

@@ -140,6 +140,24 @@ async def test_one_that_waits_is_chosen_and_dropped() -> None:
         assert listed(desk) == [("beep", False), ("go home", True)], "its neighbour is chosen then"
 
 
+async def test_while_a_question_holds_what_waits_the_console_says_that_it_is_asking() -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.acting())
+        desk.engine.publish(waits(*WAITING), turn=None)
+        desk.engine.publish(ev.ClarificationAsked("Shall I go to the bedroom?", "go to the bedrom"))
+        result = ev.TurnResult(5, "clarify", "Shall I go to the bedroom?")
+        desk.engine.publish(ev.StateChanged("ACTING", "WAITING", "clarify", result))
+        for action in ("a2", "a3", "a4"):
+            desk.engine.publish(ev.ActionFinished(action, "navigation", {}, "ok", None, "", 1.0))
+        await desk.settled()
+        assert "ASKING" in desk.text.splitlines()[0]
+        assert "3 waiting · your answer first · esc stops" in desk.text
+        desk.engine.publish(ev.StateChanged("WAITING", "PLANNING", "x"))
+        await desk.settled()
+        assert "ASKING" not in desk.text.splitlines()[0]
+        assert "your answer first" not in desk.text
+
+
 @pytest.mark.parametrize("there", [True, False])
 @pytest.mark.parametrize(("number", "text"), [(1, "beep"), (2, "nod"), (3, "go home")])
 async def test_a_click_chooses_the_request_that_is_clicked_on(number: int, text: str, *, there: bool) -> None:

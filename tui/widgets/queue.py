@@ -215,6 +215,7 @@ def _summary(model: ConsoleModel, stop: str) -> str:
     parts = [strings.STEPS_ENDED.format(ended, len(model.queue))] if len(model.queue) > 1 else []
     parts += [strings.STEPS_FAILED.format(failed)] if failed else []
     parts += [strings.REQUESTS_WAIT.format(len(model.waiting))] if model.waiting else []
+    parts += [strings.ANSWER_FIRST] if model.held else []
     return " · ".join((*parts, strings.KEY_STOPS.format(stop)))
 
 

@@ -175,6 +175,7 @@ SIZES_NOT_KEPT: Final = "Pane sizes are not saved for later sessions: {}"
 STEPS_ENDED: Final = "{} of {} ended"
 STEPS_FAILED: Final = "{} failed"
 REQUESTS_WAIT: Final = "{} waiting"
+ANSWER_FIRST: Final = "your answer first"
 QUEUE_KEYS: Final = (
     "{queue_drop} drop · {queue_earlier} {queue_later} move · {queue_change} change · "
     "{queue_up}{queue_down} choose · {interrupt} stops"

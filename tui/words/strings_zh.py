@@ -170,6 +170,7 @@ SIZES_NOT_KEPT: Final = "窗格大小没有保存到以后的会话：{}"
 STEPS_ENDED: Final = "{}/{} 已结束"
 STEPS_FAILED: Final = "{} 个失败"
 REQUESTS_WAIT: Final = "{} 个在等待"
+ANSWER_FIRST: Final = "先等您回答"
 QUEUE_KEYS: Final = (
     "{queue_drop} 取消 · {queue_earlier} {queue_later} 移动 · {queue_change} 修改 · "
     "{queue_up}{queue_down} 选择 · {interrupt} 停止"
