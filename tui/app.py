@@ -358,7 +358,7 @@ class SaysoApp(Stage):
 
     def on_ask_asked(self, message: Ask.Asked) -> None:
         self.dressing.typed(message.text)
-        self._ask(self.queueing.asked(*message.requests))
+        self._ask(self.queueing.asked(*message.requests, waits=message.waits))
 
     def on_action_queue_dropped(self, message: ActionQueue.Dropped) -> None:
         self.queueing.drop(message.request)
@@ -470,6 +470,13 @@ class SaysoApp(Stage):
         """Acts before the keys behind it are dealt out: what was typed ahead goes into the line."""
         self.come_back()
         self.main.type()
+
+    def action_add(self) -> None:
+        """Ask for what is in the line, after what runs."""
+        if self.screen is self.main and self.main.line.has_focus and self.main.line.value:
+            self.main.line.submit(waits=True)
+        else:
+            self.remark(strings.NOTHING_TO_ADD)
 
     def action_help(self) -> None:
         from tui.screens.help import HelpScreen  # pages are read when somebody wants them

@@ -19,7 +19,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from msgspec import to_builtins
+from msgspec import structs, to_builtins
 
 from config.schema import Session as SessionSettings
 from engine import events
@@ -50,6 +50,7 @@ from engine.epoch import Epoch
 from engine.errors import ExitCode, RobotError, SaysoError
 from engine.events import Scope, State, TurnResult
 from engine.planner.about_itself import cannot_continue
+from engine.planner.phrases.joints import comes_after
 from engine.planner.text.language import language_of
 from engine.robot.geometry import Pose, Twist, wrap
 from engine.robot.robot import EMERGENCY_STOP
@@ -133,7 +134,11 @@ class Session:
         return turn is not None and turn.asks
 
     def request(self, command: Command) -> None:
-        """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot."""
+        """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot. "And then …"
+        interrupts nothing, and is no answer that goes before what waits."""
+        asked = self._asks() or self._has_asked
+        if isinstance(command, Say) and not asked and comes_after(command.text):
+            command = structs.replace(command, wait=True)
         if not isinstance(command, Snapshot | Audio):
             self._asked_at = self._loop.time()
         self._inbox.request(command)

@@ -217,6 +217,57 @@ def test_what_was_to_follow_something_is_left_wherever_it_was_moved_to() -> None
     converse(test)
 
 
+@pytest.mark.parametrize("busy", ["interrupt", "queue", "reject"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "and then raise your arm", "Then raise your arm", "afterwards raise your arm", "after that raise your arm",
+        "and after that, raise your arm", "and raise your arm", "然后举起手臂", "接着举起手臂",
+    ],
+)  # fmt: skip
+def test_what_begins_as_something_for_afterwards_interrupts_nothing(text: str, busy: str) -> None:
+    async def test(talk: Conversation) -> None:
+        waiting = [one.text for one in await three_waiting(talk)]
+        talk.send(Say(text))
+        await talk.until(events.RequestsWaiting, lambda body: len(body.texts) == 4)
+        assert talk.bodies(events.RequestsWaiting)[-1].texts == (*waiting, text), "behind what waits already"
+        await talk.result(5)
+        assert names(talk) == ["move_forward", "beep", "move_left", "arm_up", "arm_up"]
+
+    converse(test, f"session.busy={busy}")
+
+
+@pytest.mark.parametrize("text", ["and stop", "then stop!", "然后停"])
+def test_no_stop_waits_however_it_begins(text: str) -> None:
+    async def test(talk: Conversation) -> None:
+        await three_waiting(talk)
+        talk.send(Say(text))
+        assert talk.robot.state().twist.is_zero
+        await talk.pass_time(20)
+        assert not {"beep", "move_left", "arm_up"} & set(names(talk)), "what waited is dropped"
+
+    converse(test)
+
+
+def test_where_nothing_runs_what_is_for_afterwards_begins_at_once() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("and then raise your arm"))
+        await talk.result()
+        assert names(talk) == ["arm_up"]
+
+    converse(test)
+
+
+def test_an_answer_may_begin_like_that_as_well() -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        talk.send(Say("then the kitchen"))
+        await talk.result(4)
+        assert names(talk) == ["beep", "navigation", "arm_up"]
+
+    converse(test)
+
+
 # A question about one of them
 
 ASKS = "go to the bedrom"

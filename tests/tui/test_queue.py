@@ -271,3 +271,40 @@ async def test_a_turn_that_was_replaced_leaves_a_row_as_well(state: ev.State, to
         await desk.settled()
         assert desk.text.count(told) == 1
         assert f"■  go home  {told}" in desk.text
+
+
+# Adding to what waits
+
+
+@pytest.mark.parametrize(("size", "shown"), [((120, 40), True), ((80, 24), True), ((60, 20), True)])
+async def test_while_something_runs_a_key_adds_what_is_written_to_what_waits(
+    size: tuple[int, int], *, shown: bool
+) -> None:
+    async with console(size=size, in_line=True) as desk:
+        await desk.press(*"nod")
+        assert "ctrl+j afterwards" not in desk.text, "nothing runs"
+        desk.engine.play(scripted.acting())
+        await desk.settled()
+        assert ("ctrl+j afterwards" in desk.text.splitlines()[-1]) is shown
+        await desk.press("ctrl+j")
+        assert desk.engine.sent == [Say("nod", wait=True)]
+        assert desk.app.main.line.value == ""
+        assert "ctrl+j afterwards" not in desk.text, "nothing is written"
+        await desk.press(*"beep", "enter")
+        assert desk.engine.sent[1:] == [Say("beep")]
+        assert desk.app.main.line.history[-2:] == ["nod", "beep"]
+
+
+async def test_several_that_were_pasted_are_added_one_after_the_other() -> None:
+    async with console(in_line=True) as desk:
+        desk.engine.play(scripted.acting())
+        desk.app.main.line.paste("nod\nbeep\ngo home\n")
+        await desk.press("ctrl+j")
+        assert desk.engine.sent == [Say("nod", then=("beep", "go home"), wait=True)]
+
+
+async def test_the_key_that_adds_says_what_it_is_for_where_nothing_is_written() -> None:
+    async with console(in_line=True) as desk:
+        await desk.press("ctrl+j")
+        assert "Nothing is written to be done afterwards" in desk.text
+        assert desk.engine.sent == []

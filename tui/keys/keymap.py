@@ -34,7 +34,7 @@ _SPELLINGS: Final = {
     **PUNCTUATION, "esc": "escape", "return": "enter", "page up": "pageup", "page down": "pagedown", "del": "delete",
 }  # fmt: skip
 _SPECIAL: Final = EDITING | {"escape", "insert", "pageup", "pagedown"}
-_SAME: Final = {"ctrl+i": "tab", "ctrl+m": "enter", "ctrl+j": "enter", "ctrl+h": "backspace"}
+_SAME: Final = {"ctrl+i": "tab", "ctrl+m": "enter", "ctrl+h": "backspace"}
 """What a terminal sends the same bytes for."""
 _PORTABLE: Final = re.compile(r"\w|ctrl\+[a-y]|f(?:[1-9]|1[0-2])")
 

@@ -50,6 +50,7 @@ KEYS: Final = (
     Key("wake", "space"),
     Key("end_task", "e"),
     Key("type", "slash", reserved=True),
+    Key("add", "ctrl+j", everywhere=True),
     Key("estop", "ctrl+x", everywhere=True),
     Key("release", "R"),
     Key("by_hand", "g"),
@@ -181,7 +182,7 @@ PANE_KEYS: Final[Mapping[str, tuple[str, ...]]] = {
     "turns": (*_SCROLLED, "border_left", "border_right", "turn_back", "turn_on", "turn"),
     "camera": ("camera", "zoom"),
     "map": ("map", "zoom"),
-    "line": ("wake", "recall", "palette", "pane_next", "back"),
+    "line": ("add", "wake", "recall", "palette", "pane_next", "back"),
 }
 """The console's own keys that matter most where the keyboard is: in a pane, or in the line."""
 

@@ -57,6 +57,7 @@ ABOUT_KEYS: Final = {
     "wake": "Listen now. A robot that speaks or acts stops first.",
     "end_task": "Stop, reset arm and history, and begin a new task.",
     "type": "Go to the line, and type a request. Up and down recall earlier ones.",
+    "add": "Send what is in the line to be done after all that runs and waits: it interrupts nothing.",
     "estop": "The emergency stop: nothing moves until it is released.",
     "release": "Release the emergency stop.",
     "speed_down": "Lower the speed limit of the robot: fast, quick, medium, slow.",
@@ -464,6 +465,9 @@ PLACEHOLDER_TYPING: Final = (
 )
 PLACEHOLDER_TYPING_EARLY: Final = "Type; it waits for {parts} to load · {back} back · {interrupt} stops"
 PASTED_TOO_LONG: Final = "Too long to be pasted: the line holds {} characters. Nothing of it was taken."
+ADDS: Final = " {add} afterwards "
+"""Behind the line, while something runs: the key that adds what is written to what waits."""
+NOTHING_TO_ADD: Final = "Nothing is written to be done afterwards"
 PHRASES: Final = (
     "go to the ", "turn left 90 degrees", "turn right 90 degrees", "turn around", "move forward 1 metre",
     "move back 1 metre", "where are you?", "what can you do?", "what do you see?", "look around", "pick up the ",

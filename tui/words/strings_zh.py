@@ -64,6 +64,7 @@ ABOUT_KEYS: Final = {
     "speed_down": "降低机器人的限速：快、较快、中、慢。",
     "speed_up": "提高机器人的限速。",
     "type": "转到输入行，输入请求。上下方向键可找回以前的请求。",
+    "add": "把这一行的请求排到正在做和等待的事之后，不打断任何事。",
     "estop": "急停：解除之前机器人不会动。",
     "release": "解除急停。",
     "by_hand": "手动驾驶（会结束计划），或不再手动。",
@@ -447,6 +448,8 @@ PLACEHOLDER_EARLY: Final = "按 {type} 输入；载入后才会执行：{parts}"
 PLACEHOLDER_TYPING: Final = "输入机器人要做的事 · 上键找回 · {recall} 搜索 · {back} 返回 · {interrupt} 停止"
 PLACEHOLDER_TYPING_EARLY: Final = "输入；载入后才会执行：{parts} · {back} 返回 · {interrupt} 停止"
 PASTED_TOO_LONG: Final = "粘贴的内容太长：输入行最多 {} 个字符，没有接受任何内容。"
+ADDS: Final = " {add} 排在后面 "
+NOTHING_TO_ADD: Final = "这一行是空的，没有可排的请求"
 PHRASES: Final = (
     "去", "向左转90度", "向右转90度", "转身", "前进1米", "后退1米", "你在哪里？", "你会做什么？", "你看到什么？",
     "看看四周", "拿起", "把它放到", "找到", "跟着我", "回来", "打扫房间", "举起手臂", "等5秒", "结束任务",
