@@ -288,6 +288,15 @@ async def test_a_backspace_that_is_held_down_clears_the_line_and_does_not_leave_
         assert desk.engine.sent[1:] == [Wake("key")]
 
 
+async def test_a_backspace_after_a_pause_leaves_the_line_that_was_emptied_by_backspaces() -> None:
+    async with console(engine(), in_line=True) as desk:
+        await desk.press(*"a", "backspace")
+        assert "⌫ back" in desk.text.splitlines()[-1]
+        desk.app.clock = lambda: 1.0
+        await desk.press("backspace")
+        assert desk.app.focused is None
+
+
 async def test_a_backspace_that_is_held_down_in_a_panel_does_not_close_it() -> None:
     async with console(engine()) as desk:
         await desk.press("ctrl+p", *"kit", *["backspace"] * 9, *"bed", "enter")
