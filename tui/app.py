@@ -65,6 +65,7 @@ from tui.rooms.viewing import Viewing
 from tui.screens.pages import Paged, Placed, Stepped
 from tui.shown.facts import Problem, printable
 from tui.shown.offers import FollowUp, offered
+from tui.shown.readiness import deaf
 from tui.shown.view import View
 from tui.stage import Stage
 from tui.terminal.driver import listening_driver
@@ -350,6 +351,11 @@ class SaysoApp(Stage):
         self.send(Drive(message.vx, message.vy, message.wz))
 
     def action_wake(self) -> None:
+        """Where nobody can be heard, that is said, and nothing stops for it."""
+        parts = self.handle.status() if self.handle is not None else ()
+        if (missing := deaf(parts)) is not None:
+            self.keeping.remark(strings.DEAF[missing], while_still=False)
+            return
         self._follow()
         self.send(Wake("key"))
 
@@ -476,7 +482,7 @@ class SaysoApp(Stage):
         if self.screen is self.main and self.main.line.has_focus and self.main.line.value:
             self.main.line.submit(waits=True)
         else:
-            self.remark(strings.NOTHING_TO_ADD)
+            self.keeping.remark(strings.NOTHING_TO_ADD, while_still=False)
 
     def action_help(self) -> None:
         from tui.screens.help import HelpScreen  # pages are read when somebody wants them

@@ -21,6 +21,7 @@ from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
 from tui.screens.pages import Following
 from tui.shown.model import ConsoleModel
+from tui.shown.readiness import deaf
 from tui.shown.view import Hint, View
 from tui.shown.watchdog import INTERVAL_S, Watchdog, engine_is_back, engine_is_silent, robot_is_back
 from tui.terminal.pacing import Inbox, Pacer
@@ -257,7 +258,8 @@ class Drawing:
         else:
             there = IN_PANES if on_main else ON_PAGE
         idle = () if model.ended is None else ("wake", "end_task", "type", "help")  # nobody is there to be told
-        return tuple(self._hint(name) for name in there if name not in idle)
+        none = ("wake",) if deaf(self._parts) is not None else ()
+        return tuple(self._hint(name) for name in there if name not in (*idle, *none))
 
     def _hint(self, action: str) -> Hint:
         """It matters where its key acts, and has something to act on."""

@@ -70,15 +70,14 @@ class Keeping:
         names can be opened."""
         from tui.words.links import marked_up
 
-        self.remark(text)
-        self.while_still = False
+        self.remark(text, while_still=False)
         severity: Literal["error", "information"] = "error" if level == "error" else "information"
         self._stage.notify(marked_up(self.told, printable(file)), severity=severity, timeout=TOLD_S)
         self._stage.note(level, self.told)
 
-    def remark(self, text: str) -> None:
-        """In the status line for a while, unless something begins."""
-        self.told, self.while_still, self._copied = printable(text), True, None
+    def remark(self, text: str, *, while_still: bool = True) -> None:
+        """In the status line for a while; ``while_still``: unless something begins."""
+        self.told, self.while_still, self._copied = printable(text), while_still, None
         if self._untold is not None:
             self._untold.stop()
         self._untold = self._stage.set_timer(TOLD_S, self.forget)

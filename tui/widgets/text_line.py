@@ -1,7 +1,8 @@
 """A line to type in, as all lines of the console are: backspace edits, and on an empty line goes back.
 
 A key that is held down is sent again and again. Whoever clears a line like that must not leave it as well, for what is
-typed next would be taken for commands: a run of backspaces that began in a text ends at its beginning. A pause ends the run.
+typed next would be taken for commands: a run of backspaces that began in a text ends at its beginning. A pause ends
+the run.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from tui.stage import Stage
 
 RUN_S: Final = 0.7
-"""A key that is held down is sent again after less than this: first after 0.66 s at most, as X servers do by default."""
+"""A key that is held down is sent again after less than this: the first time after 0.66 s, as X servers do, or less."""
 
 Commands = Callable[[str], str]
 """The action of the console that a key does in the empty line; empty: none, it is text."""

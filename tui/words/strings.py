@@ -349,6 +349,11 @@ MIC_LOADING: Final = "starting"
 MIC_SPEECH: Final = "speech"
 MIC_QUIET: Final = "quiet"
 NO_MICROPHONE: Final = "No microphone: type, or start with sayso --demo."
+DEAF: Final = {
+    "microphone": "Nobody can be heard without a microphone: type instead",
+    "recogniser": "Nobody is understood without speech recognition: type instead",
+}
+"""Why waking is of no use, by the part that is missing."""
 
 MIC_WAITING: Final = "no speech"
 WAKE_BY: Final = {
@@ -524,6 +529,7 @@ MOTION_PAUSED: Final = "“{phrase}” may have been said: the robot pauses"
 MOTION_RESUMED: Final = (
     "it was not said: the robot goes on after {seconds:.1f} s (false pause {number} of this session)"
 )
+PROBLEM_KEYS: Final = "{back} back · {interrupt} stops"
 SOMETHING_FAILED: Final = "Something failed"
 ASKED_EARLY: Final = "“{}” waits until the engine has started."
 CRASH_WRITTEN: Final = "sayso: this is a bug in sayso. Please report it and attach {}"

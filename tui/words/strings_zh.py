@@ -336,6 +336,10 @@ MIC_LOADING: Final = "启动中"
 MIC_SPEECH: Final = "有人声"
 MIC_QUIET: Final = "安静"
 NO_MICROPHONE: Final = "没有麦克风：请输入，或用 sayso --demo 启动。"
+DEAF: Final = {
+    "microphone": "没有麦克风，听不到人说话：请打字",
+    "recogniser": "语音识别不可用，听不懂人说话：请打字",
+}
 
 MIC_WAITING: Final = "无人声"
 WAKE_BY: Final = {
@@ -499,6 +503,7 @@ ROBOT_BACK: Final = "机器人重新连上了"
 HALTED: Final = "机器人自己停下了"
 MOTION_PAUSED: Final = "可能有人说了“{phrase}”：机器人暂停"
 MOTION_RESUMED: Final = "没有人说：机器人在 {seconds:.1f} 秒后继续（本次会话第 {number} 次误停）"
+PROBLEM_KEYS: Final = "{back} 返回 · {interrupt} 停止"
 SOMETHING_FAILED: Final = "出错了"
 ASKED_EARLY: Final = "“{}”要等引擎启动后再发送。"
 CRASH_WRITTEN: Final = "sayso：这是 sayso 的缺陷。请报告此事，并附上 {}"
