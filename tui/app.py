@@ -508,9 +508,6 @@ class SaysoApp(Stage):
     def action_settings(self) -> None:
         self.changing.open()
 
-    def action_examine(self) -> None:
-        self.examining.open()
-
     async def action_palette(self) -> None:
         await self._choosing.open()
 

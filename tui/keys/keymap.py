@@ -13,6 +13,7 @@ from typing import Final
 
 from config.nearest import nearest
 from tui.keys.keys import (
+    DOCTOR_KEYS,
     EDITING,
     EVERYWHERE,
     HAND_KEYS,
@@ -27,7 +28,16 @@ from tui.keys.keys import (
 )
 from tui.words import strings
 
-GROUPS: Final[tuple[tuple[Key, ...], ...]] = (KEYS, MAP_KEYS, QUEUE_KEYS, LOG_KEYS, TURN_KEYS, HAND_KEYS, SETTING_KEYS)
+GROUPS: Final[tuple[tuple[Key, ...], ...]] = (
+    KEYS,
+    MAP_KEYS,
+    QUEUE_KEYS,
+    LOG_KEYS,
+    TURN_KEYS,
+    DOCTOR_KEYS,
+    HAND_KEYS,
+    SETTING_KEYS,
+)
 """Those of the console, and those that go before them while the map, or a page, has the keyboard."""
 
 _SPELLINGS: Final = {

@@ -88,7 +88,6 @@ KEYS: Final = (
     Key("link", "i"),
     Key("settings", "o"),
     Key("doctor", "d"),
-    Key("examine", "r"),
     Key("older", "pageup", everywhere=True),
     Key("newer", "pagedown", everywhere=True),
     Key("line_up", "up", does="scroll_line(-1)"),
@@ -149,6 +148,10 @@ TURN_KEYS: Final = (
 """Those of the page of one turn, where they go before the console's own. Their actions are the page's."""
 
 
+DOCTOR_KEYS: Final = (Key("examine", "r"),)
+"""Those of the page of the doctor, where they go before the console's own. Their actions are the page's."""
+
+
 HAND_KEYS: Final = (
     Key("hand_ahead", "up,w", does="hand(1, 0, 0)"),
     Key("hand_back", "down,s", does="hand(-1, 0, 0)"),
@@ -186,7 +189,7 @@ PANE_KEYS: Final[Mapping[str, tuple[str, ...]]] = {
 }
 """The console's own keys that matter most where the keyboard is: in a pane, or in the line."""
 
-ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *QUEUE_KEYS, *LOG_KEYS, *TURN_KEYS, *HAND_KEYS, *SETTING_KEYS)
+ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *QUEUE_KEYS, *LOG_KEYS, *TURN_KEYS, *DOCTOR_KEYS, *HAND_KEYS, *SETTING_KEYS)
 
 
 EVERYWHERE: Final = frozenset(key.id for key in KEYS if key.everywhere)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
 from config.nearest import nearest as nearest_name
-from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
+from tui.keys.keys import DOCTOR_KEYS, HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
 from tui.options import SHOWN, every
 from tui.shown.facts import LogLine, printable
 from tui.words import strings
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from config.schema import Place
     from engine.skills.registry import Skill
 
-Where = Literal["console", "map", "queue", "log", "turn", "hand", "settings"]
+Where = Literal["console", "map", "queue", "log", "turn", "doctor", "hand", "settings"]
 Kind = Literal["action", "place", "skill", "recent", "setting", "file", "log", "request"]
 MAX_RECENT: Final = 50
 MAX_NEAREST: Final = 5
@@ -163,6 +163,8 @@ def _actions(keys: Mapping[str, str]) -> Iterator[Entry]:
         yield Entry("action", key.about, f"{strings.KIND_LOG} {keys[key.id]}", Act(key, "log"), key.id)
     for key in TURN_KEYS:
         yield Entry("action", key.about, f"{strings.KIND_TURN} {keys[key.id]}", Act(key, "turn"), key.id)
+    for key in DOCTOR_KEYS:
+        yield Entry("action", key.about, f"{strings.KIND_DOCTOR} {keys[key.id]}", Act(key, "doctor"), key.id)
     for key in HAND_KEYS:
         yield Entry("action", key.about, f"{strings.KIND_HAND} {keys[key.id]}", Act(key, "hand"), key.id)
     for key in SETTING_KEYS:

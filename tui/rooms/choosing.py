@@ -132,8 +132,8 @@ class Choosing:
         if where == "hand":
             await stage.run_action(action, stage.main.drive_by_hand())
             return
-        if where == "settings":
-            await stage.run_action("settings")
+        if where in ("settings", "doctor"):  # where nothing is meant yet, or all is examined as it is opened
+            await stage.run_action(where)
             return
         await stage.run_action("turn")
         stage.screen.call_after_refresh(stage.run_action, action, stage.screen)

@@ -15,6 +15,7 @@ from textual.screen import Screen
 from textual.widgets import Input, Static
 
 from tui.keys.keys import (
+    DOCTOR_KEYS,
     HAND_KEYS,
     KEYS,
     LOG_KEYS,
@@ -134,6 +135,7 @@ class HelpScreen(Screen[None]):
             "actions": (strings.HELP_QUEUE, QUEUE_KEYS),
             "log": (strings.HELP_LOG, LOG_KEYS),
             "turn": (strings.HELP_TURN, TURN_KEYS),
+            "doctor": (strings.HELP_DOCTOR, DOCTOR_KEYS),
             "hand": (strings.HELP_HAND, HAND_KEYS),
             "settings": (strings.HELP_SETTINGS, SETTING_KEYS),
         }
