@@ -131,6 +131,7 @@ that pane's."""
 LOG_KEYS: Final = (
     Key("log_level", "v"),
     Key("log_part", "p"),
+    Key("log_all", "0"),
     Key("log_find", "s"),
     Key("log_trouble_before", "n", does="log_trouble(-1)"),
     Key("log_trouble_after", "N", does="log_trouble(1)"),

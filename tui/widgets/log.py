@@ -115,6 +115,11 @@ class LogView(Lines[Shown | str]):
         self._part = parts[at] if at < len(parts) else None
         self._look()
 
+    def action_log_all(self) -> None:
+        """Whatever was left out is shown again."""
+        self._least, self._part = "debug", None
+        self._look()
+
     def action_log_find(self) -> None:
         self.post_message(self.Wanted())
 
@@ -169,7 +174,7 @@ class LogView(Lines[Shown | str]):
 
     def _look(self) -> None:
         shown = [Shown(line, line is self._marked) for line in self.known if self._fits(line)]
-        self.show(shown or ([strings.NOTHING_FITS] if self.known else []))
+        self.show(shown or ([strings.LOG_NOTHING_FITS.format(**self._keys)] if self.known else []))
         self._entitle()
 
     def _mark(self, line: LogLine, *, scroll: bool = True) -> None:
@@ -180,11 +185,12 @@ class LogView(Lines[Shown | str]):
             self._entitle()
 
     def _entitle(self) -> None:
-        """Below the pane: what is left out, how many lines are new, and the keys while it has the keyboard."""
+        """Below the pane: what is left out and which key shows it, how many lines are new, and the keys while it has the keyboard."""
         parts = [strings.LOG_LEVELS[self._least]] if self._least != "debug" else []
         parts += [strings.SOURCES.get(self._part, self._part)] if self._part is not None else []
         parts += [strings.NEW_LINES.format(self._fresh)] if self._fresh else []
-        if self.has_focus:
+        if self.is_attached and self.screen.focused is self:  # has_focus is not true yet when the keyboard comes
+            parts += [strings.LOG_ALL.format(**self._keys)] if parts else []
             parts += strings.LOG_KEYS.format(**self._keys).split(JOINT)
         words = fitting(JOINT.join(parts), max(1, self.size.width - 2), last=0) if parts else ""
         if str(self.border_subtitle or "") != words:  # another one repaints the pane

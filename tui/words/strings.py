@@ -130,6 +130,7 @@ ABOUT_KEYS: Final = {
     "queue_change": "Take it back into the line, to change it.",
     "log_level": "Show fewer levels of the log: information, warnings, errors; then all again.",
     "log_part": "Show the log of one part: the next one; after the last one of all parts.",
+    "log_all": "Show all lines of the log again.",
     "log_find": "Search the log.",
     "log_trouble_before": "Go to the warning or error before.",
     "log_trouble_after": "Go to the next warning or error.",
@@ -508,6 +509,8 @@ LOG_LEVELS: Final = {"debug": "all", "info": "from information", "warning": "fro
 LOG_KEYS: Final = (
     "{log_level} level · {log_part} part · {log_find} search · {log_trouble_before} errors · {log_turn} turn"
 )
+LOG_ALL: Final = "{log_all} all"
+LOG_NOTHING_FITS: Final = "No matches; {log_all} shows all lines"
 NEW_LINES: Final = "{} new"
 LINE_OF_NO_TURN: Final = "This line belongs to no turn."
 

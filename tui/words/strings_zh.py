@@ -126,6 +126,7 @@ ABOUT_KEYS: Final = {
     "map_turn_right": "告诉机器人它的朝向更偏右。",
     "log_level": "只显示较重要的日志：信息、警告、错误；然后全部。",
     "log_part": "只显示一个部分的日志：下一个部分；最后一个之后是全部。",
+    "log_all": "重新显示所有日志。",
     "log_find": "搜索日志。",
     "log_trouble_before": "转到上一个警告或错误。",
     "log_trouble_after": "转到下一个警告或错误。",
@@ -484,6 +485,8 @@ SOURCES: Final = {
 
 LOG_LEVELS: Final = {"debug": "全部", "info": "信息以上", "warning": "警告以上", "error": "只看错误"}
 LOG_KEYS: Final = "{log_level} 级别 · {log_part} 部分 · {log_find} 搜索 · {log_trouble_before} 错误 · {log_turn} 该轮"
+LOG_ALL: Final = "{log_all} 全部"
+LOG_NOTHING_FITS: Final = "没有符合的；{log_all} 显示全部"
 NEW_LINES: Final = "{} 条新的"
 LINE_OF_NO_TURN: Final = "这一行不属于任何一轮。"
 
