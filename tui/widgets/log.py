@@ -185,7 +185,7 @@ class LogView(Lines[Shown | str]):
             self._entitle()
 
     def _entitle(self) -> None:
-        """Below the pane: what is left out and which key shows it, how many lines are new, and the keys while it has the keyboard."""
+        """Below the pane: what is left out, how many lines are new, and the keys while it has the keyboard."""
         parts = [strings.LOG_LEVELS[self._least]] if self._least != "debug" else []
         parts += [strings.SOURCES.get(self._part, self._part)] if self._part is not None else []
         parts += [strings.NEW_LINES.format(self._fresh)] if self._fresh else []
