@@ -29,6 +29,7 @@ from textual.widget import Widget
 from textual.widgets import Input
 
 from config.errors import ConfigError
+from engine import events as ev
 from engine.commands import Drive, EndTask, EStop, Here, Interrupt, LimitSpeed, Quit, Release, Say, Wake
 from engine.errors import ExitCode, SaysoError
 from engine.states import REST
@@ -132,9 +133,9 @@ class SaysoApp(Stage):
         self.drawing = Drawing(self, self.sending, self.viewing, self.leaving, lambda: self.notice, fps)
         self.keeping = Keeping(self)
         self.queueing = Queueing(self, self.keeping)
-        self.drawing.on_event = self.queueing.hear
         self.examining = Examining(self, self.keeping)
         self.dressing = Dressing(self, Rooms(self.drawing, self.viewing, self.examining, self.leaving))
+        self.drawing.on_event = self._heard
         self.dress, self.speak = self.dressing.dress, self.dressing.speak
         self.changing = Changing(self, self.dressing)
         self.leaving.at_the_end(self.dressing.close)
@@ -145,6 +146,11 @@ class SaysoApp(Stage):
         self._asked_early: list[Say] = []  # typed before the engine was there
         self._keys: deque[events.Key] = deque()  # that wait to be dealt out
         self._taker: Widget | None = None  # what the last one was dealt out to, and which is not done with it
+
+    def _heard(self, body: ev.Body) -> None:
+        """As it is drawn."""
+        self.queueing.hear(body)
+        self.dressing.hear(body)
 
     def _begin_dark(self) -> None:
         """Have the usual theme. Setting it would read every style sheet twice before the first picture."""

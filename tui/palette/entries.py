@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 Where = Literal["console", "map", "queue", "log", "turn", "doctor", "hand", "settings"]
 Kind = Literal["action", "place", "skill", "recent", "setting", "file", "log", "request"]
 MAX_RECENT: Final = 50
+FIRST_RECENT: Final = 5
+"""Earlier requests that stand before all else while nothing is typed."""
 MAX_NEAREST: Final = 5
 _SENTENCES: Final = ("action", "skill")
 """The titles of these are sentences, and nobody abbreviates a word of a sentence: their names are among the words."""
@@ -212,7 +214,9 @@ def found(listed: Sequence[Entry], typed: str) -> tuple[Entry, ...]:
     and those that are as good in the order of the list."""
     wanted = typed.casefold().split()
     if not wanted:
-        return tuple(listed)
+        recent = [entry for entry in listed if entry.kind == "recent"]
+        others = [entry for entry in listed if entry.kind != "recent"]
+        return (*recent[:FIRST_RECENT], *others, *recent[FIRST_RECENT:])
     scored = [(score, number) for number, entry in enumerate(listed) if (score := _score(entry, wanted)) > 0]
     return tuple(listed[number] for _, number in sorted(scored, key=lambda pair: (-pair[0], pair[1])))
 

@@ -37,7 +37,7 @@ class Choosing:
         skills = stage.offer.skills if stage.offer is not None else ()
         file = str(paths().config / "config.yaml")
         themes = sorted(stage.available_themes, key=lambda name: "sayso" not in name)
-        found = entries(stage.listed_keys, places, skills, stage.main.line.history, file, themes)
+        found = entries(stage.listed_keys, places, skills, stage.main.line.offered, file, themes)
         await self._show(found, strings.PALETTE)
 
     async def recall(self) -> None:
@@ -99,8 +99,7 @@ class Choosing:
 
         stage = self._stage
         stage.come_back()
-        keys = strings.PALETTE_KEYS.format(**stage.shown_keys)
-        await stage.main.cover(Palette(entries, keys, title=title, guesses=guesses))
+        await stage.main.cover(Palette(entries, stage.shown_keys, title=title, guesses=guesses))
 
     async def act(self, action: str) -> None:
         """What a click on a key in the status line does: what the key does. Nobody quits by a slip of the hand."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import ClassVar, Final
 
 from textual import events
@@ -58,11 +58,12 @@ class Ask(TextLine):
             commands=commands,
             select_on_focus=False,  # a draft that one comes back to is not typed over
             max_length=_MAX_LENGTH,
-            suggester=Guess(lambda text: self._completion.rest(text, self._history)),
+            suggester=Guess(lambda text: self._completion.rest(text, self.offered)),
         )
         self._keys = keys
         self._early = ""  # what has to be loaded before a request is begun
         self._history: list[str] = []
+        self._in_vain: set[str] = set()  # of these, those of which nothing was made
         self._at = 0  # place in the history; its length stands for the line being written
         self._draft = ""
         self._completion = Completion(phrases=strings.PHRASES)
@@ -72,8 +73,23 @@ class Ask(TextLine):
         """What was sent, the newest last."""
         return self._history
 
-    def remember(self, earlier: Sequence[str]) -> None:
-        """Put what was sent in earlier sessions before what was in this one."""
+    @property
+    def offered(self) -> Sequence[str]:
+        """What was sent and may be meant again, the newest last: nothing that was refused or not understood, and not
+        several that were pasted."""
+        return [text for text in self._history if text not in self._in_vain and _BREAK not in text]
+
+    def mark(self, text: str) -> bool:
+        """Nothing was made of this: it is not offered again. False where it is not among what was sent."""
+        if text not in self._history:
+            return False
+        self._in_vain.add(text)
+        return True
+
+    def remember(self, earlier: Sequence[str], in_vain: Iterable[str] = ()) -> None:
+        """Put what was sent in earlier sessions before what was in this one; of what was sent ``in_vain``, nothing was
+        made."""
+        self._in_vain.update(text for text in in_vain if text not in self._history)
         self._history = [*earlier, *self._history][-_MAX_HISTORY:]
         self._at = len(self._history)
 
@@ -145,6 +161,7 @@ class Ask(TextLine):
         text = text.strip()
         if not requests_of(text):
             return
+        self._in_vain.discard(text)
         if not self._history or self._history[-1] != text:
             self._history = [*self._history[1 - _MAX_HISTORY :], text]
         self._at, self._draft = len(self._history), ""

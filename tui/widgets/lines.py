@@ -110,7 +110,9 @@ class Lines(Widget, Generic[Item], can_focus=False):
                 self.refresh(Region(0, y, width, 1))
 
     def _top_for_what_matters(self) -> int:
-        if self._matters is None:
+        if self._matters is None or any(
+            item not in self._cache for item in self._items
+        ):  # nothing is drawn without room
             return self._last_top
         if not self._items:
             return 0

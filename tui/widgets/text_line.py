@@ -18,6 +18,7 @@ from textual.message import Message
 from textual.widgets import Input
 
 from tui.keys.keys import EDITING, PUNCTUATION
+from tui.words import strings
 
 if TYPE_CHECKING:
     from tui.stage import Stage
@@ -78,6 +79,13 @@ class TextLine(Input):
             self.app.post_message(self.Commanded(action))  # which may take this line away: nobody waits for that here
             return
         await super()._on_key(event)
+
+    def _on_paste(self, event: events.Paste) -> None:
+        """As Textual's, which would take the first one of several lines and lose the others."""
+        if len([line for line in event.text.splitlines() if line.strip()]) > 1:
+            event.stop()
+            event.prevent_default()
+            self.app.notify(strings.PASTED_LINES, severity="warning", markup=False)
 
     async def action_backspace(self) -> None:
         """Take the character before the cursor away; where there is no text at all, go back."""
