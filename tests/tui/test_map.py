@@ -87,26 +87,26 @@ async def test_keys_typed_ahead_of_the_map_are_its_own() -> None:
         for key, character in (("m", "m"), ("tab", "\t"), ("enter", "\r")):  # as a slow link delivers them
             desk.app.post_message(Key(key, character))
         await desk.settled()
-        assert "Go to kitchen?" in desk.text
+        assert "Go to the kitchen?" in desk.text
 
 
 async def test_enter_asks_and_enter_again_sends_the_robot() -> None:
     async with console(engine(RED)) as desk:
         await desk.press("m", "tab", "enter")
         assert desk.engine.sent == []
-        assert "Go to kitchen?" in desk.text
+        assert "Go to the kitchen?" in desk.text
         await desk.press("enter")
         assert desk.engine.sent == [Say("go to the kitchen")]
-        assert "Go to kitchen?" not in desk.text
+        assert "Go to the kitchen?" not in desk.text
 
 
 @pytest.mark.parametrize("key", ["right", "tab", "plus", "f", "0", "shift+left", "x"])
 async def test_any_other_key_takes_the_question_back(key: str) -> None:
     async with console() as desk:
         await desk.press("m", "tab", "enter")
-        assert "Go to kitchen?" in desk.text
+        assert "Go to the kitchen?" in desk.text
         await desk.press(key)
-        assert "Go to kitchen?" not in desk.text
+        assert "Go to the kitchen?" not in desk.text
         await desk.press("m", "enter")
         assert desk.engine.sent == []
 
@@ -222,7 +222,7 @@ async def test_a_click_points_and_asks_and_a_click_on_the_question_goes() -> Non
         row, column = floor._frame.cell(*RED.position[:2]) or (0, 0)
         await desk.pilot.click(FloorView, offset=(column, row))
         await desk.settled()
-        assert "Go to red box?" in desk.text
+        assert "Go to the red box?" in desk.text
         assert desk.engine.sent == []
         await desk.pilot.click(FloorView, offset=(5, floor.size.height - 1))
         await desk.settled()

@@ -29,7 +29,6 @@ from tui.plan.legend import Row, legend
 from tui.plan.targets import Target, pointed_at, targets
 from tui.plan.viewport import Viewport
 from tui.words import strings
-from tui.words.language import told
 from tui.words.widths import centred
 
 if TYPE_CHECKING:
@@ -219,7 +218,8 @@ class FloorView(Widget, can_focus=True):
         """What the cursor points at, or the question whether to go there."""
         kind, text = "caption", ""
         if self._asked is not None:
-            kind, text = "question", strings.GO_THERE.format(told(self._asked.name))
+            request = self._asked.request
+            kind, text = "question", strings.GO_THERE.format(f"{request[:1].upper()}{request[1:]}")
         elif (target := self.pointed) is not None:
             text = f"{target.about}  {strings.ENTER_GOES if target.name else strings.NO_WAY_TO_SAY}"
         style = self.get_component_rich_style(f"floor--{kind}")

@@ -217,7 +217,7 @@ MAP_SIGNS: Final = {
 GO_TO: Final = "go to the {}"
 GO_TO_NAMED: Final = "go to {}"  # somebody
 GO_TO_HAN: Final = "去{}"  # of a name that is written in Chinese
-GO_THERE: Final = "Go to {}? enter: yes · any other key: no"
+GO_THERE: Final = "{}? enter: yes · any other key: no"
 ENTER_GOES: Final = "· enter goes there"
 NO_WAY_TO_SAY: Final = "· no named place here; tab chooses one"
 SEEN_AGO: Final = "seen {}"
@@ -656,7 +656,9 @@ FORM_BECOMES: Final = "› {}"
 NOT_KEPT: Final = "Your requests are not saved for later sessions: {}"
 
 # Copying and saving
-COPIED: Final = "{part} copied · {lines} lines · {key} again: {other}"
+LINES: Final = ("{} line", "{} lines")
+"""So many: one, and any other number."""
+COPIED: Final = "{part} copied · {lines} · {key} again: {other}"
 NOTHING_TO_COPY: Final = "no {part} to copy · {key} again: {other}"
 COPY_PARTS: Final = {
     "turn": "turn",
@@ -673,7 +675,7 @@ DOCTOR_TITLE: Final = "Doctor"
 DOCTOR_KEYS: Final = "{older} {newer} more · {examine} again · {copy} copies · {back} back · {interrupt} stops"
 EXAMINING: Final = "◌ {name} … {count} examined so far"
 NOTHING_TO_EXAMINE: Final = "The settings are not read yet. Try again in a moment."
-COPIED_PAGE: Final = "{lines} lines copied"
+COPIED_PAGE: Final = "{lines} copied"
 NOTHING_FOUND_YET: Final = "nothing to copy yet"
 FINDINGS: Final = {"ok": "fine", "limited": "limited", "missing": "missing"}
 CHECKS: Final = {
@@ -734,8 +736,9 @@ UNKNOWN_THEME: Final = "There is no theme {!r}; the console uses its own."
 DID_YOU_MEAN_THEME: Final = "Did you mean {}?"
 SETTINGS_TITLE: Final = "Settings"
 SETTINGS_KEYS: Final = (
-    "{setting_up}{setting_down} {setting_before}{setting_after} look · {setting_take} changes · "
-    "{setting_find} search · {setting_default} default · {back} back · {interrupt} stops"
+    "{setting_take} changes · {setting_find} search · "
+    "{setting_up}{setting_down} {setting_before}{setting_after} look · {setting_default} default · "
+    "{back} back · {interrupt} stops"
 )
 SETTINGS_LINE: Final = "enter keeps what is written · {back_typing} back · {interrupt} stops"
 SETTINGS_FIND: Final = "a part of a name or of what it means · enter: to the list"
@@ -786,7 +789,7 @@ SETTING_ABOUTS: Final = {
     "planner.profile": "",
 }
 """What each means; empty: as the schema says, which is English."""
-SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文"}
+SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文", "true": "on", "false": "off"}
 """Values that need a word more."""
 NO_VALUE: Final = "not set"
 NO_ENTRY: Final = "none"

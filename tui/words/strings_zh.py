@@ -208,7 +208,7 @@ MAP_SIGNS: Final = {
     "hand": "手",
     "held": "手里拿着东西",
 }
-GO_THERE: Final = "去{}吗？回车：是 · 其他键：否"
+GO_THERE: Final = "{}吗？回车：是 · 其他键：否"
 ENTER_GOES: Final = "· 回车前往"
 NO_WAY_TO_SAY: Final = "· 这里没有地名；tab 选一个"
 SEEN_AGO: Final = "{}看到"
@@ -615,7 +615,8 @@ FORM_MISSING: Final = "缺少 {name}"
 NOT_KEPT: Final = "你的请求没有保存到以后的会话：{}"
 
 # Copying and saving
-COPIED: Final = "已复制{part} · {lines} 行 · 再按 {key}：{other}"
+LINES: Final = ("{} 行", "{} 行")
+COPIED: Final = "已复制{part} · {lines} · 再按 {key}：{other}"
 NOTHING_TO_COPY: Final = "没有{part}可复制 · 再按 {key}：{other}"
 COPY_PARTS: Final = {
     "turn": "本轮",
@@ -632,7 +633,7 @@ DOCTOR_TITLE: Final = "检查"
 DOCTOR_KEYS: Final = "{older} {newer} 翻页 · {examine} 再检查 · {copy} 复制 · {back} 返回 · {interrupt} 停止"
 EXAMINING: Final = "◌ {name} … 已检查 {count} 项"
 NOTHING_TO_EXAMINE: Final = "设置尚未读取，请稍后再试。"
-COPIED_PAGE: Final = "已复制 {lines} 行"
+COPIED_PAGE: Final = "已复制 {lines}"
 NOTHING_FOUND_YET: Final = "还没有可复制的"
 FINDINGS: Final = {"ok": "正常", "limited": "受限", "missing": "缺少"}
 CHECKS: Final = {
@@ -692,8 +693,9 @@ UNKNOWN_THEME: Final = "没有主题 {!r}；控制台用自己的主题。"
 DID_YOU_MEAN_THEME: Final = "是不是 {}？"
 SETTINGS_TITLE: Final = "设置"
 SETTINGS_KEYS: Final = (
-    "{setting_up}{setting_down} {setting_before}{setting_after} 查看 · {setting_take} 更改 · "
-    "{setting_find} 搜索 · {setting_default} 默认 · {back} 返回 · {interrupt} 停止"
+    "{setting_take} 更改 · {setting_find} 搜索 · "
+    "{setting_up}{setting_down} {setting_before}{setting_after} 查看 · {setting_default} 默认 · "
+    "{back} 返回 · {interrupt} 停止"
 )
 SETTINGS_LINE: Final = "回车保存所写内容 · {back_typing} 返回 · {interrupt} 停止"
 SETTINGS_FIND: Final = "名称或说明中的几个字 · 回车：到列表"
@@ -745,7 +747,7 @@ SETTING_ABOUTS: Final = {
     "wake.words": "唤醒词（`sayso wake list`），用逗号隔开；auto：已安装的 hey jarvis 和 hey sayso。",
     "planner.profile": "还用哪些大模型思考（profiles.yaml）：phrases（不用）、local、international、china，或自己的。",
 }
-SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文"}
+SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文", "true": "开", "false": "关"}
 NO_VALUE: Final = "未设置"
 NO_ENTRY: Final = "无"
 FROM_DEFAULT: Final = "默认"
