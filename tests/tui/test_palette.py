@@ -357,11 +357,11 @@ async def test_the_palette_begins_with_few_earlier_requests_and_then_all_that_ca
 async def test_the_frame_says_whether_enter_does_it_or_puts_it_into_the_line() -> None:
     async with console(in_line=True) as desk:
         await desk.press(*"nod", "enter", "ctrl+r")
-        assert "enter puts it into the line" in desk.text
+        assert "enter fills the line" in desk.text
         await desk.press("enter")
         assert desk.app.main.line.value == "nod"
         await desk.press("ctrl+u", "ctrl+p")
-        assert "enter puts it into the line" in desk.text
+        assert "enter fills the line" in desk.text
         await desk.press("down")
         assert "enter does it" in desk.text
 
