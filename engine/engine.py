@@ -104,10 +104,14 @@ PAUSE_S = 1.0
 class Engine:
     """A running engine. ``start`` it once; it ends by a ``Quit`` command, and ``join`` waits for that.
 
-    ``mode`` is for the record (``console``, ``ask``…). ``sound`` says where sound comes from.
+    ``mode`` is for the record (``console``, ``ask``…). ``sound`` says where sound comes from. ``release_key`` is told
+    to whoever asks in words to release the emergency stop; empty: a command is.
     """
 
-    def __init__(self, settings: Settings, *, mode: str, sound: Sound, clock: Clock | None = None) -> None:
+    def __init__(
+        self, settings: Settings, *, mode: str, sound: Sound, clock: Clock | None = None, release_key: str = ""
+    ) -> None:
+        self._release_key = release_key
         self._settings = settings = at_home(settings)
         self._mode = mode
         self._sound = sound
@@ -278,6 +282,7 @@ class Engine:
             rounds=self._settings.planner.rounds,
             steps=self._settings.planner.steps,
             told=in_words,
+            release_key=self._release_key,
         )
         hesitation = Hesitation(
             self._robot,

@@ -39,6 +39,7 @@ from tui.keys.speeds import limit_beside
 from tui.looks.themes import CONTRAST, DARK, LIGHT
 from tui.messages import (
     Answered,
+    Burst,
     Dressed,
     Failed,
     HungUp,
@@ -144,7 +145,7 @@ class SaysoApp(Stage):
         self._start_engine = start_engine
         self._is_ready = False
         self._asked_early: list[Say] = []  # typed before the engine was there
-        self._keys: deque[events.Key] = deque()  # that wait to be dealt out
+        self._keys: deque[events.Key | Burst] = deque()  # that wait to be dealt out
         self._taker: Widget | None = None  # what the last one was dealt out to, and which is not done with it
 
     def _heard(self, body: ev.Body) -> None:
@@ -324,7 +325,7 @@ class SaysoApp(Stage):
 
     def action_release(self) -> None:
         self.send(Release())
-        self.redraw()
+        self.keeping.forget()  # that it is pressed
 
     async def action_back(self) -> None:
         """One step, and never a stop."""
@@ -396,6 +397,8 @@ class SaysoApp(Stage):
         model = self.drawing.model
         if kind in offered(model):
             self._ask(Say(strings.FOLLOW_UPS[kind]))
+        elif model.pressed:
+            self.keeping.tell(strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")))
         elif model.state not in REST:
             self.keeping.tell(strings.NOT_NOW.format(**self.shown_keys))
         elif kind == "undo" and model.offers.no_undo:
@@ -420,7 +423,9 @@ class SaysoApp(Stage):
             self.note("info", strings.ASKED_EARLY.format(printable(request)))
 
     def _follow(self) -> None:
-        """The user asks for something: the turn that is looked at is the newest again, unless it is on a page."""
+        """The user asks for something: the end of the conversation is in sight again, and the turn that is looked at
+        is the newest, unless it is on a page."""
+        self.main.follow("conversation")
         if self.screen is self.main:
             self.drawing.browse_to(None)
 
@@ -445,10 +450,27 @@ class SaysoApp(Stage):
         Over a slow line to the terminal many arrive at once. The first ones wait until the line has the keyboard."""
         while self._is_ready and self._keys and (self._taker is None or not self._taker.is_attached):
             key, self._taker = self._keys.popleft(), None
+            if isinstance(key, Burst):
+                self._take(key)
+                continue
             await super().on_event(key)
             taker = self.focused or self.screen
             if key.is_forwarded and taker.post_message(KeyDone()):  # which comes back behind the key
                 self._taker = taker
+
+    async def on_burst(self, message: Burst) -> None:
+        self._keys.append(message)
+        await self._deal()
+
+    def _take(self, burst: Burst) -> None:
+        """In the line, several requests that come at once are one submission, each of which is done. Elsewhere they
+        are keys; and whatever stops or ends a task must not wait for its turn."""
+        from engine.planner.phrases.stopping import scope_of  # which most sessions do without
+
+        if self.main.line.has_focus and not any(map(scope_of, burst.text.splitlines())):
+            self.main.line.take(burst.text)
+        else:
+            self._keys.extendleft(reversed(burst.keys))
 
     async def on_key_done(self, message: KeyDone) -> None:
         self._taker = None
@@ -590,6 +612,14 @@ class SaysoApp(Stage):
 
     def action_newer(self) -> None:
         self._scroll_page(1)
+
+    def action_newest(self, name: PaneName | None = None) -> None:
+        """To the end of this pane, or of the one that is meant."""
+        if self.screen is not self.main:
+            return
+        if (name or self.main.pane) == "turns":
+            self.drawing.browse_to(None)
+        self.main.follow(name)
 
     def _scroll_page(self, step: int) -> None:
         page = self.screen if isinstance(self.screen, Paged) else self.main

@@ -113,6 +113,10 @@ class Stage(App[None]):
                 return shown(key)
         return None
 
+    def reaching(self, action: str) -> str:
+        """The key that does this where the keyboard is; where it is text, the one that goes back first."""
+        return self.acting(action) or f"{self.shown_keys['back_typing']} {self.shown_keys[action]}"
+
     @property
     def terminal(self) -> Driver | None:
         """What reads from the terminal and writes to it."""

@@ -229,7 +229,7 @@ class Dispatcher:
             worded=run.worded,
         )
         if (refused := self._refused(self._registry[action.name], action)) is not None:
-            self._write(run, begun, refused)
+            self._write(run, begun, refused, began=False)
             return refused
         remains: Remains[Result] = Remains(lambda found: self._drop(run, action, found))
         try:
@@ -260,13 +260,13 @@ class Dispatcher:
             return result
         return replace(result, message=f"{result.message} My arm says: {fault}.")
 
-    def _write(self, run: Run, begun: Begun, result: Result) -> None:
+    def _write(self, run: Run, begun: Begun, result: Result, *, began: bool = True) -> None:
         """The one end of an action, in the books and on the bus, before anybody else can run."""
         action = begun.action
         run.running.discard(begun.key)
         self._report_robot(run.emit)
         duration, ended = max(0.0, self._robot_time() - begun.t), self._moment()
-        ran = Ran(action, result, duration, begun.before, ended.state.pose if ended is not None else None)
+        ran = Ran(action, result, duration, begun.before, ended.state.pose if ended is not None else None, began)
         run.ran.append(ran)
         run.record(ran)
         ends = result.outcome in ("failed", "uncertain") or result.error_code == "needs_answer"

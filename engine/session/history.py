@@ -91,9 +91,11 @@ class TaskCycle:
 
     def acted_last(self) -> tuple[str, tuple[Ran, ...]]:
         """The newest turn in which something was done, by its id, and what was done; both are empty where nothing
-        was."""
-        turn = next((entry.turn for entry in reversed(self.entries) if isinstance(entry, Acted)), "")
-        return turn, tuple(entry.ran for entry in self.entries if isinstance(entry, Acted) and entry.turn == turn)
+        was. A turn whose actions the robot refused to begin is only meant where there is no other."""
+        acted = [entry for entry in self.entries if isinstance(entry, Acted)]
+        turns = [entry.turn for entry in acted if entry.ran.began] or [entry.turn for entry in acted]
+        turn = turns[-1] if turns else ""
+        return turn, tuple(entry.ran for entry in acted if entry.turn == turn)
 
     def planned_last(self) -> str:
         """The turn of the newest plan with actions, by its id; empty where there was none."""
@@ -118,9 +120,10 @@ class TaskCycle:
         left = [rest or ran.action for ran, rest in zip(cut, rests, strict=True) if rest is None or _is_worth(rest)]
         never = [action for entry in mine if isinstance(entry, NeverStarted) for action in entry.actions]
         stopped = (entry.scope for entry in reversed(mine) if isinstance(entry, Interrupted))
+        since = [entry.ran for entry in list(self.entries)[self.entries.index(mine[0]) :] if isinstance(entry, Acted)]
         return OnRecord(
             stopped=next(stopped, None),
-            failure=next((ran.result.message for ran in reversed(acted) if ran.result.outcome == "failed"), ""),
+            failure=next((ran.result.message for ran in reversed(since) if ran.result.outcome == "failed"), ""),
             done=tuple(ran.result.message for ran in acted if ran.result.message),
             left=(*left, *never),
             cut=bool(rests) and rests[0] is None,

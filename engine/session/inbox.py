@@ -20,7 +20,7 @@ from ulid import ULID
 from engine.commands import Added, Command, Drive, EndTask, EStop, Halted, Heard, Interrupt, Quit, Release, Say, Wake
 from engine.epoch import Epoch
 from engine.events import Scope, State
-from engine.planner.phrases.stopping import is_emergency, is_end_task, is_stop
+from engine.planner.phrases.stopping import is_stop, scope_of
 from engine.states import EXPRESSING, REST
 
 T = TypeVar("T")
@@ -62,14 +62,7 @@ class Request:
             return
         yield replace(self, command=Say(self.command.text, self.command.id))
         for text in self.command.then:
-            yield Request(Say(text, self.command.id), self.epoch, _scope_of_words(text))
-
-
-def _scope_of_words(text: str) -> Scope | None:
-    """What a request in these words interrupts."""
-    if is_emergency(text):
-        return "estop"
-    return "stop" if is_stop(text) else "end_task" if is_end_task(text) else None
+            yield Request(Say(text, self.command.id), self.epoch, scope_of(text))
 
 
 class Inbox(Generic[T]):
@@ -142,11 +135,11 @@ class Inbox(Generic[T]):
             case Added(adds=adds, epoch=epoch):
                 return None if adds or epoch < self._newest else "replaced"
             case Heard(text):
-                return _scope_of_words(text) if self._state() in EXPRESSING and is_stop(text) else None
-            case Say(text) if self._is_asked() and _scope_of_words(text) is None:
+                return scope_of(text) if self._state() in EXPRESSING and is_stop(text) else None
+            case Say(text) if self._is_asked() and scope_of(text) is None:
                 return None  # it is the answer
             case Say(text, wait=wait):
-                return _scope_of_words(text) or ("replaced" if self._busy == "interrupt" and not wait else None)
+                return scope_of(text) or ("replaced" if self._busy == "interrupt" and not wait else None)
         return None
 
     # In the loop

@@ -36,6 +36,8 @@ class Ran:
     """When it began; None: the robot could not be asked."""
     after: Pose | None = None
     """Where the robot was when it ended."""
+    began: bool = True
+    """False: the robot refused to begin it as it stood, and nothing came of it."""
 
 
 def rest_of(ran: Ran) -> Action | None:

@@ -30,7 +30,7 @@ from engine.llm.chat import ChatError
 from engine.parts.part import Loading
 from engine.plan import Action, InWords, Plan, as_written
 from engine.planner.intent import with_intent
-from engine.planner.phrases.stopping import is_emergency, is_stop
+from engine.planner.phrases.stopping import is_emergency, is_release, is_stop
 from engine.planner.request import Happened, Language, NoPlan, PlanRequest, Plans
 from engine.planner.text.language import language_of
 from engine.robot.robot import Robot
@@ -94,6 +94,8 @@ class Needs:
     """Plans that one request may lead to."""
     steps: int = 60
     """Actions that one request may lead to."""
+    release_key: str = ""
+    """Releases the emergency stop where the robot is asked; empty: no key does, but a command."""
     around: Callable[[], Around | None] = lambda: None
     """Those around the robot, who hear it and may answer."""
     told: Callable[[Action], InWords] = as_written
@@ -214,7 +216,7 @@ class Turn:
 
     async def do(self) -> TurnResult:
         """Plan what was taken and do it; think over what became of it, and go on, until nothing is left to be done."""
-        found = await self._think(self.asked, self._so_far)
+        found = self._about_release() or await self._think(self.asked, self._so_far)
         steps = 0
         for rounds in range(1, self._needs.rounds + 1):
             await self.stay_current()
@@ -275,6 +277,19 @@ class Turn:
         self._so_far = self._cycle.happened()
         self.asked = text
         self._cycle.entries.append(Said(self.id, text))
+
+    def _about_release(self) -> Plan | NoPlan | None:
+        """The answer to somebody who asks in words to release the emergency stop: words may be misheard, repeated or
+        come from a program, and so they never do. None for all other requests."""
+        if not is_release(self.asked):
+            return None
+        with contextlib.suppress(RobotError):  # whether it is pressed is not known then
+            if (robot := self._needs.robot.value) is not None and not robot.state().estop:
+                return Plan(self.asked, (), "The emergency stop is not pressed.", "phrases")
+        text = "No words release the emergency stop; `sayso robot release` does."
+        if key := self._needs.release_key:
+            text = f"No words release the emergency stop; the key {key} does."
+        return NoPlan(self.asked, "release_in_words", text, ExitCode.REFUSED)
 
     # Thinking
 

@@ -145,7 +145,9 @@ async def _fetch(context: SkillContext, legs: Legs, outfit: Outfit) -> bool:
         x, y = legs.at
         pose = context.pose
         direction = math.atan2(y - pose.y, x - pose.x)
-        await go_to(context, Pose(x - math.cos(direction), y - math.sin(direction), direction), "where they stayed")
+        goal = Pose(x - math.cos(direction), y - math.sin(direction), direction)
+        await go_to(context, goal, "where they stayed", enough=seen)
+    if not found:
         await look_around(context, seen)
     if not found:
         await look_through(context, room_at(context.robot.floor_map, *legs.at), seen)

@@ -203,7 +203,11 @@ async def look_through(
     for x, y in places:
         pose = context.pose
         goal = Pose(x, y, math.atan2(y - pose.y, x - pose.x))
-        went = await go_to(context, goal, f"a place in the {room.name} to look from")
+        went = await go_to(
+            context, goal, f"a place in the {room.name} to look from", enough=found if not gestures else lambda: False
+        )
+        if not gestures and found():
+            return None
         if not went.ok:
             trouble = went
             continue
@@ -376,4 +380,4 @@ async def face_point(context: SkillContext, point: Point) -> None:
 
 def called(person: PersonSeen) -> str:
     """``William``, or ``the person in red``."""
-    return person.name or f"the person in {person.shirt}"
+    return person.name or (f"the person in {person.shirt}" if person.shirt else "the person")

@@ -9,6 +9,7 @@ believed, or where something small comes into view that lies in the way, the way
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Final, Literal
 
 import numpy as np
@@ -47,23 +48,28 @@ HEMMED = 3  # times that something small on the floor may leave no way on before
 
 NOTHING_SEEN: Final[NDArray[np.float64]] = np.empty((0, 2))
 
-Ending = Literal["arrived", "held", "astray", "strewn", "hemmed"]
+Ending = Literal["arrived", "enough", "held", "astray", "strewn", "hemmed"]
+Enough = Callable[[], bool]
+"""Whether to stop on the way, because what the robot drives for is there already."""
 
 
 SPEED: Final = 0.5
 """m/s, where nobody says otherwise."""
 
 
-async def go_to(context: SkillContext, goal: Pose, name: str, *, speed: float = SPEED) -> Result:
+async def go_to(
+    context: SkillContext, goal: Pose, name: str, *, speed: float = SPEED, enough: Enough = lambda: False
+) -> Result:
     """Drive to ``goal`` and face its direction, no faster than ``speed`` m/s; ``name`` is what people call it. Fails
-    with how far away it stopped and why. A robot that finds its way itself is sent there, at its own speed."""
+    with how far away it stopped and why. ``enough``: it stops where this comes true, and has not failed. A robot that
+    finds its way itself is sent there, at its own speed."""
     if context.robot.navigates and (result := await send_to(context, goal, name)) is not None:
         return result
     async with lookout(context) as watch:
-        return await _go_to(context, goal, name, watch, speed)
+        return await _go_to(context, goal, name, watch, speed, enough)
 
 
-async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout, speed: float) -> Result:
+async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout, speed: float, enough: Enough) -> Result:
     seen = NOTHING_SEEN
     shut: Doorway | None = None
     detours = corrections = hemmed = asked = 0
@@ -76,7 +82,9 @@ async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout, s
                 return fail("path_blocked", f"The way to {name} is blocked, and there is no other. {way.message}")
             return fail("unreachable", f"I cannot get to {name}. {way.message}")
         follower = Follower(way.points, goal.yaw, speed=speed)
-        ending, state = await _follow(context, follower, name, watch)
+        ending, state = await _follow(context, follower, name, watch, enough)
+        if ending == "enough":
+            return ok(f"I stopped on the way to {name}.", x=state.pose.x, y=state.pose.y, yaw=state.pose.yaw)
         if ending == "arrived":
             return ok(f"I am at {name}.", x=state.pose.x, y=state.pose.y, yaw=state.pose.yaw)
         if ending == "hemmed":
@@ -151,7 +159,9 @@ def way_to(context: SkillContext, goal: Pose, seen: NDArray[np.float64] = NOTHIN
     return way
 
 
-async def _follow(context: SkillContext, follower: Follower, name: str, watch: Lookout) -> tuple[Ending, RobotState]:
+async def _follow(
+    context: SkillContext, follower: Follower, name: str, watch: Lookout, enough: Enough
+) -> tuple[Ending, RobotState]:
     """Drive along the path: how that ended, and the state at rest, or the one in which it was held back."""
     context.progress(0.0, f"to {name}, {follower.length:.1f} m", path=follower.ahead())
     state = context.robot.state()
@@ -160,6 +170,8 @@ async def _follow(context: SkillContext, follower: Follower, name: str, watch: L
     hull = context.robot.footprint
     known = {thing.number for thing in strewn(context)}
     while True:
+        if enough():
+            return "enough", await settle(context)
         guidance = follower.guide(state.pose)
         if guidance.arrived:
             state = await settle(context)

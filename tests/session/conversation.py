@@ -342,6 +342,7 @@ async def begin(
         rounds=settings.planner.rounds,
         steps=settings.planner.steps,
         told=in_words.in_words,
+        release_key="ctrl+o",
     )
     session = Session(settings.session, bus, epoch, needs)
     ducked: list[bool] = []

@@ -70,6 +70,45 @@ def test_a_release_lets_it_move_again_and_nothing_of_before_goes_on() -> None:
     converse(test)
 
 
+@pytest.mark.parametrize("words", ["release the emergency stop", "Please release the e-stop.", "解除急停"])
+def test_words_do_not_release_it_and_the_answer_says_what_does(words: str) -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say(words))
+        asked = await talk.result()
+        assert (asked.outcome, asked.message) in (
+            ("done", "The emergency stop is not pressed."),
+            ("done", "急停没有按下。"),
+        )
+        talk.send(EStop())
+        talk.send(Say(words))
+        answer = await talk.result(2)
+        assert answer.outcome == "refused"
+        assert "ctrl+o" in answer.message
+        assert talk.robot.state().estop
+
+    converse(test)
+
+
+def test_what_the_robot_refused_to_begin_takes_nothing_from_what_is_offered() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        talk.send(EStop())
+        await talk.result()
+        offered = talk.bodies(events.OffersMade)[-1].resume
+        assert offered
+        talk.send(Say("continue"))
+        assert (await talk.result(2)).message.startswith("The emergency stop is pressed: release it first.")
+        await talk.pass_time(0.1)
+        assert talk.bodies(events.OffersMade)[-1].resume == offered
+        talk.send(Release())
+        before = talk.robot.state().pose
+        talk.send(Say("continue"))
+        assert (await talk.result(3)).outcome == "done"
+        assert talk.robot.state().pose.distance_to(before) > 0.3
+
+    converse(test)
+
+
 def test_no_stop_or_interrupt_releases_it() -> None:
     async def test(talk: Conversation) -> None:
         talk.send(EStop())

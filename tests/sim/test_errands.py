@@ -270,3 +270,15 @@ def test_a_closed_door_is_named() -> None:
         assert "the door between the den and the shed is closed" in result.message
 
     at_home(test, closed=True)
+
+
+def test_a_drive_ends_on_the_way_where_that_is_enough() -> None:
+    robot = HandRobot()
+    goal = Pose(2.0, 0.0, 0.0)
+    went = asyncio.run(
+        go_to(context_of(robot, WorldMemory()), goal, "the dock", enough=lambda: robot.state().pose.x > 0.3)
+    )
+    assert went.ok
+    state = robot.state()
+    assert 0.3 < state.pose.x < 0.45
+    assert abs(state.twist.vx) < 0.01

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ from textual.widgets import Static
 
 from config.changing import Layers
 from engine import events as ev
-from engine.commands import Interrupt
+from engine.commands import Interrupt, Release, Say
 from engine.handle import PartStatus
 from tests.tui import conversation, scripted
 from tests.tui.desk import Desk, console
@@ -111,6 +112,88 @@ async def test_the_question_whether_to_quit_says_that_esc_stops_the_task() -> No
         await desk.press("f2")
         assert desk.engine.sent == [Interrupt()]
         assert "again" not in status(desk)
+
+
+@pytest.mark.parametrize("size", SIZES, ids=str)
+async def test_a_key_stands_in_the_status_line_only_where_it_does_something(size: tuple[int, int]) -> None:
+    async with console(size=size, in_line=True) as desk:
+        assert "space wake  ? help" in status(desk)
+        await desk.press(*"go")
+        assert "enter send  ctrl+g back" in status(desk)
+        for text in ("space wake", "? help", "tab panes"):
+            assert text not in status(desk), "it is text there, or completes"
+        await desk.press("backspace", "backspace")
+        assert "space wake  ? help" in status(desk)
+
+
+async def test_the_key_to_help_that_is_shown_while_typing_opens_it() -> None:
+    async with console(size=(80, 24), in_line=True) as desk:
+        await desk.press(*"go")
+        assert "f1 help" in status(desk)
+        await desk.press("f1")
+        assert strings.HELP_TITLE in desk.text
+        await desk.press("f1")
+        assert desk.app.main.line.value == "go"
+
+
+@pytest.mark.parametrize(("hint", "sent", "left"), [("enter send", [Say("beep")], ""), ("↑ earlier", [], "dance")])
+async def test_a_click_on_a_key_of_the_line_does_what_the_key_does(hint: str, sent: list[Say], left: str) -> None:
+    async with console(in_line=True) as desk:
+        await desk.press(*"dance", "enter", *"beep")
+        desk.engine.sent.clear()
+        await desk.pilot.click(offset=(status(desk).index(hint) + 1, 0))
+        await desk.settled()
+        assert desk.engine.sent == sent
+        assert desk.app.main.line.value == left
+
+
+async def test_without_a_microphone_no_key_that_wakes_is_shown() -> None:
+    engine = ScriptedEngine(robot=robot_at(-1.35, 0.05, 0.4), floor=flat())
+    engine.parts = tuple(
+        PartStatus("microphone", "missing") if part.name == "microphone" else part for part in PARTS_READY
+    )
+    async with console(engine, in_line=True) as desk:
+        assert "space wake" not in status(desk)
+        assert "? help" in status(desk)
+
+
+PRESSED = "nothing moves; {} releases"
+
+
+@pytest.mark.parametrize(
+    ("keys", "keymap", "shown"),
+    [
+        ((), {}, "ctrl+o"),
+        ((*"go",), {}, "ctrl+o"),
+        (("ctrl+g",), {}, "ctrl+o"),
+        (("ctrl+g", "question_mark"), {}, "ctrl+o"),
+        (("ctrl+g", "enter"), {}, "ctrl+o"),
+        (("ctrl+p", "x"), {}, "ctrl+o"),
+        (("ctrl+g",), {"release": "R"}, "R"),
+        ((), {"release": "R"}, "ctrl+g R"),
+    ],
+    ids=str,
+)
+async def test_the_emergency_stop_is_released_in_every_state_by_the_key_that_is_shown(
+    keys: tuple[str, ...], keymap: dict[str, str], shown: str
+) -> None:
+    async with console(in_line=True, keymap=keymap) as desk:
+        desk.engine.robot = replace(robot_at(0.0, 0.0, 0.0), estop=True)
+        await desk.press(*keys)
+        desk.app.redraw()
+        await desk.until(lambda: PRESSED.format(shown) in status(desk))
+        await desk.press(*shown.split())
+        assert desk.engine.sent == [Release()]
+
+
+async def test_a_click_on_what_the_status_line_says_of_the_emergency_stop_releases_it() -> None:
+    async with console(size=(80, 24), in_line=True) as desk:
+        desk.engine.robot = replace(robot_at(0.0, 0.0, 0.0), estop=True)
+        desk.app.redraw()
+        await desk.until(lambda: "releases" in status(desk))
+        await desk.pilot.click(offset=(status(desk).index("releases"), 0))
+        await desk.settled()
+        assert desk.engine.sent == [Release()]
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])

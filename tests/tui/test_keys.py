@@ -440,7 +440,7 @@ async def test_a_pressed_emergency_stop_is_shown_on_every_page(page: str) -> Non
         await desk.press(*([page] if page else []))
         desk.app.redraw()
         await desk.until(lambda: "E-STOP" in desk.text)
-        assert "nothing moves; R releases" in desk.text
+        assert "nothing moves; ctrl+o releases" in desk.text
 
 
 async def test_by_hand_arrows_drive_until_one_goes_back() -> None:

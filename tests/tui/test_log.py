@@ -60,13 +60,13 @@ async def test_the_frame_names_the_keys_from_the_moment_in_which_the_log_has_the
         tell(desk, ("info", "robot", "one"))
         await desk.settled()
         told: list[str] = []
-        entitle = log(desk)._entitle
+        entitle = log(desk).entitle
 
         def noted() -> None:
             entitle()
             told.append(str(log(desk).border_subtitle))
 
-        log(desk)._entitle = noted  # type: ignore[method-assign]
+        log(desk).entitle = noted  # type: ignore[method-assign]
         desk.app.main.set_focus(log(desk))
         await desk.pilot.pause()
         assert ["v level" in words for words in told] == [True]

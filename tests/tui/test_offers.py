@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from msgspec.structs import replace
 
 from engine import events as ev
 from engine.commands import Say
@@ -12,6 +13,9 @@ from tests.tui.desk import Desk, console
 from tui.widgets.queue import ActionQueue
 from tui.widgets.timeline import Offered, Timeline
 
+STANDS = ev.RobotStateView(
+    0.0, ev.PoseView(0.0, 0.0, 0.0), ev.TwistView(0.0, 0.0, 0.0), (), 0.0, False, None, estop=True
+)
 ALL = ev.OffersMade("T1", "T1", "T1", "T1")
 
 
@@ -53,6 +57,28 @@ async def test_nothing_is_offered_while_the_robot_is_at_something() -> None:
         assert below_turns(desk) == []
         assert not desk.engine.sent
         assert "The robot is at something: esc stops it." in desk.text
+
+
+async def test_while_the_emergency_stop_is_pressed_nothing_is_offered_and_the_key_says_what_releases_it() -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.done())
+        desk.engine.publish(ALL, turn=None)
+        desk.engine.publish(STANDS, turn=None)
+        await desk.press("k")
+        assert below_turns(desk) == []
+        assert not desk.engine.sent
+        assert "The emergency stop is pressed: ctrl+o releases it." in desk.text
+        desk.engine.publish(replace(STANDS, estop=False), turn=None)
+        await desk.press("k")
+        assert desk.engine.sent == [Say("continue")], "it has not been used up"
+
+
+@pytest.mark.parametrize("state", ["ACTING", "IDLE"])
+async def test_an_emergency_stop_leaves_a_row_in_the_conversation(state: ev.State) -> None:
+    async with console() as desk:
+        desk.engine.publish(ev.InterruptRaised("estop", "estop", state), turn=None)
+        await desk.settled()
+        assert "■  stopped  the emergency stop" in desk.text
 
 
 @pytest.mark.parametrize(("key", "word"), [("k", "continue"), ("u", "undo"), ("a", "again")])

@@ -41,6 +41,8 @@ def run(arguments: Namespace) -> int:
         from tui.kept.history import RequestHistory
         from tui.kept.sizes import SizeFile
         from tui.kept.tour import Tour
+        from tui.keys.keymap import keymap
+        from tui.keys.keys import hinted
         from tui.rooms.dressing import camera_of, language_of, wording_of
 
         language, folders = language_of(settings), paths()
@@ -67,7 +69,11 @@ def run(arguments: Namespace) -> int:
         from engine.engine import Engine
         from engine.parts.loading import Sound
 
-        engine = Engine(settings, mode="console", sound=Sound("demo" if arguments.demo else "mic"))
+        sound, release = (
+            Sound("demo" if arguments.demo else "mic"),
+            hinted(keymap(settings.console.keys).keys)["release"],
+        )
+        engine = Engine(settings, mode="console", sound=sound, release_key=release)
         engine.start()
         return engine
 

@@ -52,11 +52,11 @@ KEYS: Final = (
     Key("type", "slash", reserved=True),
     Key("add", "ctrl+j", everywhere=True),
     Key("estop", "ctrl+x", everywhere=True),
-    Key("release", "R"),
+    Key("release", "ctrl+o,R"),
     Key("by_hand", "g"),
     Key("speed_down", "minus", does="speed(-1)"),
     Key("speed_up", "plus,equals_sign", does="speed(1)"),
-    Key("help", "question_mark"),
+    Key("help", "question_mark,f1"),
     Key("resume", "k"),
     Key("undo", "u"),
     Key("again", "a"),
@@ -90,6 +90,7 @@ KEYS: Final = (
     Key("doctor", "d"),
     Key("older", "pageup", everywhere=True),
     Key("newer", "pagedown", everywhere=True),
+    Key("newest", "end"),
     Key("line_up", "up", does="scroll_line(-1)"),
     Key("line_down", "down", does="scroll_line(1)"),
 )
@@ -177,7 +178,14 @@ SETTING_KEYS: Final = (
 )
 """Those of the page of the settings, where they go before the console's own. Their actions are the page's."""
 
-_SCROLLED: Final = ("older", "newer", "line_up", "line_down", "zoom", "copy")
+LINE_KEYS: Final = (
+    Key("send", "enter", does="submit"),
+    Key("earlier", "up", does="recall(-1)"),
+)
+"""Of the keys of the line itself, which nobody changes, those that the status line names. Their actions are the
+line's."""
+
+_SCROLLED: Final = ("older", "newer", "newest", "line_up", "line_down", "zoom", "copy")
 PANE_KEYS: Final[Mapping[str, tuple[str, ...]]] = {
     "conversation": _SCROLLED,
     "plan": _SCROLLED,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from engine.commands import EStop
-from tui.keys.keys import KEYS
+from tui.keys.keys import KEYS, LINE_KEYS
 from tui.shown.facts import printable
 from tui.words import strings
 
@@ -103,6 +103,9 @@ class Choosing:
 
     async def act(self, action: str) -> None:
         """What a click on a key in the status line does: what the key does. Nobody quits by a slip of the hand."""
+        if (of_line := next((key for key in LINE_KEYS if key.id == action), None)) is not None:
+            await self._stage.run_action(of_line.does, self._stage.main.line)
+            return
         key = next(key for key in KEYS if key.id == ("leave" if action == "leave_now" else action))
         await self._act(key.does or key.id, "console")
 

@@ -13,6 +13,7 @@ from msgspec.structs import replace
 
 from engine.errors import ExitCode
 from engine.events import ActionProgress, Body, ErrorRaised, Event, InterruptRaised, ListenLevel, Log, RobotStateView
+from tui.keys.keys import LINE_KEYS, shown
 from tui.messages import Woken
 from tui.rooms.alerting import Alerting
 from tui.rooms.leaving import Leaving
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 
 IN_PANES: Final[tuple[str, ...]] = ("interrupt", "wake", "end_task", "type", "help", "leave")
 IN_LINE: Final[tuple[str, ...]] = ("interrupt", "wake", "help", "pane_next", "palette", "leave_now")
+IN_TEXT: Final[tuple[str, ...]] = ("interrupt", "send", "back", "help", "earlier", "palette", "leave_now")
 IN_SEARCH: Final[tuple[str, ...]] = ("interrupt", "back", "leave_now")
 ON_PAGE: Final[tuple[str, ...]] = ("interrupt", "wake", "end_task", "type", "help", "back")
 """The keys in the status line, by where the keyboard is."""
@@ -217,6 +219,7 @@ class Drawing:
             now=max(model.t, stage.clock() - self._lag),
             started=handle is not None,
             notice=self._notice(),
+            newest=stage.acting("newest") or "",
             session=self._session,
             hints=self._hints(),
             parts=self._parts,
@@ -231,7 +234,8 @@ class Drawing:
             return view
         robot = handle.robot_state()
         if robot is not None and robot.estop:
-            view = replace(view, notice=strings.ESTOP_HOLDS.format(**stage.shown_keys))
+            words = strings.ESTOP_HOLDS.format(release=stage.reaching("release"))
+            view = replace(view, notice=words, notice_does="release")
         return replace(
             view,
             robot=robot,
@@ -250,25 +254,30 @@ class Drawing:
         return self._looked_at
 
     def _hints(self) -> tuple[Hint, ...]:
-        """The keys that are true where the keyboard is."""
-        stage, model = self._stage, self.model
+        """The keys that do something now, where the keyboard is; the one that stops is always among them."""
+        stage, line = self._stage, self._stage.main.line
         on_main = stage.screen is stage.main
         if stage.typing:
-            there = IN_LINE if on_main and stage.main.line.has_focus else IN_SEARCH
+            there = IN_SEARCH if not (on_main and line.has_focus) else IN_TEXT if line.value else IN_LINE
         else:
             there = IN_PANES if on_main else ON_PAGE
-        idle = () if model.ended is None else ("wake", "end_task", "type", "help")  # nobody is there to be told
-        none = ("wake",) if deaf(self._parts) is not None else ()
-        return tuple(self._hint(name) for name in there if name not in (*idle, *none))
+        return tuple(hint for name in there if (hint := self._hint(name)) is not None)
 
-    def _hint(self, action: str) -> Hint:
-        """It matters where its key acts, and has something to act on."""
+    def _hint(self, action: str) -> Hint | None:
         stage, model = self._stage, self.model
-        key = stage.acting(action)
-        matters = key is not None and (stage.handle is not None or action not in ("wake", "end_task", "type"))
+        word = strings.KEY_WORDS[action]
         if action == "interrupt":
-            matters = model.busy or model.moving
-        return Hint(action, key or stage.shown_keys[action], strings.KEY_WORDS[action], matters)
+            return Hint(action, stage.shown_keys[action], word, model.busy or model.moving)
+        key = next((shown(one.key) for one in LINE_KEYS if one.id == action), None) or stage.acting(action)
+        return Hint(action, key, word, True) if key is not None and self._has_use(action) else None
+
+    def _has_use(self, action: str) -> bool:
+        """Whether there is something for it to act on."""
+        if self.model.ended is not None:  # nobody is there to be told
+            return action not in ("wake", "end_task", "type", "help", "send")
+        if action == "wake" and deaf(self._parts) is not None:
+            return False
+        return self._stage.handle is not None or action not in ("wake", "end_task")
 
     def _draw_log(self) -> bool:
         self._stage.main.show_log(self.model)

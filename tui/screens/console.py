@@ -208,7 +208,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         notice, trouble = _microphone(view.parts, view.started)
         welcome = strings.WELCOME_TYPING if trouble else strings.WELCOME
         begin = (welcome, *strings.TOUR) if view.touring else (welcome,)
-        self._conversation.update_from(model, [line.format(**self._keys) for line in begin])
+        self._conversation.update_from(model, [line.format(**self._keys) for line in begin], view.newest)
         self._plan.update_from(model, named(waited_for(model, view.parts)))
         self.line.wait_for(named(loading(view.parts)))
         self._ask.tell(busy=model.busy or bool(model.waiting))
@@ -368,9 +368,16 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         pane = self._scrolled
         pane.scroll_lines(step * max(5, pane.size.height - 2))
 
+    def follow(self, name: PaneName | None = None) -> None:
+        """Show the newest of this pane, or of the one that is meant, now and from now on."""
+        self._text_of(name or self.pane).follow()
+
     @property
     def _scrolled(self) -> Lines[Any]:
-        body = self._panes.body(self.pane or "conversation")
+        return self._text_of(self.pane)
+
+    def _text_of(self, name: PaneName | None) -> Lines[Any]:
+        body = self._panes.body(name or "conversation")
         return body if isinstance(body, Lines) else self._conversation
 
     def type(self) -> None:

@@ -110,7 +110,7 @@ class DoctorScreen(Screen[None]):
         if self.is_examining:
             return
         self.is_examining, self._examined, self._found = True, "", ()
-        self._page.go_home()
+        self._page.follow()
         self._draw()
         threading.Thread(target=self._look, name="doctor", daemon=True).start()
 

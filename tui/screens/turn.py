@@ -94,7 +94,7 @@ class TurnScreen(Screen[None]):
         turn = view.turn or (kept[-1] if kept else None)
         number = turn.number if turn is not None else 0
         if number != self._number:
-            self._page.go_home()
+            self._page.follow()
         self._number = number
         title = strings.TURN_TITLE.format(number=number, count=model.turns.count) if turn else ""
         self._title(f"{title} · {strings.NEW_TURNS.format(view.fresh)}" if view.fresh else title)

@@ -73,6 +73,11 @@ class ConsoleModel(Struct, frozen=True):
         return next((row.path for row in self.queue if row.phase == "running" and row.path), ())
 
     @property
+    def pressed(self) -> bool:
+        """The emergency stop is."""
+        return self.robot is not None and self.robot.estop
+
+    @property
     def busy(self) -> bool:
         """A task is under way that quitting would break off."""
         return self.state in BUSY or self.running is not None
@@ -158,6 +163,8 @@ def _(body: ev.InterruptRaised, model: ConsoleModel, event: ev.Event) -> Console
     stopped = body.scope == "wake" and body.state in EXPRESSING
     if stopped or (body.scope in ("stop", "interrupt") and body.state not in ("IDLE", "WAITING")):
         return model.with_line(Line("mark", strings.STOPPED, printable(body.source)))
+    if body.scope == "estop":  # it stays, whatever it stopped
+        return model.with_line(Line("mark", strings.STOPPED, "estop"))
     if body.scope == "halted":
         return model.with_line(Line("mark", strings.HALTED))
     turn = next((turn for turn in model.turns.kept if turn.id == event.turn), None)

@@ -14,8 +14,9 @@ FollowUp = Literal["resume", "undo", "again"]
 
 
 def offered(model: ConsoleModel, turn: str | None = None) -> tuple[FollowUp, ...]:
-    """What is offered now, about this ``turn`` or about any; nothing while the robot is at something."""
-    if model.state not in REST or model.ended is not None:
+    """What is offered now, about this ``turn`` or about any; nothing while the robot is at something, or may not move
+    at all."""
+    if model.state not in REST or model.ended is not None or model.pressed:
         return ()
     offers = model.offers
     about: Mapping[FollowUp, str | None] = {"resume": offers.resume, "undo": offers.undo, "again": offers.again}

@@ -34,6 +34,7 @@ from textual.keys import Keys
 from textual.message import Message
 
 from tui.graphics.answers import KEY_S, Answers
+from tui.terminal.bursts import Bursts
 from tui.terminal.keyboard import ESCAPE, IDLE_S, READ_BYTES, SEQUENCE_S, LoneEscape
 from tui.terminal.link import ASK, REPORT
 
@@ -157,11 +158,12 @@ def listening_driver(
             parser = ReportParser(self._debug)
             parser.on_report = self._report
             decode = codecs.getincrementaldecoder("utf-8")(errors="replace").decode
-            escape = self.lone_escape()
+            escape, bursts = self.lone_escape(), Bursts()
             incomplete = False
             self.reader = threading.get_native_id()
             while not self.exit_event.is_set():
-                pause = KEY_S if self._answers.held else SEQUENCE_S if incomplete or escape.held else IDLE_S
+                waits = incomplete or escape.held or bursts.held
+                pause = KEY_S if self._answers.held else SEQUENCE_S if waits else IDLE_S
                 if select.select([self.fileno], [], [], pause)[0]:
                     data = self._read()
                     if not data:
@@ -169,15 +171,20 @@ def listening_driver(
                         on_hang_up()
                         return
                     incomplete = data.endswith(ESCAPE)
+                    if data.startswith(ESCAPE):
+                        self._process(bursts.overdue())
                     typed = self._answers.taken(escape.taken(decode(data)))
                 else:
+                    self._process(bursts.overdue())
                     escape.overdue()
                     typed = self._answers.overdue()
                     incomplete = bool(typed)
-                for message in parser.feed(typed) if typed else ():
-                    self.process_message(message)
-                for message in parser.tick():
-                    self.process_message(message)
+                self._process(bursts.taken(parser.feed(typed)) if typed else ())
+                self._process(parser.tick())
+
+        def _process(self, messages: Iterable[Message]) -> None:
+            for message in messages:
+                self.process_message(message)
 
         def _read(self) -> bytes:
             """What was typed; nothing when the terminal is gone."""

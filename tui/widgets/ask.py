@@ -30,6 +30,11 @@ def requests_of(written: str) -> tuple[str, ...]:
     return tuple(part for part in map(str.strip, written.split(_BREAK)) if part)
 
 
+def _as_one(lines: Sequence[str]) -> str:
+    """Lines as they stand in the line, each a request of its own."""
+    return f" {_BREAK} ".join(filter(None, map(str.strip, lines)))
+
+
 class Ask(TextLine):
     """Sends what was typed; up and down recall it, right and tab take what is suggested. In the empty line a key that
     no request begins with does what it does outside. Of what is pasted, each line is a request of its own."""
@@ -39,6 +44,7 @@ class Ask(TextLine):
         Binding("down", "recall(1)", show=False),
         Binding("tab", "complete(1)", show=False),
         Binding("shift+tab", "complete(-1)", show=False),
+        Binding("end", "newest", show=False),
     ]
 
     class Asked(Message):
@@ -135,11 +141,27 @@ class Ask(TextLine):
 
     def paste(self, text: str) -> None:
         """Put it where the cursor is, each line as a request of its own."""
-        pasted = f" {_BREAK} ".join(line.strip() for line in text.splitlines() if line.strip())
+        pasted = _as_one(text.splitlines())
         before = self.value
         self.replace(pasted, *self.selection)
         if pasted and self.value == before:
-            self.app.notify(strings.PASTED_TOO_LONG.format(_MAX_LENGTH), severity="warning", markup=False)
+            self._tell_too_long()
+
+    def _tell_too_long(self) -> None:
+        self.app.notify(strings.PASTED_TOO_LONG.format(_MAX_LENGTH), severity="warning", markup=False)
+
+    def take(self, text: str) -> None:
+        """Whole lines that came at once are sent as one, the first together with what stands here; what is behind the
+        last of them is written."""
+        *whole, rest = text.split("\n")
+        at = self.cursor_position
+        written = _as_one((f"{self.value[:at]}{whole[0]}{self.value[at:]}", *whole[1:]))
+        if len(written) > _MAX_LENGTH:
+            self._tell_too_long()
+            return
+        self.value = ""
+        self.send(written)
+        self.insert_text_at_cursor(rest)
 
     async def action_complete(self, step: int) -> None:
         """Take what is suggested; the empty line is left for the panes."""
@@ -147,6 +169,13 @@ class Ask(TextLine):
             await self.app.run_action(f"app.next_pane({step})")
         elif self.cursor_at_end and self._suggestion:
             self.action_cursor_right()
+
+    async def action_newest(self) -> None:
+        """To the end of the text; from the empty line, to that of the conversation."""
+        if self.value:
+            self.action_end()
+        else:
+            await self.app.run_action("app.newest")
 
     async def action_submit(self) -> None:
         self.submit()

@@ -10,7 +10,8 @@ from textual.content import Content
 
 from tui.shown.facts import Line
 from tui.shown.model import ConsoleModel
-from tui.widgets.lines import Drawn, Lines
+from tui.widgets.growing import Growing, mark
+from tui.widgets.lines import Drawn
 from tui.words import strings
 from tui.words.language import told
 from tui.words.widths import left, right
@@ -33,12 +34,19 @@ _STYLES: Final = {
 }
 
 
-class Conversation(Lines[tuple[str, str, str]]):
+class Conversation(Growing[tuple[str, str, str]]):
     """The transcript, oldest first; what waits for its turn and words still being heard stand last, in italics where
     they may still change."""
 
-    def update_from(self, model: ConsoleModel, welcome: Sequence[str]) -> None:
-        """Show the model's conversation, or the lines of ``welcome``, which say how to begin one."""
+    _said: Sequence[Line] = ()
+    _newest = ""  # the key that leads to the newest line
+
+    def update_from(self, model: ConsoleModel, welcome: Sequence[str], newest: str = "") -> None:
+        """Show the model's conversation, or the lines of ``welcome``, which say how to begin one. ``newest`` is the key
+        that leads to the newest line, where one does so now."""
+        self.count(self._said, model.conversation)
+        self._said, self._newest = model.conversation, newest
+        self.entitle()
         items = [_item(line) for line in model.conversation]
         items += [("waits", request.text, strings.WAITS) for request in model.waiting[:_WAITING]]
         if (more := len(model.waiting) - _WAITING) > 0:
@@ -56,6 +64,11 @@ class Conversation(Lines[tuple[str, str, str]]):
                 for number, example in enumerate(strings.EXAMPLES)
             ]
         self.show(items, matters=None if begun else len(model.conversation))
+
+    def entitle(self) -> None:
+        """Below the pane: how many lines are new."""
+        words = strings.NEW_LINES.format(self._fresh) if self._fresh else ""
+        self.write_foot(mark(words, "conversation", self._newest) if words else Content(""))
 
     def drawn(self, item: tuple[str, str, str]) -> Drawn:
         kind, text, note = item

@@ -71,6 +71,11 @@ class Lines(Widget, Generic[Item], can_focus=False):
             self._top = top
             self.refresh()
 
+    def follow(self) -> None:
+        """Show what matters, now and from now on."""
+        self._held = False
+        self._update()
+
     def _show_line(self, number: int) -> None:
         """Scroll as far as the item of this number needs to be seen, and stay there."""
         before = sum(len(self._cache[item]) for item in self._items[:number])

@@ -14,7 +14,8 @@ from textual.message import Message
 from tui.keys.bindings import LOG_BINDINGS
 from tui.shown.facts import LogLine
 from tui.shown.model import ConsoleModel
-from tui.widgets.lines import Drawn, Lines
+from tui.widgets.growing import Growing, mark
+from tui.widgets.lines import Drawn
 from tui.words import strings
 from tui.words.hints import JOINT, fitting
 from tui.words.language import told
@@ -38,7 +39,7 @@ class Shown(NamedTuple):
     marked: bool
 
 
-class LogView(Lines[Shown | str]):
+class LogView(Growing[Shown | str]):
     """Log lines, oldest first."""
 
     BINDINGS: ClassVar[list[BindingType]] = LOG_BINDINGS
@@ -62,12 +63,10 @@ class LogView(Lines[Shown | str]):
         self._least: Level = "debug"
         self._part: str | None = None
         self._marked: LogLine | None = None
-        self._fresh = 0  # lines that came while somebody looked at older ones
 
     def update_from(self, model: ConsoleModel) -> None:
-        new = _count_after(self.known[-1], model.log) if self.known else 0
+        self.count(self.known, model.log, self._fits)
         self.known = model.log
-        self._fresh = self._fresh + sum(map(self._fits, model.log[len(model.log) - new :])) if self._held else 0
         self._look()
 
     def drawn(self, item: Shown | str) -> Drawn:
@@ -85,12 +84,6 @@ class LogView(Lines[Shown | str]):
         """Those that are shown."""
         return [item.line for item in self.items if isinstance(item, Shown)]
 
-    def scroll_lines(self, lines: int) -> None:
-        super().scroll_lines(lines)
-        if not self._held:
-            self._fresh = 0
-        self._entitle()
-
     def go_to(self, line: LogLine) -> None:
         """Mark a line and show it, whatever was left out before."""
         if not self._fits(line):
@@ -98,8 +91,17 @@ class LogView(Lines[Shown | str]):
         self._mark(line)
 
     def entitle(self) -> None:
-        """Other keys are in use, or words are in another language."""
-        self._entitle()
+        """Below the pane: how many lines are new, what is left out, and the keys while it has the keyboard."""
+        fresh = mark(strings.NEW_LINES.format(self._fresh), "log") if self._fresh else Content("")
+        parts = [strings.LOG_LEVELS[self._least]] if self._least != "debug" else []
+        parts += [strings.SOURCES.get(self._part, self._part)] if self._part is not None else []
+        if self.is_attached and self.screen.focused is self:  # has_focus is not true yet when the keyboard comes
+            parts += [strings.LOG_ALL.format(**self._keys)] if parts else []
+            parts += strings.LOG_KEYS.format(**self._keys).split(JOINT)
+        room = max(1, self.size.width - 2 - (fresh.cell_length + len(JOINT) if fresh else 0))
+        words = Content(fitting(JOINT.join(parts), room, last=0)) if parts else Content("")
+        whole = Content(JOINT).join([part for part in (fresh, words) if part])
+        self.write_foot(whole)
 
     # Actions
 
@@ -133,9 +135,9 @@ class LogView(Lines[Shown | str]):
 
     def action_log_follow(self) -> None:
         """Show the newest line, and each that comes."""
-        self._marked, self._held, self._fresh = None, False, 0
+        self._marked = None
         self._look()
-        self.scroll_lines(len(self._strips))
+        self.follow()
 
     def action_log_turn(self) -> None:
         """The turn of the marked line, or of the newest warning or error that is shown."""
@@ -157,14 +159,14 @@ class LogView(Lines[Shown | str]):
             self._mark(line, scroll=False)
 
     def on_focus(self) -> None:
-        self._entitle()
+        self.entitle()
 
     def on_blur(self) -> None:
-        self._entitle()
+        self.entitle()
 
     def on_resize(self, event: events.Resize) -> None:
         super().on_resize(event)
-        self._entitle()
+        self.entitle()
 
     # What is shown
 
@@ -175,31 +177,14 @@ class LogView(Lines[Shown | str]):
     def _look(self) -> None:
         shown = [Shown(line, line is self._marked) for line in self.known if self._fits(line)]
         self.show(shown or ([strings.LOG_NOTHING_FITS.format(**self._keys)] if self.known else []))
-        self._entitle()
+        self.entitle()
 
     def _mark(self, line: LogLine, *, scroll: bool = True) -> None:
         self._marked = line
         self._look()
         if scroll:
             self._show_line(next(number for number, item in enumerate(self.items) if item == Shown(line, True)))
-            self._entitle()
-
-    def _entitle(self) -> None:
-        """Below the pane: what is left out, how many lines are new, and the keys while it has the keyboard."""
-        parts = [strings.LOG_LEVELS[self._least]] if self._least != "debug" else []
-        parts += [strings.SOURCES.get(self._part, self._part)] if self._part is not None else []
-        parts += [strings.NEW_LINES.format(self._fresh)] if self._fresh else []
-        if self.is_attached and self.screen.focused is self:  # has_focus is not true yet when the keyboard comes
-            parts += [strings.LOG_ALL.format(**self._keys)] if parts else []
-            parts += strings.LOG_KEYS.format(**self._keys).split(JOINT)
-        words = fitting(JOINT.join(parts), max(1, self.size.width - 2), last=0) if parts else ""
-        if str(self.border_subtitle or "") != words:  # another one repaints the pane
-            self.border_subtitle = Content(words)
-
-
-def _count_after(last: LogLine, lines: Sequence[LogLine]) -> int:
-    """How many lines came after this one."""
-    return next((number for number, line in enumerate(reversed(lines)) if line is last), len(lines))
+            self.entitle()
 
 
 def _index(line: LogLine | None, lines: Sequence[LogLine], otherwise: int) -> int:

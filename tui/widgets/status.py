@@ -37,7 +37,19 @@ _STARTING: Final = ("◌", "$foreground on $panel")
 _BROKEN: Final = ("✗", "bold $text on $error")
 _ESTOP: Final = ("■", "bold $text on $error")
 _CHIP: Final = 16
-_IMPORTANCE: Final = ("back", "wake", "type", "pane_next", "end_task", "leave", "help", "palette", "leave_now")
+_IMPORTANCE: Final = (
+    "send",
+    "back",
+    "wake",
+    "type",
+    "pane_next",
+    "end_task",
+    "leave",
+    "help",
+    "earlier",
+    "palette",
+    "leave_now",
+)
 """Of the keys by action: those that come last here go first where there is no room for all."""
 
 
@@ -54,6 +66,7 @@ class StatusLine(Horizontal):
     def __init__(self) -> None:
         super().__init__()
         self._shown: dict[Static, Sequence[Hint]] = {}  # the keys in either part
+        self._notice_does = ""  # the action that a click on the notice does
         self._chip_part = Static(id="chip", markup=False)
         self._stop_part = Static(id="stop", markup=False)
         self._task_part = Static(id="task", markup=False)
@@ -75,6 +88,7 @@ class StatusLine(Horizontal):
         others = [hint for hint in view.hints if not hint.urgent]
         fit = _fitting(others, room - cell_len(notice))
         keys = _keys(fit)
+        self._notice_does = view.notice_does
         self._shown = {self._stop_part: urgent, self._keys_part: fit}
         _put(self._chip_part, chip(view))
         _put(self._stop_part, stop)
@@ -85,6 +99,9 @@ class StatusLine(Horizontal):
 
     def on_click(self, event: events.Click) -> None:
         """A key that is clicked on does what it does."""
+        if self._notice_does and self._task_part.region.contains(*event.screen_offset):
+            self.post_message(self.Chosen(self._notice_does))
+            return
         for part, hints in self._shown.items():
             if part.region.contains(*event.screen_offset):
                 column = event.screen_offset.x - part.region.x

@@ -13,6 +13,7 @@ from textual.message import Message
 
 from tui.shown.timeline import Bar, Cell, axis, bars, cells
 from tui.shown.turn import Stage, Turn
+from tui.widgets.growing import mark
 from tui.widgets.lines import Drawn, Item, Lines
 from tui.widgets.queue import SIGNS
 from tui.words import strings
@@ -65,10 +66,6 @@ class Offered(NamedTuple):
 class FromTop(Lines[Item]):
     """Lines that begin at the top with the one that matters, until somebody scrolls."""
 
-    def go_home(self) -> None:
-        """Back to what matters."""
-        self._held = False
-
     def scroll_lines(self, lines: int) -> None:
         super().scroll_lines(lines)
         self._held = self._top != min(self._top_for_what_matters(), self._last_top)
@@ -106,8 +103,8 @@ class Timeline(FromTop[Head | Bar | Offered | str]):
             self._entitle()
 
     def _entitle(self) -> None:
-        news = strings.NEW_TURNS.format(self._fresh) if self._fresh else ""
-        self.border_subtitle = Content(JOINT.join(filter(None, (news, self._hint))))
+        fresh = mark(strings.NEW_TURNS.format(self._fresh), "turns") if self._fresh else Content("")
+        self.border_subtitle = Content(JOINT).join([part for part in (fresh, Content(self._hint)) if part])
 
     def update_from(self, turns: Sequence[Turn], browsed: Turn | None, now: float, fresh: int = 0) -> None:
         """Show the turns as of event time ``now``; ``browsed`` is the one that the user looks at, and ``fresh`` have

@@ -49,6 +49,8 @@ KEY_WORDS: Final = {
     "back": "back",
     "pane_next": "panes",
     "palette": "find",
+    "send": "send",
+    "earlier": "earlier",
 }
 """In the status line, by action."""
 ABOUT_KEYS: Final = {
@@ -101,6 +103,7 @@ ABOUT_KEYS: Final = {
     "examine": "Examine everything once more.",
     "older": "Scroll back: the pane with the keyboard, or else the conversation.",
     "newer": "Scroll forward.",
+    "newest": "Show the newest lines again: of the pane with the keyboard, or else of the conversation.",
     "line_up": "Scroll back by a line.",
     "line_down": "Scroll forward by a line.",
     "map_nearer": "Look closer at the map.",
@@ -192,6 +195,7 @@ NOT_OFFERED: Final = {
     "again": "There is no plan yet that could be done again.",
 }
 NOT_NOW: Final = "The robot is at something: {interrupt} stops it."
+NOT_WHILE_PRESSED: Final = "The emergency stop is pressed: {release} releases it."
 NO_UNDO: Final = "No undo: {why}"
 KEY_STOPS: Final = "{} stops"
 
@@ -512,6 +516,7 @@ LOG_KEYS: Final = (
 LOG_ALL: Final = "{log_all} all"
 LOG_NOTHING_FITS: Final = "No matches; {log_all} shows all lines"
 NEW_LINES: Final = "{} new"
+SHOWS_NEW: Final = "{} shows them"
 LINE_OF_NO_TURN: Final = "This line belongs to no turn."
 
 # Quitting and failing

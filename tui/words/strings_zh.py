@@ -46,6 +46,8 @@ KEY_WORDS: Final = {
     "back": "返回",
     "pane_next": "窗格",
     "palette": "查找",
+    "send": "发送",
+    "earlier": "上一条",
 }
 ABOUT_KEYS: Final = {
     "interrupt": "立即停止一切，先停运动。在任何地方都有效，不改变其他东西。",
@@ -102,6 +104,7 @@ ABOUT_KEYS: Final = {
     "doctor": "检查 sayso 需要的一切，或离开该页。",
     "examine": "再检查一遍。",
     "older": "往回翻：有键盘焦点的窗格，否则是对话。",
+    "newest": "回到最新的内容：有键盘焦点的窗格，否则是对话。",
     "newer": "往前翻。",
     "line_up": "往回滚一行。",
     "line_down": "往前滚一行。",
@@ -186,6 +189,7 @@ NOT_OFFERED: Final = {
     "again": "还没有可以再做一次的计划。",
 }
 NOT_NOW: Final = "机器人正在做事：{interrupt} 停止它。"
+NOT_WHILE_PRESSED: Final = "急停按下了：{release}解除。"
 NO_UNDO: Final = "不能撤销：{why}"
 KEY_STOPS: Final = "{} 停止"
 
@@ -488,6 +492,7 @@ LOG_KEYS: Final = "{log_level} 级别 · {log_part} 部分 · {log_find} 搜索 
 LOG_ALL: Final = "{log_all} 全部"
 LOG_NOTHING_FITS: Final = "没有符合的；{log_all} 显示全部"
 NEW_LINES: Final = "{} 条新的"
+SHOWS_NEW: Final = "{} 查看"
 LINE_OF_NO_TURN: Final = "这一行不属于任何一轮。"
 
 # Quitting and failing

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, Literal
 
 from engine.planner.text.language import all_phrases, any_of, without
 from engine.planner.text.words import Token, words_of
@@ -36,9 +36,21 @@ def is_emergency(text: str) -> bool:
     return len(text) <= MAX_TEXT and _words().is_emergency(text)
 
 
+def is_release(text: str) -> bool:
+    """Whether ``text`` as a whole asks to release the emergency stop, in any language."""
+    return len(text) <= MAX_TEXT and _words().releases(text)
+
+
 def is_end_task(text: str) -> bool:
     """Whether ``text`` as a whole ends the conversation ("that's all", "end the current task"), in any language."""
     return len(text) <= MAX_TEXT and _words().ends_task(text)
+
+
+def scope_of(text: str) -> Literal["estop", "stop", "end_task"] | None:
+    """What a request in these words interrupts by itself, without being read."""
+    if is_emergency(text):
+        return "estop"
+    return "stop" if is_stop(text) else "end_task" if is_end_task(text) else None
 
 
 def is_only_stop(text: str) -> bool:
@@ -69,6 +81,7 @@ class _StopWords:
         self._any = re.compile(alone)
         self._leading = re.compile(rf"(?:{around} )*+{anywhere} {any_of(stop('joints'))}")
         self._emergency = re.compile(any_of(section("emergency")))
+        self._release = re.compile(any_of(section("release")))
         self._end_task = re.compile(any_of(section("end_task")))
 
     def stops(self, text: str, *, ended: bool) -> bool:
@@ -79,6 +92,9 @@ class _StopWords:
 
     def is_emergency(self, text: str) -> bool:
         return any(self._emergency.fullmatch(part) for parts in self._readings(text) for part in parts)
+
+    def releases(self, text: str) -> bool:
+        return any(self._release.fullmatch(" ".join(parts)) for parts in self._readings(text))
 
     def ends_task(self, text: str) -> bool:
         return any(self._end_task.fullmatch(" ".join(parts)) for parts in self._readings(text))

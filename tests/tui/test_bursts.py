@@ -1,0 +1,94 @@
+"""Lines that come at once from a terminal that does not mark what is pasted: one submission, and each is done."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+from textual import events
+from textual._xterm_parser import XTermParser
+
+from engine.commands import Interrupt, Say
+from tests.tui.desk import console
+from tests.tui.test_terminal import session
+from tui.messages import Burst
+from tui.terminal.bursts import Bursts
+
+THREE = "beep\rdance\rnod\r"
+
+
+def queued(*reads: str) -> list[str]:
+    """What becomes of these reads, behind which nothing comes: keys by their names, bursts by their text."""
+    parser, bursts = XTermParser(), Bursts()
+    found = [message for read in reads for message in bursts.taken(parser.feed(read))]
+    found += bursts.overdue()
+    return [
+        one.text if isinstance(one, Burst) else one.key if isinstance(one, events.Key) else type(one).__name__
+        for one in found
+    ]
+
+
+@pytest.mark.parametrize(
+    ("reads", "found"),
+    [
+        (["go\rnod\r"], ["go\nnod\n"]),
+        (["go\rn"], ["go\nn"]),
+        (["去厨房\r停下\r"], ["去厨房\n停下\n"]),
+        (["go\rno", "d\rbee", "p\r"], ["go\nnod\nbeep\n"]),
+        (["go\r"], ["g", "o", "enter"]),
+        (["\r\r"], ["enter", "enter"]),
+        (["go\r\r"], ["g", "o", "enter", "enter"]),
+        (["g", "o", "\r"], ["g", "o", "enter"]),
+        (["go\rnod\r\x1b[A"], ["go\nnod\n", "up"]),
+        (["\x1b[200~go\rnod\x1b[201~"], ["Paste"]),
+    ],
+    ids=str,
+)
+def test_text_right_behind_an_enter_makes_a_burst(reads: list[str], found: list[str]) -> None:
+    assert queued(*reads) == found
+
+
+def keys(text: str) -> list[events.Key]:
+    found = list(XTermParser().feed(text))
+    assert all(isinstance(key, events.Key) for key in found)
+    return found  # type: ignore[return-value]
+
+
+def burst(text: str) -> Burst:
+    return Burst(keys(text), text.replace("\r", "\n"))
+
+
+async def test_all_of_it_is_sent_at_once_and_what_is_behind_the_last_enter_stays_in_the_line() -> None:
+    async with console(in_line=True) as desk:
+        await desk.press(*"be")
+        desk.app.post_message(burst("ep\rdance\rno"))
+        await desk.settled()
+        assert desk.engine.sent == [Say("beep", then=("dance",))]
+        assert desk.app.main.line.value == "no"
+        await desk.press(*"d", "enter")
+        assert desk.engine.sent[1:] == [Say("nod")]
+
+
+async def test_a_stop_among_the_lines_does_not_wait_for_the_others() -> None:
+    async with console(in_line=True) as desk:
+        desk.app.post_message(burst("beep\rstop\rnod\r"))
+        await desk.settled()
+        assert desk.engine.sent == [Say("beep"), Say("stop"), Say("nod")]
+
+
+async def test_outside_the_line_they_are_keys() -> None:
+    async with console(in_line=True) as desk:
+        await desk.press("ctrl+g")
+        desk.app.post_message(burst("/go\rnod\r"))
+        await desk.settled()
+        assert desk.engine.sent == [Say("go"), Say("nod")]
+
+
+def test_a_console_on_a_terminal_sends_what_came_in_one_read_as_one_command() -> None:
+    with session() as terminal:
+        terminal.read_until(b"LISTENING")
+        assert terminal.next_command() == "started"
+        os.write(terminal.terminal, THREE.encode())
+        assert terminal.next_command() == "say"
+        os.write(terminal.terminal, b"\x1b")
+        assert terminal.next_command() == Interrupt.do
