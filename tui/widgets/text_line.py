@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar, Final, cast
+from typing import Any, ClassVar, Final, Protocol, cast
 
 from textual import events
 from textual.binding import Binding, BindingType
@@ -20,14 +20,18 @@ from textual.widgets import Input
 from tui.keys.keys import EDITING, PUNCTUATION
 from tui.words import strings
 
-if TYPE_CHECKING:
-    from tui.stage import Stage
-
 RUN_S: Final = 0.7
 """A key that is held down is sent again after less than this: the first time after 0.66 s, as X servers do, or less."""
 
 Commands = Callable[[str], str]
 """The action of the console that a key does in the empty line; empty: none, it is text."""
+
+
+class Clocked(Protocol):
+    """The application, as far as a line needs it."""
+
+    clock: Callable[[], float]
+    """Monotonic seconds."""
 
 
 def is_text(key: str) -> bool:
@@ -89,7 +93,7 @@ class TextLine(Input):
 
     async def action_backspace(self) -> None:
         """Take the character before the cursor away; where there is no text at all, go back."""
-        now = cast("Stage", self.app).clock()
+        now = cast("Clocked", self.app).clock()
         if self.value or now - self._erased <= RUN_S:
             self._erased = now
             self.action_delete_left()
