@@ -46,14 +46,14 @@ class Keeping:
             page = fitting(stage.screen.plain())
             if page:
                 stage.copy_to_clipboard(page)
-            self.tell(strings.COPIED_PAGE.format(lines=len(page.splitlines())) if page else strings.NOTHING_FOUND_YET)
+            self.tell(strings.COPIED_PAGE.format(lines=_lines(page)) if page else strings.NOTHING_FOUND_YET)
             return
         part = next_part(self._copied) if self._copied is not None else self._in_sight
         words, key = strings.COPY_PARTS, stage.shown_keys["copy"]
         named = {"part": words[part], "other": words[next_part(part)], "key": key}
         if text := plain(part, stage.shown):
             stage.copy_to_clipboard(text)
-            self.tell(strings.COPIED.format(lines=text.count("\n") + 1, **named))
+            self.tell(strings.COPIED.format(lines=_lines(text), **named))
         else:
             self.tell(strings.NOTHING_TO_COPY.format(**named))
         self._copied = part
@@ -112,3 +112,9 @@ class Keeping:
                 return part
             case _:
                 return "turn"
+
+
+def _lines(text: str) -> str:
+    """How many lines that is, for people."""
+    number = len(text.splitlines())
+    return strings.LINES[number != 1].format(number)
