@@ -321,11 +321,11 @@ async def test_an_engine_that_does_not_start_is_explained_and_decides_the_exit_c
     def broken() -> EngineHandle:
         raise DeviceError("The robot on /dev/ttyUSB0 does not answer.", hint="Check its cable.")
 
-    async with console(start=broken) as desk:
+    async with console(start=broken, in_line=True) as desk:
         await desk.until(lambda: "Check its cable." in desk.text)
         assert "does not answer" in desk.text
         assert "FAILED" in desk.text
-        await desk.press("space", "escape")
+        await desk.press("space", "escape", "tab")
         await desk.pilot.press("q")
         assert desk.app.return_code == ExitCode.MISSING
 
@@ -334,8 +334,9 @@ async def test_a_mistake_in_starting_is_shown_and_not_swallowed() -> None:
     def mistaken() -> EngineHandle:
         raise ZeroDivisionError("the sum was [red]0[/red]")
 
-    async with console(start=mistaken) as desk:
+    async with console(start=mistaken, in_line=True) as desk:
         await desk.until(lambda: "ZeroDivisionError('the sum was [red]0[/red]')" in desk.text)
+        await desk.press("tab")
         await desk.pilot.press("q")
         assert desk.app.return_code == ExitCode.FAILED
 
