@@ -23,6 +23,8 @@ from config.schema import Settings
 from engine.errors import SceneError
 from engine.han import is_chinese
 from engine.planner.request import Language
+from engine.planner.sentences import SAID
+from engine.planner.text.language import load
 from engine.planner.worlds.house import build_vocabulary
 from engine.skills.record import records
 
@@ -41,15 +43,18 @@ _SLOTS: Final = re.compile(r"\{(\w+)(?::([^}]*))?\}")
 _OPTIONAL: Final = re.compile(r"\[([^\[\]]*)\]")
 """A part of how an action is told that is left out where an argument was not given."""
 _SAID: Final = re.compile(r"([“\"])\{(\w+)\}([”\"])")
+_UNTOLD: Final = re.compile(r"\{(name|part)\}")
+"""Slots of what the planner says in which stands a name that nobody knows, or what it was told."""
+_OWN_SENTENCE: Final = re.compile(r"(?<=[.。]) ?\{\w+\}$")
 _ENDS: Final = r"""(?=\s|[)）\]”"』」]|$)"""
 _NEXT: Final = re.compile(r"“[^”]*”|[.!?:]\s+|\n+|[。！？：（(]\s*")
 """Behind this a sentence may begin; what somebody said is no sentence of ours."""
 _WORDS: Final = re.compile(r"[A-Za-z°%]")
 _ARTICLE: Final = re.compile(r"^(?:the|my|your)\s+(?=\S)")
-_COMMA: Final = re.compile(r",\s+(?:(and|or)\s+)?(?![^()]*\))|\s+(and|or)\s+")
+_COMMA: Final = re.compile(r",\s+(?:(and|or|then:)\s+)?(?![^()]*\))|\s+(and|or)\s+")
 _CALL: Final = re.compile(r"([a-z]\w*)\((.*)\)")
 _QUOTED: Final = re.compile(r"(['\"“])(.*)(?:\1|”)", re.DOTALL)
-_LAST: Final[Mapping[str | None, str]] = {"and": "和", "or": "还是", None: "、"}
+_LAST: Final[Mapping[str | None, str]] = {"and": "和", "or": "还是", "then:": "，然后", None: "、"}
 _LONGEST: Final = 150  # characters of a part of a sentence of ours
 _SHORT: Final = 3  # words of a name that nobody has put into Chinese
 
@@ -236,7 +241,7 @@ def catalogue() -> Catalogue:
     for section in read["said"].values():
         for written, told in section.items():
             templates.append(Template(written, told))
-    templates += [Template(written, told) for written, told in _of_actions().items()]
+    templates += [Template(written, told) for written, told in (*_of_actions().items(), *_of_the_planner())]
     templates.sort(key=lambda template: -template.exactness)
     return Catalogue(
         words | {one.written.casefold(): one.told for one in templates if not one.slots and not one.is_sentence},
@@ -267,6 +272,18 @@ def _of_actions() -> dict[str, str]:
                     for begun in {short, f"{short[:1].upper()}{short[1:]}"} - {""}:
                         pairs[_SLOTS.sub("{}", begun)] = begun, short_told
     return dict(pairs.values())
+
+
+def _of_the_planner() -> Iterator[tuple[str, str]]:
+    """What the planner says, which it has in both languages itself. What somebody said stays as it is, and a slot at
+    the end holds a sentence of its own."""
+    english, chinese = (load(language)["answers"] for language in ("en", "zh"))
+    pairs = [(english[key], chinese[key]) for key in ("understood", "understood_anywhere")]
+    pairs += [(english[part][key], chinese[part][key]) for part in ("talk", "questions") for key in english[part]]
+    for written, told in (*pairs, *((SAID["en"][key], SAID["zh"][key]) for key in SAID["en"])):
+        template = Template(_OWN_SENTENCE.sub("", written), _OWN_SENTENCE.sub("", told))
+        if template.is_sentence:
+            yield _UNTOLD.sub(r"{\1:s}", _SAID.sub(r"\1{\2:s}\3", template.written)), template.told
 
 
 def _with_and_without(english: str, chinese: str) -> Iterator[tuple[str, str]]:

@@ -30,6 +30,7 @@ from textual.widget import Widget
 from textual.widgets import Input
 
 from config.errors import ConfigError
+from engine import events as ev
 from engine.commands import Drive, EndTask, EStop, Here, Interrupt, LimitSpeed, Quit, Release, Say, Wake
 from engine.errors import ExitCode, SaysoError
 from engine.states import REST
@@ -39,7 +40,6 @@ from tui.keys.speeds import limit_beside
 from tui.looks.themes import CONTRAST, DARK, LIGHT
 from tui.messages import (
     Answered,
-    Burst,
     Dressed,
     Failed,
     HungUp,
@@ -67,8 +67,10 @@ from tui.rooms.viewing import Viewing
 from tui.screens.pages import Paged, Placed, Stepped
 from tui.shown.facts import Problem, printable
 from tui.shown.offers import FollowUp, offered
+from tui.shown.readiness import deaf
 from tui.shown.view import View
 from tui.stage import Stage
+from tui.terminal.bursts import Burst
 from tui.terminal.driver import listening_driver
 from tui.widgets.ask import Ask
 from tui.widgets.by_hand import ByHand
@@ -133,9 +135,9 @@ class SaysoApp(Stage):
         self.drawing = Drawing(self, self.sending, self.viewing, self.leaving, lambda: self.notice, fps)
         self.keeping = Keeping(self)
         self.queueing = Queueing(self, self.keeping)
-        self.drawing.on_event = self.queueing.hear
         self.examining = Examining(self, self.keeping)
         self.dressing = Dressing(self, Rooms(self.drawing, self.viewing, self.examining, self.leaving))
+        self.drawing.on_event = self._heard
         self.dress, self.speak = self.dressing.dress, self.dressing.speak
         self.changing = Changing(self, self.dressing)
         self.leaving.at_the_end(self.dressing.close)
@@ -148,6 +150,11 @@ class SaysoApp(Stage):
         self._without_room = wanting if one_line else set()  # actions that have none
         self._keys: deque[events.Key | Burst] = deque()  # that wait to be dealt out
         self._taker: Widget | None = None  # what the last one was dealt out to, and which is not done with it
+
+    def _heard(self, body: ev.Body) -> None:
+        """As it is drawn."""
+        self.queueing.hear(body)
+        self.dressing.hear(body)
 
     def _begin_dark(self) -> None:
         """Have the usual theme. Setting it would read every style sheet twice before the first picture."""
@@ -354,6 +361,11 @@ class SaysoApp(Stage):
         self.send(Drive(message.vx, message.vy, message.wz))
 
     def action_wake(self) -> None:
+        """Where nobody can be heard, that is said, and nothing stops for it."""
+        parts = self.handle.status() if self.handle is not None else ()
+        if (missing := deaf(parts)) is not None:
+            self.keeping.remark(strings.DEAF[missing], while_still=False)
+            return
         self._follow()
         self.send(Wake("key"))
 
@@ -362,7 +374,7 @@ class SaysoApp(Stage):
 
     def on_ask_asked(self, message: Ask.Asked) -> None:
         self.dressing.typed(message.text)
-        self._ask(self.queueing.asked(*message.requests))
+        self._ask(self.queueing.asked(*message.requests, waits=message.waits))
 
     def on_action_queue_dropped(self, message: ActionQueue.Dropped) -> None:
         self.queueing.drop(message.request)
@@ -504,6 +516,13 @@ class SaysoApp(Stage):
         self.come_back()
         self.main.type()
 
+    def action_add(self) -> None:
+        """Ask for what is in the line, after what runs."""
+        if self.screen is self.main and self.main.line.has_focus and self.main.line.value:
+            self.main.line.submit(waits=True)
+        else:
+            self.keeping.remark(strings.NOTHING_TO_ADD, while_still=False)
+
     def action_help(self) -> None:
         from tui.screens.help import HelpScreen  # pages are read when somebody wants them
 
@@ -527,9 +546,6 @@ class SaysoApp(Stage):
 
     def action_settings(self) -> None:
         self.changing.open()
-
-    def action_examine(self) -> None:
-        self.examining.open()
 
     async def action_palette(self) -> None:
         await self._choosing.open()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
-from textual.events import Key
 from textual.message import Message
 
 if TYPE_CHECKING:
@@ -21,15 +20,6 @@ if TYPE_CHECKING:
     from tui.words.language import Language, Telling
 
 CameraChoice = Literal["auto", "on", "off"]
-
-
-class Burst(Message):
-    """Several lines that were typed or pasted at once, in a terminal that does not say which."""
-
-    def __init__(self, keys: Sequence[Key], text: str) -> None:
-        super().__init__()
-        self.keys = tuple(keys)
-        self.text = text
 
 
 class Woken(Message):

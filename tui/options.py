@@ -125,6 +125,8 @@ def shown(value: Any) -> str:
         return strings.NO_VALUE
     if isinstance(value, list | tuple):
         return printable(", ".join(map(str, value))) or strings.NO_ENTRY
+    if isinstance(value, bool):
+        return str(value).lower()  # as in a file
     return f"{value:g}" if isinstance(value, float) else printable(str(value))
 
 
@@ -154,6 +156,8 @@ def value_of(option: Option, text: str) -> Value:
         return text
     if option.key == "wake.words" or isinstance(option.value, list | tuple):
         return [word.strip() for word in text.split(",") if word.strip()]
+    if isinstance(option.value, bool) and text in option.choices:
+        return text == shown(True)
     if option.choices:
         return text
     if not text or text == strings.NO_VALUE:

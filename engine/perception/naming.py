@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass, replace
 from typing import Final, Literal, get_args
 
+from config.nearest import nearest
 from engine.errors import PlanError
 from engine.han import HAN, SIMPLER
 from engine.perception.sighting import Colour, Kind
@@ -38,6 +39,13 @@ class UnknownObject(PlanError):
     """Words that name nothing that can be looked for."""
 
     code = "unknown_object"
+
+    def __init__(self, message: str, *, hint: str = "", near: str = "") -> None:
+        """``near`` is what was probably meant."""
+        super().__init__(message, hint=" ".join(filter(None, (near and f"Did you mean {near}?", hint))))
+        self.near = near
+        self.known = hint
+        """What else there is."""
 
 
 Rank = Literal[
@@ -151,9 +159,11 @@ def _plainly_wanted(words: str, plain: str) -> Wanted:
         elif single in KINDS:
             kind = KINDS[single] if kind in (None, "thing") else kind
         else:
+            near = nearest(word, (*KINDS, *get_args(Colour)))
             raise UnknownObject(
                 f"I do not know what {words!r} looks like.",
                 hint=f"I know {', '.join(sorted(set(KINDS) - {'thing'}))}, and {', '.join(get_args(Colour))}.",
+                near=near and plain.replace(word, near, 1),
             )
     if kind is None and colour is None and tag is None:
         raise UnknownObject(f"{words!r} names nothing that I could look for.")

@@ -7,7 +7,6 @@ drawn into a request, nor may what a recogniser makes of noise.
 
 from __future__ import annotations
 
-import re
 from typing import Final, Protocol
 
 from engine.asr.agreement import first_words, normalised_words
@@ -16,13 +15,12 @@ from engine.plan import Plan
 from engine.planner.accounted import times_corrected
 from engine.planner.completeness import completeness
 from engine.planner.not_an_order import what_counts
+from engine.planner.phrases.joints import goes_on
 from engine.planner.phrases.stopping import is_stop
 from engine.planner.request import NoPlan
 
 _FROM_HERE: Final = frozenset({"move_forward", "move_sideways", "move_left", "move_right"})
 """What leads elsewhere if it is begun anew."""
-_GOES_ON: Final = re.compile(r"\W*(?:(?:and|then|also|afterwards)\b|然后|接着|接下来|之后|并且|再|还有)", re.IGNORECASE)
-"""How somebody begins who has not said all."""
 
 
 class Plain(Protocol):
@@ -48,7 +46,7 @@ def afterthought(first: str, whole: str, plain: Plain) -> Afterthought | None:
     added = _actions(after_it)
     if not after:
         asked = isinstance(alone, NoPlan) and alone.code == "unknown_place"  # which will be told
-        thought = _GOES_ON.match(rest) and len(normalised_words(rest)) > 2  # for a large model, if there is one
+        thought = goes_on(rest) and len(normalised_words(rest)) > 2  # for a large model, if there is one
         return Afterthought(rest, adds=True, clear=False) if asked or thought else None
     if after == before or added == before:  # a word of thanks; or it was said once more
         return None

@@ -43,6 +43,11 @@ class NoPlan:
         """It says nothing about what became of a plan."""
         return not self.answer or self.code.startswith("model_")
 
+    @property
+    def leaves_open(self) -> bool:
+        """An answer would complete the request; of what was no order nothing is open."""
+        return self.exit_code is ExitCode.CLARIFY and self.code != "no_order"
+
     def as_written(self) -> str:
         """The same as a model would write it."""
         key = {ExitCode.CLARIFY: "clarification", ExitCode.FAILED: "impossible"}.get(self.exit_code, "response")

@@ -31,6 +31,8 @@ from engine.understanding.meaning import About, Do, Meaning, Not, Retract
 
 SURE: Final = 0.4
 """How sure the reader has to be, 0 to 1, for something to move."""
+AGREES: Final = 0.9
+"""How sure a yes has to be that sets the robot going: "hmm" is none."""
 MAYBE: Final = 0.25
 """How sure it has to be for a plan that moves nothing, and for the question whether something that moves is meant."""
 LIKELY: Final = 0.5
@@ -102,7 +104,7 @@ class Understood:
     def agrees(self, text: str) -> bool:
         """Whether that is a yes, and nothing else."""
         meaning = self.meaning(text)
-        return meaning is not None and meaning.confidence >= SURE and meaning.nodes == (Do("yes"),)
+        return meaning is not None and meaning.confidence >= AGREES and meaning.nodes == (Do("yes"),)
 
     def no_order(self, heard: Heard) -> NoPlan | None:
         """That nothing in it is an order, where the reader is sure of that; else None."""

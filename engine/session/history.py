@@ -102,6 +102,13 @@ class TaskCycle:
         plans = (entry for entry in reversed(self.entries) if isinstance(entry, Planned))
         return next((plan.turn for plan in plans if isinstance(plan.answer, Plan) and plan.answer.actions), "")
 
+    def leaves_open(self, turn: str) -> bool:
+        """Whether a turn that ended with a question wants to know what would complete its request. A skill always
+        does."""
+        plans = (entry.answer for entry in reversed(self.entries) if isinstance(entry, Planned) and entry.turn == turn)
+        answer = next(plans, None)
+        return answer.leaves_open if isinstance(answer, NoPlan) else True
+
     def on_record(self) -> OnRecord:
         """What came of the last plan that was begun, for questions about it."""
         turn, acted = self.acted_last()

@@ -19,7 +19,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from msgspec import to_builtins
+from msgspec import structs, to_builtins
 
 from config.schema import Session as SessionSettings
 from engine import events
@@ -50,6 +50,7 @@ from engine.epoch import Epoch
 from engine.errors import ExitCode, RobotError, SaysoError
 from engine.events import Scope, State, TurnResult
 from engine.planner.about_itself import goes_on
+from engine.planner.phrases.joints import comes_after
 from engine.planner.text.language import language_of
 from engine.robot.geometry import Pose, Twist, wrap
 from engine.robot.robot import EMERGENCY_STOP
@@ -113,6 +114,8 @@ class Session:
         self._again = False  # the wake that is being handled came while listening…
         self._broke_off = False  # …or while the robot moved or spoke
         self._undone = ""  # the newest turn, if what it was asked for was not done
+        self._asking = False  # the newest request ended with a question, and nobody has said anything since
+        self._answer = ""  # the id of a request that came while a question was being put
         self._quit: Request | None = None
 
     @property
@@ -126,12 +129,16 @@ class Session:
         return self._turn is None and not self._waiting and self._state in REST and asked > FREE_S
 
     def _asks(self) -> bool:
-        """Whether the running turn waits for an answer."""
+        """Whether the running turn waits for an answer before it goes on."""
         turn = self._turn
         return turn is not None and turn.asks
 
     def request(self, command: Command) -> None:
-        """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot."""
+        """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot. "And then …"
+        interrupts nothing, and is no answer that goes before what waits."""
+        asked = self._asks() or self._has_asked
+        if isinstance(command, Say) and not asked and comes_after(command.text):
+            command = structs.replace(command, wait=True)
         if not isinstance(command, Snapshot | Audio):
             self._asked_at = self._loop.time()
         self._inbox.request(command)
@@ -158,7 +165,8 @@ class Session:
                 self._postponed = None
                 self._carry_out(postponed)
             while self._cycle is cycle and self._quit is None:
-                if self._turn is None and self._waiting and self._inbox.is_empty():  # nobody has anything against it
+                goes_on = self._turn is None and self._waiting and not self._holds
+                if goes_on and self._inbox.is_empty():  # nobody has anything against it
                     self._carry_out(self._waiting.take())
                     continue
                 match await self._inbox.get():
@@ -205,12 +213,33 @@ class Session:
             for one in request.one_by_one():
                 self._end(one, "rejected")
             return False
+        elif self._has_asked and isinstance(command, Say) and not command.wait:  # it is the answer, and never queues
+            if self._turn is None:
+                return True
+            answer, *others = request.one_by_one()
+            self._answer = answer.id
+            self._waiting.add([answer], first=True)
+            self._waiting.add(others)
+            return False
         elif (self._turn is not None or self._waiting) and isinstance(command, Say | Quit | Added):
             self._waiting.add(request.one_by_one())
             if isinstance(command, Added):
                 self._log("info", f"After this: “{command.heard.text}”.")
             return False
         return True
+
+    @property
+    def _has_asked(self) -> bool:
+        """Whether the robot asks what a request left open, or has, and nobody has said anything since."""
+        turn = self._turn
+        return self._state == "CLARIFYING" or (self._asking and (turn is None or not turn.asked))
+
+    @property
+    def _holds(self) -> bool:
+        """Whether what waits has to wait for an answer; not where the session is to end, as nobody is left to give it.
+        An answer that came before the question had been put waits itself."""
+        ends = any(isinstance(request.command, Quit) for request in self._waiting)
+        return self._asking and not ends and all(request.id != self._answer for request in self._waiting)
 
     def _rejects(self, command: Say) -> bool:
         return self._settings.busy == "reject" and not command.wait
@@ -299,6 +328,7 @@ class Session:
     def _new_cycle(self, reason: str) -> None:
         self._bus.publish(events.TaskEnded(reason), epoch=self._epoch.current)
         self._cycle = TaskCycle(self._cycle.number + 1)
+        self._asking = False
         self._offer()
 
     # Turns
@@ -356,7 +386,10 @@ class Session:
         if turn is not None or scope in ("interrupt", "estop"):
             raised = events.InterruptRaised(scope, request.command.do, state)
             self._bus.publish(raised, turn=turn.id if turn else None, epoch=request.epoch)
-        self._drop_waiting(scope)
+        if scope in ("replaced", "wake") and self._has_asked:  # what comes is the answer
+            self._waiting.move_on(request.epoch)
+        else:
+            self._drop_waiting(scope)
         if turn is None:
             return
         if turn.asked:  # else nobody has said anything yet
@@ -390,6 +423,8 @@ class Session:
         else:
             result = turn.task.result()
         self._undone = turn.id if result.outcome != "done" else ""
+        if turn.asked:
+            self._asking = result.outcome == "clarify" and self._cycle.leaves_open(turn.id)
         self._enter("WAITING" if self._cycle.entries else "IDLE", result.outcome, turn, result)
         self._offer()
         self._leave_what_follows(self._undone)

@@ -7,6 +7,7 @@ its place among them.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 
 from engine.events import WaitingRequest
 from engine.session.inbox import Request
@@ -36,9 +37,10 @@ class Waiting:
         """The request in words of this id."""
         return next((one for one in self._requests if one.id == id and one.text is not None), None)
 
-    def add(self, requests: Iterable[Request]) -> None:
-        """Behind all others."""
-        self._requests.extend(requests)
+    def add(self, requests: Iterable[Request], *, first: bool = False) -> None:
+        """Behind all others, or before them."""
+        at = 0 if first else len(self._requests)
+        self._requests[at:at] = requests
         self._changed()
 
     def take(self) -> Request:
@@ -62,6 +64,10 @@ class Waiting:
             for at, one in zip(places, order, strict=True):
                 self._requests[at] = one
         self._changed()
+
+    def move_on(self, epoch: int) -> None:
+        """They belong to this epoch from now on: what began it has not interrupted them."""
+        self._requests = [replace(request, epoch=epoch) for request in self._requests]
 
     def _changed(self) -> None:
         if (now := self.seen) != self._told:

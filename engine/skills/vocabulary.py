@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, get_args
 
-from config.nearest import did_you_mean
+from config.nearest import nearest
 from engine.errors import ExitCode, PlanError
 from engine.han import SIMPLER
 from engine.perception.naming import CHINESE, UnknownObject, Wanted, parted, ranked, wanted
@@ -122,8 +122,8 @@ class Vocabulary:
                 raise Ambiguous(f"Which {plain}: {', '.join(names[:-1])} or {names[-1]}?", names) from None
             if not (names := self.things()):
                 raise
-            hints = (did_you_mean(plain, names), f"{unknown.hint} And: {', '.join(names)}.")
-            raise UnknownObject(unknown.message, hint=" ".join(filter(None, hints))) from None
+            near = nearest(plain, names) or unknown.near
+            raise UnknownObject(unknown.message, hint=f"{unknown.known} And: {', '.join(names)}.", near=near) from None
 
     def any_of(self, words: str) -> str:
         """What is looked for where each thing of a kind will do ("a fruit", "the drinks"), as ``str(Wanted)``; empty

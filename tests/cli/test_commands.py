@@ -40,6 +40,34 @@ def test_ask_plans_drives_and_reports(tmp_path: Path) -> None:
     assert abs(last["pose"]["y"] - 2.0) < 0.05
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("raise your arm, then beep", ["▸ 1/2 Raise the arm", "✓ Raise the arm", "▸ 2/2 Beep", "✓ Beep"]),
+        ("举起手臂", ["▸ 1/1 举起手臂", "✓ 举起手臂"]),
+        ("go forward 20 metres", ["▸ 1/1 Drive 20 metres forward", "✗ Drive 20 metres forward: I moved"]),
+    ],
+)
+def test_ask_tells_people_in_words_what_is_done(text: str, told: list[str], tmp_path: Path) -> None:
+    done = sayso("ask", text, state=tmp_path)
+    lines = [line for line in done.stderr.decode().splitlines() if line[:1] in "▸✓✗"]
+    assert all(line.startswith(start) for line, start in zip(lines, told, strict=True)), lines
+    assert "(" not in "".join(lines)
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_plan_prints_the_calls_and_on_a_terminal_the_words_beside_them(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *, terminal: bool
+) -> None:
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: terminal)
+    assert main(["plan", "raise your arm, then go to the kitchen"]) == ExitCode.DONE
+    words = ("Raise the arm.", "Go to the kitchen.") if terminal else ("", "")
+    calls = capsys.readouterr().out.splitlines()
+    assert calls == [
+        f"{call}  {told}".rstrip() for call, told in zip(("arm_up()     ", "navigation(A)"), words, strict=True)
+    ]
+
+
 def test_a_chinese_request_is_answered_in_chinese_and_recorded_in_english(tmp_path: Path) -> None:
     done = sayso("ask", "--json", "去厨房，然后左转九十度", state=tmp_path)
     assert done.returncode == ExitCode.DONE, done.stderr

@@ -6,7 +6,7 @@ import pytest
 
 from engine import events
 from engine.commands import Command, Drop, EndTask, Halted, Interrupt, Move, Quit, Say, Snapshot, Wake
-from tests.session.conversation import Conversation, converse
+from tests.session.conversation import Conversation, SlowVoice, converse
 
 THREE = ("beep", "turn left 90 degrees", "raise your arm")
 
@@ -213,5 +213,159 @@ def test_what_was_to_follow_something_is_left_wherever_it_was_moved_to() -> None
             ("and raise your arm", "left"),
             ("beep", "done"),
         ]
+
+    converse(test)
+
+
+@pytest.mark.parametrize("busy", ["interrupt", "queue", "reject"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "and then raise your arm", "Then raise your arm", "afterwards raise your arm", "after that raise your arm",
+        "and after that, raise your arm", "and raise your arm", "然后举起手臂", "接着举起手臂",
+    ],
+)  # fmt: skip
+def test_what_begins_as_something_for_afterwards_interrupts_nothing(text: str, busy: str) -> None:
+    async def test(talk: Conversation) -> None:
+        waiting = [one.text for one in await three_waiting(talk)]
+        talk.send(Say(text))
+        await talk.until(events.RequestsWaiting, lambda body: len(body.texts) == 4)
+        assert talk.bodies(events.RequestsWaiting)[-1].texts == (*waiting, text), "behind what waits already"
+        await talk.result(5)
+        assert names(talk) == ["move_forward", "beep", "move_left", "arm_up", "arm_up"]
+
+    converse(test, f"session.busy={busy}")
+
+
+@pytest.mark.parametrize("text", ["and stop", "then stop!", "然后停"])
+def test_no_stop_waits_however_it_begins(text: str) -> None:
+    async def test(talk: Conversation) -> None:
+        await three_waiting(talk)
+        talk.send(Say(text))
+        assert talk.robot.state().twist.is_zero
+        await talk.pass_time(20)
+        assert not {"beep", "move_left", "arm_up"} & set(names(talk)), "what waited is dropped"
+
+    converse(test)
+
+
+def test_where_nothing_runs_what_is_for_afterwards_begins_at_once() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("and then raise your arm"))
+        await talk.result()
+        assert names(talk) == ["arm_up"]
+
+    converse(test)
+
+
+def test_an_answer_may_begin_like_that_as_well() -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        talk.send(Say("then the kitchen"))
+        await talk.result(4)
+        assert names(talk) == ["beep", "navigation", "arm_up"]
+
+    converse(test)
+
+
+# A question about one of them
+
+ASKS = "go to the bedrom"
+"""A name that is no place's: the robot asks whether it is another one."""
+
+
+async def asked_about_the_second(talk: Conversation) -> None:
+    """Three requests; the robot asks about the second one, and the third one waits."""
+    talk.send(Say("beep", then=(ASKS, "raise your arm")))
+    assert (await talk.result(2)).outcome == "clarify"
+    await talk.pass_time(60)
+
+
+@pytest.mark.parametrize("busy", ["interrupt", "queue", "reject"])
+def test_what_waits_behind_a_question_begins_when_that_is_answered(busy: str) -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        assert names(talk) == ["beep"]
+        talk.send(Say("yes"))
+        assert (await talk.result(3)).outcome == "done"
+        await talk.result(4)
+        assert names(talk) == ["beep", "navigation", "arm_up"]
+        assert [(text, outcome) for text, outcome, _ in ends(talk)] == [
+            ("beep", "done"), (ASKS, "clarify"), ("yes", "done"), ("raise your arm", "done"),
+        ]  # fmt: skip
+
+    converse(test, f"session.busy={busy}")
+
+
+@pytest.mark.parametrize(
+    ("said", "does"), [("no", []), ("never mind", []), ("不", []), ("turn left 90 degrees", ["move_left"])]
+)
+def test_a_question_is_let_go_by_a_no_or_by_another_request_in_its_place(said: str, does: list[str]) -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        talk.send(Say(said))
+        await talk.result(4)
+        assert names(talk) == ["beep", *does, "arm_up"]
+
+    converse(test)
+
+
+def test_an_answer_may_be_spoken_and_nothing_that_waits_is_dropped_by_waking() -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        await talk.wake_and_say("")
+        assert (await talk.result(3)).outcome == "unheard"
+        await talk.pass_time(60)
+        assert names(talk) == ["beep"], "nothing was said: the question is still open"
+        await talk.wake_and_say("yes")
+        await talk.result(5)
+        assert names(talk) == ["beep", "navigation", "arm_up"]
+
+    converse(test)
+
+
+@pytest.mark.parametrize("busy", ["interrupt", "queue"])
+def test_an_answer_while_the_question_is_being_put_goes_before_what_waits(busy: str) -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say(ASKS, then=("raise your arm",)))
+        await talk.until_state("CLARIFYING")
+        talk.send(Say("yes"))
+        await talk.result(3)
+        assert names(talk) == ["navigation", "arm_up"]
+
+    converse(test, f"session.busy={busy}", voice=SlowVoice())
+
+
+def test_what_is_added_to_the_queue_during_a_question_is_no_answer() -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        talk.send(Say("turn left 90 degrees", wait=True))
+        await talk.pass_time(60)
+        assert names(talk) == ["beep"]
+        talk.send(Say("yes"))
+        await talk.result(5)
+        assert names(talk) == ["beep", "navigation", "arm_up", "move_left"]
+
+    converse(test)
+
+
+@pytest.mark.parametrize("command", [Interrupt(), Say("stop"), EndTask()])
+def test_an_interruption_drops_what_waits_for_an_answer(command: Command) -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        talk.send(command)
+        await talk.pass_time(60)
+        assert names(talk) == ["beep"]
+        assert ("raise your arm", "interrupted") in [(text, outcome) for text, outcome, _ in ends(talk)]
+
+    converse(test)
+
+
+def test_a_session_that_is_to_end_waits_for_no_answer() -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        talk.send(Quit(drain=True, id="quit"))
+        await talk.until(events.Ack, lambda body: body.id == "quit")
+        assert names(talk) == ["beep", "arm_up"]
 
     converse(test)

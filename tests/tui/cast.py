@@ -50,13 +50,13 @@ def play(person: Person) -> None:
     person.look(1.0)
     person.ask("go to the kitchen, pick up the green box and raise your arm")
     person.until("ACTING")
-    person.until("WAITING")
+    person.until("READY")
     person.look(2.0)
     person.ask("put it in the bedroom")  # the line has the keyboard still
     person.until("ACTING")
     person.look(5.0)
     person.press("\x1b")
-    person.until("WAITING")
+    person.until("READY")
     person.look(2.0)
     person.press("\x07\r")  # out of the line: the whole turn
     person.look(3.0)

@@ -105,11 +105,12 @@ async def console(
     wording: Telling | None = None,
     one_line: bool = False,
     in_line: bool = False,
+    notices: bool = False,
 ) -> AsyncIterator[Desk]:
     """A console on a terminal of this size. Its clock stands still: durations come from events alone.
 
     ``in_line``: the keyboard is in the line, as it is from the start; else the test has gone to the panes by a key, so
-    that letters are keys."""
+    that letters are keys. ``notices``: those that lie over the screen are drawn."""
     engine = engine or ScriptedEngine(robot=robot_at(-1.35, 0.05, 0.4), floor=flat())
     app = SaysoApp(
         start or (lambda: engine),
@@ -121,7 +122,7 @@ async def console(
         one_line=one_line,
     )
     try:
-        async with app.run_test(size=size) as pilot:
+        async with app.run_test(size=size, notifications=notices) as pilot:
             desk = Desk(app, engine, pilot)
             app.speak(language, wording)
             if start is None:

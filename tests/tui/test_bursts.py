@@ -11,8 +11,7 @@ from textual._xterm_parser import XTermParser
 from engine.commands import Interrupt, Say
 from tests.tui.desk import console
 from tests.tui.test_terminal import session
-from tui.messages import Burst
-from tui.terminal.bursts import Bursts
+from tui.terminal.bursts import Burst, Bursts
 
 THREE = "beep\rdance\rnod\r"
 

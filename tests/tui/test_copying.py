@@ -113,3 +113,11 @@ def test_of_a_text_that_is_too_long_the_newest_whole_lines_stay() -> None:
     kept = fitting("\n".join(lines)).splitlines()
     assert kept == lines[-len(kept) :]
     assert MAX_BYTES - 100 < len("\n".join(kept).encode()) <= MAX_BYTES
+
+
+async def test_one_line_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with console() as desk:
+        desk.engine.publish(ev.Log("warning", "robot", "the wheel slipped"))
+        await desk.press("5")
+        assert len((await copied(desk, monkeypatch, "y")).splitlines()) == 1
+        assert "log copied · 1 line ·" in desk.text.splitlines()[0]

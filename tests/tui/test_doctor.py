@@ -104,6 +104,20 @@ async def test_r_examines_everything_once_more_and_not_twice_at_a_time() -> None
         assert len(ward.threads) == 2 * len(FINDINGS)
 
 
+async def test_r_is_a_key_of_the_page_alone_and_the_help_says_so() -> None:
+    ward = Ward()
+    async with console() as desk:
+        desk.app.examining.know(ward.examiner)
+        await desk.press("r")
+        assert desk.app.screen is desk.app.main
+        await opened(desk, ward)
+        await all_found(desk, ward)
+        await desk.press("question_mark")
+        first, _, _ = desk.text.partition("To begin")
+        assert "On the page of the doctor" in first
+        assert "Examine everything once more." in first
+
+
 async def test_y_copies_what_was_found(monkeypatch: pytest.MonkeyPatch) -> None:
     ward = Ward()
     async with console() as desk:

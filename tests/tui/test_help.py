@@ -101,3 +101,12 @@ async def test_what_was_typed_stays_when_the_language_changes() -> None:
         await desk.until(lambda: any("急停" in row for row in rows(desk)))
         await desk.settled()
         assert len(rows(desk)) == 2
+
+
+async def test_keys_for_more_are_named_where_there_is_more() -> None:
+    async with console(size=(120, 40)) as desk:
+        await desk.press("question_mark")
+        assert "page down page up more" in desk.text
+        await desk.press(*"emergency")
+        assert "more ·" not in desk.text
+        assert "ctrl+g back · esc stops" in desk.text

@@ -10,9 +10,11 @@ from pathlib import Path
 
 import pytest
 
+from engine import events as ev
 from engine.commands import Say
 from tests.tui.desk import console
 from tui.kept.history import MAX_LINE, MAX_REQUESTS, RequestHistory
+from tui.palette.palette import Palette
 from tui.widgets.ask import Ask
 
 
@@ -161,3 +163,61 @@ async def test_a_history_that_cannot_be_kept_is_said_in_the_log_and_typing_goes_
         await desk.until(lambda: any("not saved" in line.message for line in desk.app.shown.model.log))
         await desk.press("slash", *"nod", "enter")
         assert desk.engine.sent == [Say("nod")]
+
+
+def test_of_what_nothing_was_made_is_known_in_the_next_session_until_it_is_asked_for_again(tmp_path: Path) -> None:
+    path = tmp_path / "requests"
+    history = RequestHistory(path)
+    history.read()
+    for request in ("pick up the red bx", "dance", "nod"):
+        history.add(request)
+    history.mark("pick up the red bx")
+    history.mark("dance")
+    history.add("dance")
+    history.close(30)
+    history = RequestHistory(path)
+    history.read()
+    assert history.earlier == ("pick up the red bx", "dance", "nod", "dance")
+    assert history.in_vain == {"pick up the red bx"}
+    history._rewrite()
+    history.read()
+    assert history.in_vain == {"pick up the red bx"}
+
+
+@pytest.mark.parametrize(
+    "told",
+    [
+        ev.PlanRejected("pick up the red bx", "I don't know a red bx.", "unknown_object"),
+        ev.RefusalMade("That is not safe.", "pick up the red bx"),
+        ev.ClarificationAsked("Shall I pick up the red box?", "pick up the red bx"),
+    ],
+)
+async def test_what_was_refused_or_not_understood_is_recalled_and_not_offered(told: ev.Body, tmp_path: Path) -> None:
+    async with console(in_line=True) as desk:
+        desk.app.dress("sayso-dark", 30, history=RequestHistory(tmp_path / "requests"))
+        await desk.press(*"pick up the red bx", "enter", *"pick up the red")
+        ask = desk.app.query_one(Ask)
+        assert ask._suggestion == "pick up the red bx"
+        desk.engine.publish(told)
+        await desk.press("space", "backspace")
+        assert ask._suggestion == ""
+        await desk.press("ctrl+u", "ctrl+p")
+        palette = desk.app.query_one(Palette)
+        assert "pick up the red bx" not in [entry.title for entry in palette.shown]
+        await desk.press("ctrl+g", "ctrl+r")
+        assert "pick up the red bx" in [entry.title for entry in desk.app.query_one(Palette).shown]
+        await desk.press("ctrl+g", "up")
+        assert ask.value == "pick up the red bx"
+    history = RequestHistory(tmp_path / "requests")
+    history.read()
+    assert history.in_vain == {"pick up the red bx"}
+
+
+async def test_several_that_were_pasted_are_not_offered() -> None:
+    async with console(in_line=True) as desk:
+        ask = desk.app.query_one(Ask)
+        ask.paste("zig\nzag")
+        await desk.press("enter", *"zi")
+        assert ask._suggestion == ""
+        await desk.press("ctrl+u", "up")
+        assert ask.value == "zig ⏎ zag"

@@ -58,7 +58,7 @@ def test_no_map_page_or_hand_takes_the_keys_that_go_back() -> None:
     for action in ("map_whole", "unfold", "hand_ahead", "setting_take", "log"):
         for key in ("backspace", "ctrl+g"):
             assert "is the key of back" in complaints({action: key})[action]
-    assert complaints({"back": "ctrl+o"}) == {}
+    assert complaints({"back": "ctrl+l"}) == {}
     assert "map_follow" in complaints({"back": "f"})["back"]
 
 

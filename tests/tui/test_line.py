@@ -45,7 +45,7 @@ def compact(line: SlowLine) -> bool:
     """The console is laid out for 80×24."""
     top, second, *_, last = line.screen.display
     return (
-        top.startswith(" ◇ WAITING")
+        top.startswith(" ○ READY")
         and second.startswith("╭─ Conversation")
         and second.endswith("╮")
         and "Map" in second
@@ -63,7 +63,7 @@ def test_a_line_that_stalls_holds_a_few_frames_and_escape_does_not_wait_for_it()
         assert console.next_command() == "interrupt"
         assert line.waiting, "the line has not moved"
         line.stalled = False
-        line.until(lambda: "WAITING" in line.text)
+        line.until(lambda: "READY" in line.text)
 
 
 def test_a_slow_line_never_holds_a_queue_of_old_frames() -> None:
@@ -75,7 +75,7 @@ def test_a_slow_line_never_holds_a_queue_of_old_frames() -> None:
         os.write(console.terminal, b"\x1b")
         assert console.next_command() == "started"
         assert console.next_command() == "interrupt"
-        line.until(lambda: "WAITING" in line.text)
+        line.until(lambda: "READY" in line.text)
 
 
 def test_a_bad_line_is_spared_and_the_console_says_so() -> None:
@@ -101,7 +101,7 @@ def test_a_storm_of_sizes_ends_in_the_layout_of_the_last_one() -> None:
     with slow_session(rate=10 * RATE) as (console, line):
         line.until(lambda: "LISTENING" in line.text)
         os.write(console.terminal, b"\x1b")
-        line.until(lambda: "WAITING" in line.text)
+        line.until(lambda: "READY" in line.text)
         for _ in range(200):
             size = sizes.randint(1, 60), sizes.randint(1, 200)
             fcntl.ioctl(console.terminal, termios.TIOCSWINSZ, struct.pack("HHHH", *size, 0, 0))

@@ -351,6 +351,41 @@ async def test_a_setting_opens_the_page_of_the_settings_at_it(tmp_path: Path) ->
         assert desk.engine.sent == []
 
 
+async def test_the_palette_begins_with_few_earlier_requests_and_then_all_that_can_be_done() -> None:
+    async with console(in_line=True) as desk:
+        for number in range(9):
+            await desk.press(*keyed(f"wait {number}"), "enter")
+        await desk.press("ctrl+p")
+        shown = desk.app.query_one(Palette).shown
+        assert [entry.title for entry in shown[:5]] == [f"wait {number}" for number in (8, 7, 6, 5, 4)]
+        assert shown[5].kind != "recent"
+        assert [entry.title for entry in shown[-4:]] == [f"wait {number}" for number in (3, 2, 1, 0)]
+
+
+async def test_the_frame_says_whether_enter_does_it_or_puts_it_into_the_line() -> None:
+    async with console(in_line=True) as desk:
+        await desk.press(*"nod", "enter", "ctrl+r")
+        assert "enter fills the line" in desk.text
+        await desk.press("enter")
+        assert desk.app.main.line.value == "nod"
+        await desk.press("ctrl+u", "ctrl+p")
+        assert "enter fills the line" in desk.text
+        await desk.press("down")
+        assert "enter does it" in desk.text
+
+
+async def test_several_lines_pasted_into_the_palette_are_refused_and_one_is_taken() -> None:
+    async with console(in_line=True) as desk:
+        await desk.press("ctrl+p")
+        desk.app.query_one(PaletteLine).post_message(events.Paste("nod\nbeep\n"))
+        await desk.settled()
+        assert desk.app.query_one(PaletteLine).value == ""
+        assert [told.message for told in desk.app._notifications] == [strings.PASTED_LINES]
+        desk.app.query_one(PaletteLine).post_message(events.Paste("kit\n"))
+        await desk.settled()
+        assert desk.app.query_one(PaletteLine).value == "kit"
+
+
 async def test_a_click_chooses() -> None:
     async with console(engine_of_the_house()) as desk:
         await desk.press("ctrl+p", *"bedroom")

@@ -122,11 +122,11 @@ async def test_the_actions_list_what_waits_and_name_the_keys_while_they_have_the
     async with waiting(size) as desk:
         assert listed(desk) == [("beep", True), ("nod", False), ("go home", False)]
         assert "› 1 beep" in desk.text
+        assert "x drop · K J move" in desk.text, "also where there is no room for all of them"
         assert "esc stops" in desk.text
-        assert "choose" in desk.text
         await desk.press("1")
         assert [chosen for _, chosen in listed(desk)] == [False, False, False]
-        assert "choose" not in desk.text
+        assert "x drop" not in desk.text
 
 
 async def test_one_that_waits_is_chosen_and_dropped() -> None:
@@ -140,10 +140,46 @@ async def test_one_that_waits_is_chosen_and_dropped() -> None:
         assert listed(desk) == [("beep", False), ("go home", True)], "its neighbour is chosen then"
 
 
+async def test_while_a_question_holds_what_waits_the_console_says_that_it_is_asking() -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.acting())
+        desk.engine.publish(waits(*WAITING), turn=None)
+        desk.engine.publish(ev.ClarificationAsked("Shall I go to the bedroom?", "go to the bedrom"))
+        result = ev.TurnResult(5, "clarify", "Shall I go to the bedroom?")
+        desk.engine.publish(ev.StateChanged("ACTING", "WAITING", "clarify", result))
+        for action in ("a2", "a3", "a4"):
+            desk.engine.publish(ev.ActionFinished(action, "navigation", {}, "ok", None, "", 1.0))
+        await desk.settled()
+        assert "ASKING" in desk.text.splitlines()[0]
+        assert "3 waiting · your answer first · esc stops" in desk.text
+        desk.engine.publish(ev.StateChanged("WAITING", "PLANNING", "x"))
+        await desk.settled()
+        assert "ASKING" not in desk.text.splitlines()[0]
+        assert "your answer first" not in desk.text
+
+
+@pytest.mark.parametrize("there", [True, False])
+@pytest.mark.parametrize(("number", "text"), [(1, "beep"), (2, "nod"), (3, "go home")])
+async def test_a_click_chooses_the_request_that_is_clicked_on(number: int, text: str, *, there: bool) -> None:
+    async with waiting() as desk:
+        if not there:
+            await desk.press("slash")
+            queue_of(desk).scroll_lines(9)
+            await desk.settled()
+        row, line = next((y, line) for y, line in enumerate(desk.text.splitlines()) if f" {number} {text} " in line)
+        await desk.pilot.click(offset=(line.index(text), row))
+        await desk.settled()
+        assert [what for what, chosen in listed(desk) if chosen] == [text]
+        assert f"› {number} {text}" in desk.text.splitlines()[row], "nothing scrolls below the hand"
+        await desk.press("x")
+        assert desk.engine.sent == [Drop(f"R{number}")]
+
+
 @pytest.mark.parametrize(
     ("keys", "sent"),
     [
         (("shift+down",), [Move("R1", "R3")]),
+        (("J",), [Move("R1", "R3")]),
         (("down", "shift+down"), [Move("R2", None)]),
         (("down", "down", "shift+up"), [Move("R3", "R2")]),
         (("shift+up",), []),
@@ -249,3 +285,40 @@ async def test_a_turn_that_was_replaced_leaves_a_row_as_well(state: ev.State, to
         await desk.settled()
         assert desk.text.count(told) == 1
         assert f"■  go home  {told}" in desk.text
+
+
+# Adding to what waits
+
+
+@pytest.mark.parametrize(("size", "shown"), [((120, 40), True), ((80, 24), True), ((60, 20), True)])
+async def test_while_something_runs_a_key_adds_what_is_written_to_what_waits(
+    size: tuple[int, int], *, shown: bool
+) -> None:
+    async with console(size=size, in_line=True) as desk:
+        await desk.press(*"nod")
+        assert "ctrl+j afterwards" not in desk.text, "nothing runs"
+        desk.engine.play(scripted.acting())
+        await desk.settled()
+        assert ("ctrl+j afterwards" in desk.text.splitlines()[-1]) is shown
+        await desk.press("ctrl+j")
+        assert desk.engine.sent == [Say("nod", wait=True)]
+        assert desk.app.main.line.value == ""
+        assert "ctrl+j afterwards" not in desk.text, "nothing is written"
+        await desk.press(*"beep", "enter")
+        assert desk.engine.sent[1:] == [Say("beep")]
+        assert desk.app.main.line.history[-2:] == ["nod", "beep"]
+
+
+async def test_several_that_were_pasted_are_added_one_after_the_other() -> None:
+    async with console(in_line=True) as desk:
+        desk.engine.play(scripted.acting())
+        desk.app.main.line.paste("nod\nbeep\ngo home\n")
+        await desk.press("ctrl+j")
+        assert desk.engine.sent == [Say("nod", then=("beep", "go home"), wait=True)]
+
+
+async def test_the_key_that_adds_says_what_it_is_for_where_nothing_is_written() -> None:
+    async with console(in_line=True) as desk:
+        await desk.press("ctrl+j")
+        assert "Nothing is written to be done afterwards" in desk.text
+        assert desk.engine.sent == []

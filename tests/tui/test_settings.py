@@ -24,7 +24,7 @@ from tests.tui.scripted import ScriptedEngine, flat, robot_at
 from tui.kept.tour import Tour
 from tui.options import LIVE, SHOWN
 from tui.rooms.drawing import CALM_S
-from tui.screens.settings import SettingsScreen
+from tui.screens.settings import Line, SettingsScreen
 from tui.terminal.feed import Feed
 from tui.words import strings
 from tui.words.language import speak
@@ -133,7 +133,8 @@ async def test_the_keys_of_the_page_can_be_others_and_the_page_says_which(tmp_pa
         await desk.until(lambda: desk.app.shown_keys["setting_down"] == "n")
         await desk.press("o")
         await desk.until(lambda: page(desk).meant is not None)
-        assert "ctrl+k changes · s search · x default" in desk.text
+        assert "ctrl+k changes · s search" in desk.text
+        assert "x default" in desk.text
         await desk.press("down", "right")  # which are nobody's keys now
         assert page(desk)._at == 0
         assert desk.app.theme == "sayso-dark"
@@ -224,7 +225,11 @@ async def test_what_is_written_in_the_line_is_tested_before_it_is_kept(tmp_path:
         await desk.press("enter", *["backspace"] * 3, *"7", "enter")
         await desk.until(lambda: "✗" in desk.text and "from 0 up to 1" in desk.text)
         assert not (tmp_path / "config.yaml").exists()
-        await desk.press("enter", *["backspace"] * 3, *"0.3", "enter")
+        line = desk.app.screen.query_one(Line)
+        assert (line.has_focus, line.value) == (True, "7"), "what was refused can be mended"
+        await desk.press("backspace", *"0")
+        assert "✗" not in desk.text, "why, only for as long as that stands there"
+        await desk.press(*".3", "enter")
         await kept(desk, "Volume")
         await go_to(desk, "wake.words")
         await desk.press("enter", *["backspace"] * 4, *"hey rosie, hey you", "enter")
@@ -373,3 +378,30 @@ async def test_the_page_refuses_what_the_check_of_the_configuration_refuses(tmp_
         await desk.press("s", *"robot.scene", "enter", "enter", "ctrl+u", *"flatt", "enter")
         await desk.until(lambda: "did you mean flat" in desk.text.lower())
         assert not (tmp_path / "config.yaml").exists()
+
+
+async def test_on_the_smallest_terminal_the_page_says_how_to_search(tmp_path: Path) -> None:
+    async with settings_page(tmp_path, size=(60, 20)) as desk:
+        assert "s search · ⌫ back · esc stops" in desk.text
+
+
+async def test_what_is_on_or_off_is_told_so_and_enter_changes_it(tmp_path: Path) -> None:
+    async with settings_page(tmp_path) as desk:
+        await desk.press("s", *"voice.sounds", "enter")
+        row = next(line for line in desk.text.splitlines() if "▸ voice.sounds" in line)
+        assert "  on  " in row
+        await desk.press("enter")
+        await kept(desk, "voice.sounds")
+        assert load(environ={}, user_folder=tmp_path).voice.sounds is False
+        assert "  off  " in next(line for line in desk.text.splitlines() if "▸ voice.sounds" in line)
+        await desk.press("enter")
+        await desk.until(lambda: load(environ={}, user_folder=tmp_path).voice.sounds is True)
+
+
+async def test_no_name_runs_into_its_value_and_what_was_saved_is_not_told_of_another_setting(tmp_path: Path) -> None:
+    async with settings_page(tmp_path) as desk:
+        await desk.press("s", *"console.history", "enter", "enter")
+        await kept(desk, "console.history")
+        await desk.press("s", *["backspace"] * 30, *"linear_acceleration", "enter")
+        assert "saved in" not in desk.text
+        assert "linear_acceleration 1.5" in desk.text

@@ -6,12 +6,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
+from msgspec import structs
 from textual import events
 from textual.keys import key_to_character
 
 from config.changing import Layers
 from engine import events as ev
 from engine.commands import Drive, EndTask, Interrupt, Release, Say, Wake
+from engine.handle import PartName, PartStatus
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
 from tests.tui.house import offer
@@ -22,6 +24,7 @@ from tui.screens.settings import SettingsScreen
 from tui.screens.turn import TurnScreen
 from tui.widgets.by_hand import ByHand
 from tui.widgets.floor_view import FloorView
+from tui.words import strings
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,6 +291,15 @@ async def test_a_backspace_that_is_held_down_clears_the_line_and_does_not_leave_
         assert desk.engine.sent[1:] == [Wake("key")]
 
 
+async def test_a_backspace_after_a_pause_leaves_the_line_that_was_emptied_by_backspaces() -> None:
+    async with console(engine(), in_line=True) as desk:
+        await desk.press(*"a", "backspace")
+        assert "⌫ back" in desk.text.splitlines()[-1]
+        desk.app.clock = lambda: 1.0
+        await desk.press("backspace")
+        assert desk.app.focused is None
+
+
 async def test_a_backspace_that_is_held_down_in_a_panel_does_not_close_it() -> None:
     async with console(engine()) as desk:
         await desk.press("ctrl+p", *"kit", *["backspace"] * 9, *"bed", "enter")
@@ -372,3 +384,62 @@ async def test_a_pressed_emergency_stop_does_not_hide_the_keys_of_a_page() -> No
         desk.app.redraw()
         await desk.until(lambda: "E-STOP" in desk.text)
         assert "⌫ back · esc stops" in desk.text
+
+
+# What failed
+
+LOST = ev.ErrorRaised("skill_crashed", "The skill beep has a fault.", "Please report it.")
+
+
+@pytest.mark.parametrize("fatal", [False, True])
+@pytest.mark.parametrize("way", ["backspace", "ctrl+g", "click"])
+async def test_what_is_told_of_a_failure_goes_away_by_every_way_back(way: str, *, fatal: bool) -> None:
+    async with console(engine(), in_line=True) as desk:
+        desk.engine.publish(structs.replace(LOST, fatal=fatal))
+        await desk.settled()
+        assert "⌫ back · esc stops" in desk.text
+        if way == "click":
+            row = next(y for y, line in enumerate(desk.text.splitlines()) if LOST.message in line)
+            await desk.pilot.click(offset=(6, row))
+        else:
+            await desk.press(way)
+        await desk.settled()
+        assert "Please report it" not in desk.text
+        assert desk.app.main.line.has_focus, "one step"
+        assert not desk.app.main.has_class("-trouble")
+        desk.engine.publish(structs.replace(LOST, fatal=fatal))
+        await desk.settled()
+        assert ("Please report it" in desk.text) is not fatal, "once more; after the end nothing tells more than that"
+
+
+async def test_with_words_in_the_line_the_failure_names_the_key_that_goes_back_then() -> None:
+    async with console(engine(), in_line=True) as desk:
+        await desk.press(*"go")
+        desk.engine.publish(LOST)
+        await desk.settled()
+        assert "ctrl+g back · esc stops" in desk.text
+        await desk.press("ctrl+g")
+        assert desk.app.main.line.value == "go"
+        assert "Please report it" not in desk.text
+
+
+@pytest.mark.parametrize("part", ["microphone", "recogniser"])
+@pytest.mark.parametrize("in_line", [True, False])
+async def test_where_nobody_can_be_heard_waking_is_not_offered_and_its_key_stops_nothing(
+    part: PartName, *, in_line: bool
+) -> None:
+    deaf = engine()
+    deaf.parts = tuple(PartStatus(one.name, "missing" if one.name == part else "ready") for one in deaf.parts)
+    async with console(deaf, size=(120, 40), in_line=in_line) as desk:
+        desk.engine.play(scripted.acting())
+        await desk.settled()
+        assert "wake" not in desk.text.splitlines()[0]
+        await desk.press("space")
+        assert desk.engine.sent == []
+        assert strings.DEAF[part] in desk.text
+        deaf.parts = scripted.PARTS_READY
+        desk.engine.publish(ev.Log("info", part, "ready"))
+        await desk.settled()
+        await desk.until(lambda: "space wake" in desk.text.splitlines()[0] or desk.app.keeping.forget())  # type: ignore[func-returns-value]
+        await desk.press("space")
+        assert desk.engine.sent == [Wake("key")]

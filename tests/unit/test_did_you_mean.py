@@ -18,6 +18,7 @@ from config.schema import KnownPerson
 from engine.errors import SaysoError
 from engine.plan import parse_calls
 from engine.planner.build import build_registry
+from engine.planner.unknown_places import NEAR
 from engine.planner.worlds.house import build_vocabulary
 from engine.robot.description import described
 from engine.robot.sim.scene_file import scene_path
@@ -51,6 +52,7 @@ def resolved(call: str) -> Callable[[], object]:
         (resolved("clean_room(bedrom)"), "bedroom"),
         (resolved("place_object(cofee table)"), "coffee table"),
         (resolved("color_follow(yelow)"), "yellow"),
+        (resolved("pick_object(red bx)"), "red box"),
         (resolved("navigatoin(kitchen)"), "navigation"),
         (resolved("move_forward(distnace=1 m)"), "distance"),
         (lambda: PEOPLE.who("Willam"), "William"),
@@ -65,6 +67,35 @@ def test_an_error_about_a_name_offers_the_nearest_one(ask: Callable[[], object],
     words = told(ask)
     assert "you mean" in words
     assert near in words.partition("ou mean")[2].partition("?")[0]
+
+
+EN = ["kitchen", "bedroom", "hall", "stool", "shelf", "bookshelf", "bin", "bed", "bedside table", "exit"]
+ZH = ["厨房", "客厅", "卧室", "书房", "厨房门", "书架", "书桌", "餐桌", "床", "出口"]
+
+
+@pytest.mark.parametrize(
+    ("word", "known", "near"),
+    [
+        ("shelve", EN, "shelf"),
+        ("shelfs", EN, "shelf"),
+        ("hal", EN, "hall"),
+        ("kitchn", EN, "kitchen"),
+        ("厨方", ZH, "厨房"),
+        ("客听", ZH, "客厅"),
+        ("餐卓", ZH, "餐桌"),
+        ("书店", ZH, ""),  # study, shelf or desk
+        ("浴室", ZH, ""),  # a room of another kind
+        ("bathroom", EN, ""),
+        ("store", EN, ""),
+        ("moon", EN, ""),
+        ("hotel", EN, ""),
+        ("", EN, ""),
+    ],
+)
+def test_a_short_name_is_near_where_it_begins_alike_and_few_characters_are_wrong(
+    word: str, known: list[str], near: str
+) -> None:
+    assert nearest(word, known, NEAR) == near
 
 
 @pytest.mark.parametrize(

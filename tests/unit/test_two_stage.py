@@ -389,6 +389,9 @@ def test_a_misspelt_place_is_asked_about_and_a_yes_goes_there() -> None:
     agreed = read(Model([GOOD]), "yes please", happened=before)
     assert isinstance(agreed, Plan)
     assert (names(agreed), agreed.response) == (["navigation"], "Going to the kitchen.")
+    for doubtful in ("hmm", "hmm go xyz", "yes but slowly"):
+        found = read(Model([GOOD]), doubtful, happened=before)
+        assert not (isinstance(found, Plan) and "navigation" in names(found)), doubtful
     far = read(Model([GOOD]), "go to the moon")
     assert isinstance(far, NoPlan)
     assert far.answer.startswith("I don't know a place called moon. I know kitchen")

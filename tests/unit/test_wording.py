@@ -26,6 +26,8 @@ from engine.han import is_chinese
 from engine.llm.chat import ChatError
 from engine.parts.loading import at_home
 from engine.planner.build import build_registry
+from engine.planner.sentences import SAID
+from engine.planner.text.language import load as load_phrases
 from engine.planner.worlds.house import build_vocabulary
 from engine.wording import Template, Wording, build_wording, catalogue
 from tests.spoken import Written, written
@@ -146,13 +148,43 @@ def test_a_template_tells_all_that_stands_in_its_slots() -> None:
 def test_every_template_is_of_a_sentence_that_may_be_said() -> None:
     skills = [skill.summary.replace("`", "") for skill in build_registry(SETTINGS)]
     texts = (one.text for one in (*all_written(), *all_shown()))
-    said = [*texts, *skills, *KNOWN["put_together"].values(), *KNOWN["examples"]]
+    said = [*texts, *skills, *said_by_the_planner(), *KNOWN["put_together"].values(), *KNOWN["examples"]]
     stale = [
         template.written
         for template in catalogue().sentences
         if not any(template.stands(text, at) for text in said for at in beginnings(text))
     ]
     assert not stale, "nobody says this any more, or an example is missing:\n" + "\n".join(stale)
+
+
+def said_by_the_planner() -> list[str]:
+    """What it says in English, with something in its slots."""
+    answers = load_phrases("en")["answers"]
+    texts = [answers["understood"], answers["understood_anywhere"], *answers["talk"].values()]
+    texts += [*answers["questions"].values(), *SAID["en"].values()]
+    return [re.sub(r"\{(\w+)\}", lambda slot: SLOTS.get(slot[1], "kitchen"), text) for text in texts]
+
+
+SLOTS: Final = {
+    "name": "Ж1", "words": "Ж2", "part": ": “Ж3”", "thing": "red box", "names": "red box, the blue cup or the mug",
+    "known": "kitchen, study", "understood": "I am at the kitchen.", "answer": "I am at the kitchen.", "error": "Ж4",
+    "steps": "Go to the kitchen, then: Go to the study",
+}  # fmt: skip
+"""What stands in the slots of what the planner says."""
+
+
+def test_everything_that_the_planner_says_in_english_stands_in_chinese_on_a_chinese_console() -> None:
+    joints = {SAID["en"]["or"], SAID["en"]["then"]}
+    texts = [text for text in said_by_the_planner() if text not in joints]
+    english = [f"{text}   ->   {told}" for text in texts if english_in(told := WORDING.told(text))]
+    assert not english, "\n".join(english)
+
+
+def test_a_question_of_the_planner_is_told_as_a_whole() -> None:
+    nearest = SAID["en"]["nearest"].format(name="bedrom", near="bedroom")
+    assert WORDING.told(nearest) == "我不知道叫“bedrom”的地方。要我去卧室吗？"
+    assert "红色盒子" in WORDING.told(SAID["en"]["unable_full"].format(words="the red box"))
+    assert "“the red thing”" in WORDING.told(SAID["en"]["unable_amount"].format(words="the red thing"))
 
 
 def beginnings(text: str) -> list[int]:

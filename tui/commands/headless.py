@@ -142,6 +142,7 @@ class Printer:
         self.told: set[str] = set()
         """What people have read of warnings and errors."""
         self._writer = LineWriter(1, self._lost) if json else None
+        self._narrator = Narrator()
         engine.subscribe(self._see)
 
     def __enter__(self) -> Printer:
@@ -173,7 +174,7 @@ class Printer:
         if self._writer is not None:
             self._writer.write(to_json(event))
         elif (words := _complaint(event.body)) is None:
-            _narrate(event.body)
+            self._narrator.tell(event.body)
         elif words not in self.told:
             self.told.add(words)
             say(f"{'error' if isinstance(event.body, events.ErrorRaised) else 'warning'}: {words}")
@@ -262,21 +263,30 @@ class Headless:
                 self._results.put((None, _ENDED))
 
 
-def _narrate(body: events.Body) -> None:
-    """What people want to read while they wait."""
-    match body:
-        case events.TranscriptFinal(text=text, source="speech"):
-            say(f"heard: {text}")
-        case events.PlanMade(steps=steps):
-            for number, step in enumerate(steps, 1):
-                say(f"  {number}. {step}")
-        case events.ActionStarted(index=index, total=total, name=name, args=args):
-            values = ", ".join(f"{value:g}" if isinstance(value, float) else str(value) for value in args.values())
-            say(f"▸ {index}/{total} {name}({values})")
-        case events.ActionFinished(name=name, outcome="ok", duration_s=seconds):
-            say(f"✓ {name} {seconds:.1f} s")
-        case events.ActionFinished(name=name, outcome=outcome, message=message):
-            say(f"✗ {name} {outcome}: {message}")
+class Narrator:
+    """Tells what people want to read while they wait, in words."""
+
+    def __init__(self) -> None:
+        self._steps: tuple[str, ...] = ()  # of the plan, in the language of the request
+        self._doing: dict[str, str] = {}  # the actions that have started, by their ids
+
+    def tell(self, body: events.Body) -> None:
+        """This has happened."""
+        match body:
+            case events.TranscriptFinal(text=text, source="speech"):
+                say(f"heard: {text}")
+            case events.PlanMade(steps=steps):
+                self._steps = steps
+                for number, step in enumerate(steps, 1):
+                    say(f"  {number}. {step}")
+            case events.ActionStarted(action=action, index=index, total=total):
+                words = self._steps[index - 1] if len(self._steps) == total else body.told or body.name
+                self._doing[action] = words = words.rstrip(".。")
+                say(f"▸ {index}/{total} {words}")
+            case events.ActionFinished(action=action, name=name, outcome="ok", duration_s=seconds):
+                say(f"✓ {self._doing.pop(action, name)} {seconds:.1f} s")
+            case events.ActionFinished(action=action, name=name, outcome=outcome, message=message):
+                say(f"✗ {self._doing.pop(action, name)}: {message or outcome}")
 
 
 def _complaint(body: events.Body) -> str | None:

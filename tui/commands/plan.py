@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 from argparse import Namespace
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
+from rich.cells import cell_len
 from ulid import ULID
 
 from config.schema import Settings
@@ -26,6 +28,7 @@ from engine.wording import Wording, build_wording
 from tui.commands.ask import requests
 from tui.commands.settings import load_settings
 from tui.output import data, say
+from tui.words.widths import left
 
 
 def run(arguments: Namespace) -> int:
@@ -78,11 +81,24 @@ async def _told(
             say(plan.answer)
         return plan.exit_code
     if not json:
-        for action in plan.actions:
-            data(str(action))
+        for line in _lines(planner, plan):
+            data(line)
         if not plan.actions:
             data(plan.response)
     return ExitCode.DONE
+
+
+def _lines(planner: Planner, plan: Plan) -> Iterator[str]:
+    """The actions as programs write them; on a terminal with words beside them."""
+    calls = list(map(str, plan.actions))
+    if not sys.stdout.isatty():
+        yield from calls
+        return
+    same = len(plan.steps) == len(calls)
+    words = plan.steps if same else [planner.in_words(action).step for action in plan.actions]
+    width = max(map(cell_len, calls), default=0) + 2
+    for one, step in zip(calls, words, strict=True):
+        yield f"{left(one, width)}{step}"
 
 
 async def _plan(planner: Planner, emit: Emit, text: str, *, json: bool) -> Plan | NoPlan:

@@ -1,4 +1,5 @@
-"""What was typed, kept from one session to the next in a file that only its owner may read, one request a line.
+"""What was typed, kept from one session to the next in a file that only its owner may read, one request a line; and
+once more behind a tab where nothing was made of it, so that nobody is offered it again.
 
 Keeping it is a comfort: a full disk, a folder that cannot be written or a file that is no text costs the
 comfort alone. Nothing here waits for the disk in the thread that calls.
@@ -10,7 +11,7 @@ import os
 import queue
 import stat
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -21,6 +22,8 @@ MAX_REQUESTS: Final = 200
 """As many are recalled."""
 MAX_LINE: Final = 1000
 """Characters of one of them."""
+_IN_VAIN: Final = "\t"
+"""Stands before a request of which nothing was made."""
 _MAX_BYTES: Final = 256 * 1024
 """A longer file is cut down to what is recalled the next time that it is read."""
 
@@ -36,6 +39,8 @@ class RequestHistory:
         self._writer: threading.Thread | None = None
         self.earlier: tuple[str, ...] = ()
         """The newest last."""
+        self.in_vain: frozenset[str] = frozenset()
+        """Those of them of which nothing was made the last time: they were refused, or not understood."""
 
     def read(self, warn: Callable[[str], object] = lambda why: None) -> None:
         """Read what was typed in earlier sessions. Takes as long as the disk does. ``warn`` is told once, now or later
@@ -50,7 +55,7 @@ class RequestHistory:
                 file.seek(max(0, size - _MAX_BYTES))
                 data = file.read(_MAX_BYTES)
             lines = data.decode(errors="replace").splitlines()[1 if size > _MAX_BYTES else 0 :]
-            self.earlier = tuple(filter(None, map(_clean, lines)))[-MAX_REQUESTS:]
+            self._sort(lines)
             if size > _MAX_BYTES or len(lines) > 2 * MAX_REQUESTS:
                 self._rewrite()
         except FileNotFoundError:
@@ -58,14 +63,36 @@ class RequestHistory:
         except OSError as error:
             self._tell(str(error))
 
+    def _sort(self, lines: Sequence[str]) -> None:
+        """What was asked for, and of what of it nothing was made the last time."""
+        requests: list[str] = []
+        in_vain: set[str] = set()
+        for line in lines:
+            if not (request := _clean(line)):
+                continue
+            if line.startswith(_IN_VAIN):
+                in_vain.add(request)
+            else:
+                requests.append(request)
+                in_vain.discard(request)
+        self.earlier = tuple(requests[-MAX_REQUESTS:])
+        self.in_vain = frozenset(in_vain.intersection(self.earlier))
+
     def add(self, request: str) -> None:
         """Keep a request; returns at once."""
+        self._append("", request)
+
+    def mark(self, request: str) -> None:
+        """Keep that nothing was made of a request that was added; returns at once."""
+        self._append(_IN_VAIN, request)
+
+    def _append(self, mark: str, request: str) -> None:
         if not (line := _clean(request)):
             return
         if self._writer is None:
             self._writer = threading.Thread(target=self._write, name="history", daemon=True)
             self._writer.start()
-        self._waiting.put(line)
+        self._waiting.put(mark + line)
 
     def close(self, timeout_s: float = 1.0) -> None:
         """Write what still waits, unless the disk keeps us waiting."""
@@ -89,7 +116,8 @@ class RequestHistory:
 
     def _rewrite(self) -> None:
         """The file with what is recalled alone. Raises ``OSError``."""
-        write_whole(self._path, "".join(f"{line}\n" for line in self.earlier).encode())
+        lines = (*self.earlier, *(_IN_VAIN + line for line in sorted(self.in_vain)))
+        write_whole(self._path, "".join(f"{line}\n" for line in lines).encode())
 
     def _tell(self, why: str) -> None:
         if not self._warned:

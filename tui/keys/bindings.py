@@ -7,7 +7,7 @@ from typing import Final
 
 from textual.binding import Binding, BindingType
 
-from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS
+from tui.keys.keys import DOCTOR_KEYS, HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS
 
 BINDINGS: Final[list[BindingType]] = [
     Binding(key.key, key.does or key.id, key.word or key.about, show=False, priority=key.ahead, id=key.id)
@@ -28,6 +28,10 @@ LOG_BINDINGS: Final[list[BindingType]] = [
 
 TURN_BINDINGS: Final[list[BindingType]] = [
     Binding(key.key, key.id, key.about, show=False, id=key.id) for key in TURN_KEYS
+]
+
+DOCTOR_BINDINGS: Final[list[BindingType]] = [
+    Binding(key.key, key.id, key.about, show=False, id=key.id) for key in DOCTOR_KEYS
 ]
 
 HAND_BINDINGS: Final[list[BindingType]] = [

@@ -13,6 +13,7 @@ from typing import Final
 
 from config.nearest import nearest
 from tui.keys.keys import (
+    DOCTOR_KEYS,
     EDITING,
     EVERYWHERE,
     HAND_KEYS,
@@ -27,14 +28,23 @@ from tui.keys.keys import (
 )
 from tui.words import strings
 
-GROUPS: Final[tuple[tuple[Key, ...], ...]] = (KEYS, MAP_KEYS, QUEUE_KEYS, LOG_KEYS, TURN_KEYS, HAND_KEYS, SETTING_KEYS)
+GROUPS: Final[tuple[tuple[Key, ...], ...]] = (
+    KEYS,
+    MAP_KEYS,
+    QUEUE_KEYS,
+    LOG_KEYS,
+    TURN_KEYS,
+    DOCTOR_KEYS,
+    HAND_KEYS,
+    SETTING_KEYS,
+)
 """Those of the console, and those that go before them while the map, or a page, has the keyboard."""
 
 _SPELLINGS: Final = {
     **PUNCTUATION, "esc": "escape", "return": "enter", "page up": "pageup", "page down": "pagedown", "del": "delete",
 }  # fmt: skip
 _SPECIAL: Final = EDITING | {"escape", "insert", "pageup", "pagedown"}
-_SAME: Final = {"ctrl+i": "tab", "ctrl+m": "enter", "ctrl+j": "enter", "ctrl+h": "backspace"}
+_SAME: Final = {"ctrl+i": "tab", "ctrl+m": "enter", "ctrl+h": "backspace"}
 """What a terminal sends the same bytes for."""
 _PORTABLE: Final = re.compile(r"\w|ctrl\+[a-y]|f(?:[1-9]|1[0-2])")
 

@@ -50,6 +50,7 @@ KEYS: Final = (
     Key("wake", "space"),
     Key("end_task", "e"),
     Key("type", "slash", reserved=True),
+    Key("add", "ctrl+j", everywhere=True),
     Key("estop", "ctrl+x", everywhere=True),
     Key("release", "ctrl+o,R"),
     Key("by_hand", "g"),
@@ -87,7 +88,6 @@ KEYS: Final = (
     Key("link", "i"),
     Key("settings", "o"),
     Key("doctor", "d"),
-    Key("examine", "r"),
     Key("older", "pageup", everywhere=True),
     Key("newer", "pagedown", everywhere=True),
     Key("newest", "end"),
@@ -129,8 +129,8 @@ QUEUE_KEYS: Final = (
     Key("queue_up", "up", does="choose(-1)"),
     Key("queue_down", "down", does="choose(1)"),
     Key("queue_drop", "x", does="drop"),
-    Key("queue_earlier", "shift+up,K", does="move(-1)"),
-    Key("queue_later", "shift+down,J", does="move(1)"),
+    Key("queue_earlier", "K,shift+up", does="move(-1)"),
+    Key("queue_later", "J,shift+down", does="move(1)"),
     Key("queue_change", "enter", does="change"),
 )
 """Those of the actions, while requests wait and it has the focus; they go before the console's own. Their actions are
@@ -138,6 +138,7 @@ that pane's."""
 LOG_KEYS: Final = (
     Key("log_level", "v"),
     Key("log_part", "p"),
+    Key("log_all", "0"),
     Key("log_find", "s"),
     Key("log_trouble_before", "n", does="log_trouble(-1)"),
     Key("log_trouble_after", "N", does="log_trouble(1)"),
@@ -153,6 +154,10 @@ TURN_KEYS: Final = (
     Key("lines_down", "down"),
 )
 """Those of the page of one turn, where they go before the console's own. Their actions are the page's."""
+
+
+DOCTOR_KEYS: Final = (Key("examine", "r"),)
+"""Those of the page of the doctor, where they go before the console's own. Their actions are the page's."""
 
 
 HAND_KEYS: Final = (
@@ -195,11 +200,11 @@ PANE_KEYS: Final[Mapping[str, tuple[str, ...]]] = {
     "turns": (*_SCROLLED, "border_left", "border_right", "turn_back", "turn_on", "turn"),
     "camera": ("camera", "zoom"),
     "map": ("map", "zoom"),
-    "line": ("wake", "recall", "palette", "pane_next", "back"),
+    "line": ("add", "wake", "recall", "palette", "pane_next", "back"),
 }
 """The console's own keys that matter most where the keyboard is: in a pane, or in the line."""
 
-ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *QUEUE_KEYS, *LOG_KEYS, *TURN_KEYS, *HAND_KEYS, *SETTING_KEYS)
+ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *QUEUE_KEYS, *LOG_KEYS, *TURN_KEYS, *DOCTOR_KEYS, *HAND_KEYS, *SETTING_KEYS)
 
 
 EVERYWHERE: Final = frozenset(key.id for key in KEYS if key.everywhere)

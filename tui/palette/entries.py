@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
 from config.nearest import nearest as nearest_name
-from tui.keys.keys import HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
+from tui.keys.keys import DOCTOR_KEYS, HAND_KEYS, KEYS, LOG_KEYS, MAP_KEYS, QUEUE_KEYS, SETTING_KEYS, TURN_KEYS, Key
 from tui.options import SHOWN, every
 from tui.plan.targets import asked_to_go
 from tui.shown.facts import LogLine, printable
@@ -23,9 +23,11 @@ if TYPE_CHECKING:
     from config.schema import Place
     from engine.skills.registry import Skill
 
-Where = Literal["console", "map", "queue", "log", "turn", "hand", "settings"]
+Where = Literal["console", "map", "queue", "log", "turn", "doctor", "hand", "settings"]
 Kind = Literal["action", "place", "skill", "recent", "setting", "file", "log", "request"]
 MAX_RECENT: Final = 50
+FIRST_RECENT: Final = 5
+"""Earlier requests that stand before all else while nothing is typed."""
 MAX_NEAREST: Final = 5
 _SENTENCES: Final = ("action", "skill")
 """The titles of these are sentences, and nobody abbreviates a word of a sentence: their names are among the words."""
@@ -163,6 +165,8 @@ def _actions(keys: Mapping[str, str]) -> Iterator[Entry]:
         yield Entry("action", key.about, f"{strings.KIND_LOG} {keys[key.id]}", Act(key, "log"), key.id)
     for key in TURN_KEYS:
         yield Entry("action", key.about, f"{strings.KIND_TURN} {keys[key.id]}", Act(key, "turn"), key.id)
+    for key in DOCTOR_KEYS:
+        yield Entry("action", key.about, f"{strings.KIND_DOCTOR} {keys[key.id]}", Act(key, "doctor"), key.id)
     for key in HAND_KEYS:
         yield Entry("action", key.about, f"{strings.KIND_HAND} {keys[key.id]}", Act(key, "hand"), key.id)
     for key in SETTING_KEYS:
@@ -210,7 +214,9 @@ def found(listed: Sequence[Entry], typed: str) -> tuple[Entry, ...]:
     and those that are as good in the order of the list."""
     wanted = typed.casefold().split()
     if not wanted:
-        return tuple(listed)
+        recent = [entry for entry in listed if entry.kind == "recent"]
+        others = [entry for entry in listed if entry.kind != "recent"]
+        return (*recent[:FIRST_RECENT], *others, *recent[FIRST_RECENT:])
     scored = [(score, number) for number, entry in enumerate(listed) if (score := _score(entry, wanted)) > 0]
     return tuple(listed[number] for _, number in sorted(scored, key=lambda pair: (-pair[0], pair[1])))
 

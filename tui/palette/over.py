@@ -46,13 +46,20 @@ class Over(Vertical):
         super().__init__()
         self._hints = hints
 
+    def tell(self, hints: str) -> None:
+        """What to press is something else now."""
+        self._hints = hints
+        words = fitting(hints, self.columns - EDGES, last=2)
+        if str(self.border_subtitle or "") != words:  # another one repaints the frame
+            self.border_subtitle = Content(words)
+
     def place(self) -> None:
         """The terminal has another size."""
         self._place()
 
     def _place(self) -> None:
         self.styles.width = self.columns
-        self.border_subtitle = Content(fitting(self._hints, self.columns - EDGES, last=2))
+        self.tell(self._hints)
         self.styles.offset = ((self.screen.size.width - self.columns) // 2, 1)
 
     def on_descendant_blur(self, event: events.DescendantBlur) -> None:

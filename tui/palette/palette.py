@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 from textual.app import ComposeResult
@@ -12,7 +12,7 @@ from textual.message import Message
 from textual.widgets import Input, OptionList
 from textual.widgets.option_list import Option
 
-from tui.palette.entries import Choice, Entry, found, nearest
+from tui.palette.entries import Choice, Entry, Write, found, nearest
 from tui.palette.over import Over
 from tui.widgets.text_line import TextLine
 from tui.words import strings
@@ -67,9 +67,11 @@ class Palette(Over):
             super().__init__()
             self.choice = choice
 
-    def __init__(self, entries: Sequence[Entry], keys: str, *, title: str, guesses: bool = True) -> None:
-        """``keys``: what to press, for people; ``guesses``: where nothing fits, what comes near is shown."""
-        super().__init__(keys)
+    def __init__(self, entries: Sequence[Entry], keys: Mapping[str, str], *, title: str, guesses: bool = True) -> None:
+        """``keys`` are those in use by action id, as they are shown to people; ``guesses``: where nothing fits, what
+        comes near is shown."""
+        super().__init__(strings.PALETTE_KEYS.format(**keys))
+        self._keys = keys
         self._entries = tuple(entries)
         self._guesses = guesses
         self._line = PaletteLine()
@@ -112,15 +114,26 @@ class Palette(Over):
         self._look()  # all that was typed counts, also what has not been looked for yet
         self._choose(self._list.highlighted)
 
+    def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
+        """Say what enter does with it."""
+        event.stop()
+        entry = self._entry(event.option_index)
+        fills = entry is not None and isinstance(entry.choice, Write)
+        self.tell((strings.PALETTE_KEYS_FILL if fills else strings.PALETTE_KEYS).format(**self._keys))
+
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """By the mouse: the keyboard is with the line."""
         event.stop()
         self._choose(event.option_index)
 
     def _choose(self, number: int | None) -> None:
-        number = number if number is None else number - self._above
-        if number is not None and 0 <= number < len(self.shown):
-            self.post_message(self.Chosen(self.shown[number].choice))
+        if (entry := self._entry(number)) is not None:
+            self.post_message(self.Chosen(entry.choice))
+
+    def _entry(self, number: int | None) -> Entry | None:
+        """The entry on a line of the list."""
+        at = -1 if number is None else number - self._above
+        return self.shown[at] if 0 <= at < len(self.shown) else None
 
     @property
     def _above(self) -> int:

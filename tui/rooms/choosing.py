@@ -37,7 +37,7 @@ class Choosing:
         skills = stage.offer.skills if stage.offer is not None else ()
         file = str(paths().config / "config.yaml")
         themes = sorted(stage.available_themes, key=lambda name: "sayso" not in name)
-        found = entries(stage.listed_keys, places, skills, stage.main.line.history, file, themes)
+        found = entries(stage.listed_keys, places, skills, stage.main.line.offered, file, themes)
         await self._show(found, strings.PALETTE)
 
     async def recall(self) -> None:
@@ -99,8 +99,7 @@ class Choosing:
 
         stage = self._stage
         stage.come_back()
-        keys = strings.PALETTE_KEYS.format(**stage.shown_keys)
-        await stage.main.cover(Palette(entries, keys, title=title, guesses=guesses))
+        await stage.main.cover(Palette(entries, stage.shown_keys, title=title, guesses=guesses))
 
     async def act(self, action: str) -> None:
         """What a click on a key in the status line does: what the key does. Nobody quits by a slip of the hand."""
@@ -135,8 +134,8 @@ class Choosing:
         if where == "hand":
             await stage.run_action(action, stage.main.drive_by_hand())
             return
-        if where == "settings":
-            await stage.run_action("settings")
+        if where in ("settings", "doctor"):  # where nothing is meant yet, or all is examined as it is opened
+            await stage.run_action(where)
             return
         await stage.run_action("turn")
         stage.screen.call_after_refresh(stage.run_action, action, stage.screen)

@@ -22,6 +22,7 @@ from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
 from tui.screens.pages import Following
 from tui.shown.model import ConsoleModel
+from tui.shown.readiness import deaf
 from tui.shown.view import Hint, View
 from tui.shown.watchdog import INTERVAL_S, Watchdog, engine_is_back, engine_is_silent, robot_is_back
 from tui.terminal.pacing import Inbox, Pacer
@@ -278,9 +279,7 @@ class Drawing:
         """Whether there is something for it to act on."""
         if self.model.ended is not None:  # nobody is there to be told
             return action not in ("wake", "end_task", "type", "help", "send")
-        if action == "wake" and any(
-            p.name == "microphone" and p.state not in ("loading", "ready") for p in self._parts
-        ):
+        if action == "wake" and deaf(self._parts) is not None:
             return False
         return self._stage.handle is not None or action not in ("wake", "end_task")
 

@@ -11,6 +11,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
+from engine import events as ev
 from engine.scheduling import prefer, raise_priority
 from tui.messages import CameraChoice, Dressed, Measured, Recalled, Warned
 from tui.rooms.drawing import CALM_S, Drawing
@@ -145,7 +146,7 @@ class Dressing:
         """What was typed in earlier sessions is read, and the keys that somebody chose are known."""
         self._history = history
         if history is not None:
-            self._stage.main.line.remember(history.earlier)
+            self._stage.main.line.remember(history.earlier, history.in_vain)
         if keys:
             self._use_keys(keys)
 
@@ -169,6 +170,13 @@ class Dressing:
         """Somebody asked for something in the line."""
         if self._history is not None:
             self._history.add(request)
+
+    def hear(self, body: ev.Body) -> None:
+        """What was refused or not understood is not offered to be asked for once more."""
+        match body:
+            case ev.PlanRejected(text=text) | ev.RefusalMade(text=text) | ev.ClarificationAsked(about=text):
+                if self._stage.main.line.mark(text) and self._history is not None:
+                    self._history.mark(text)
 
     def close(self) -> None:
         """What is kept for later sessions is written to the end."""

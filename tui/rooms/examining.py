@@ -28,21 +28,12 @@ class Examining:
         self._make = make
 
     def toggle(self) -> None:
-        """Open the page, or leave it."""
-        from tui.screens.doctor import DoctorScreen
-
-        if isinstance(self._stage.screen, DoctorScreen):
-            self._stage.step_back()
-        else:
-            self.open()
-
-    def open(self) -> None:
-        """Show the page and examine everything; there already: once more."""
+        """Open the page, which examines everything, or leave it."""
         from tui.screens.doctor import DoctorScreen
 
         stage = self._stage
         if isinstance(stage.screen, DoctorScreen):
-            stage.screen.begin()
+            stage.step_back()
         elif self._make is None:
             self._keeping.tell(strings.NOTHING_TO_EXAMINE)
         else:

@@ -12,6 +12,7 @@ from engine.errors import StorageError
 from tui.messages import Told
 from tui.screens.pages import Copied
 from tui.shown.facts import printable
+from tui.widgets.status import has_room
 from tui.words import strings
 
 if TYPE_CHECKING:
@@ -45,14 +46,14 @@ class Keeping:
             page = fitting(stage.screen.plain())
             if page:
                 stage.copy_to_clipboard(page)
-            self.tell(strings.COPIED_PAGE.format(lines=len(page.splitlines())) if page else strings.NOTHING_FOUND_YET)
+            self.tell(strings.COPIED_PAGE.format(lines=_lines(page)) if page else strings.NOTHING_FOUND_YET)
             return
         part = next_part(self._copied) if self._copied is not None else self._in_sight
         words, key = strings.COPY_PARTS, stage.shown_keys["copy"]
         named = {"part": words[part], "other": words[next_part(part)], "key": key}
         if text := plain(part, stage.shown):
             stage.copy_to_clipboard(text)
-            self.tell(strings.COPIED.format(lines=text.count("\n") + 1, **named))
+            self.tell(strings.COPIED.format(lines=_lines(text), **named))
         else:
             self.tell(strings.NOTHING_TO_COPY.format(**named))
         self._copied = part
@@ -66,14 +67,16 @@ class Keeping:
         threading.Thread(target=self._save, args=(session, picture), name="save", daemon=True).start()
 
     def tell(self, text: str, level: Literal["info", "error"] = "info", file: str = "") -> None:
-        """In the status line for a while, in the log for good, and where nothing cuts it; there the ``file`` that it
-        names can be opened."""
+        """In the status line for a while, and in the log for good. Where the status line has no room for it, and where
+        the ``file`` that it names can be opened, it lies over the screen."""
         from tui.words.links import marked_up
 
         self.remark(text, while_still=False)
-        severity: Literal["error", "information"] = "error" if level == "error" else "information"
-        self._stage.notify(marked_up(self.told, printable(file)), severity=severity, timeout=TOLD_S)
-        self._stage.note(level, self.told)
+        stage = self._stage
+        if file or level == "error" or not has_room(self.told, stage.shown, stage.size.width):
+            severity: Literal["error", "information"] = "error" if level == "error" else "information"
+            stage.notify(marked_up(self.told, printable(file)), severity=severity, timeout=TOLD_S)
+        stage.note(level, self.told)
 
     def remark(self, text: str, *, while_still: bool = True) -> None:
         """In the status line for a while; ``while_still``: unless something begins."""
@@ -109,3 +112,9 @@ class Keeping:
                 return part
             case _:
                 return "turn"
+
+
+def _lines(text: str) -> str:
+    """How many lines that is, for people."""
+    number = len(text.splitlines())
+    return strings.LINES[number != 1].format(number)

@@ -70,11 +70,11 @@ class Queueing:
         elif self._emptied:
             self._changing = self._emptied = False
 
-    def asked(self, text: str, *then: str) -> Say:
-        """The command for what was in the line."""
+    def asked(self, text: str, *then: str, waits: bool = False) -> Say:
+        """The command for what was in the line; ``waits``: it is done after all that was asked for before."""
         changing, self._changing, self._emptied = self._changing, False, False
         if not changing:
-            return Say(text, then=then)
+            return Say(text, then=then, wait=waits)
         from ulid import ULID  # which nobody needs before the first picture
 
         self._sent = str(ULID())

@@ -177,9 +177,9 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         return [widget for widget in super().focus_chain if widget is not self._floor]
 
     async def back(self) -> bool:
-        """One step back: from a panel, from driving by hand, out of the line, from a pane that has all the room or
-        stands in place of others, from a pane. False where there is none."""
-        if await self.uncover():
+        """One step back: from a panel, from what is told of a failure, from driving by hand, out of the line, from a
+        pane that has all the room or stands in place of others, from a pane. False where there is none."""
+        if await self.uncover() or self._problem.close():
             return True
         if self.driving_by_hand:
             self.rest()
@@ -205,7 +205,8 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
             return
         self._status.update_from(view)
         self._problem.update_from(model.problem)
-        self.set_class(model.problem is not None, "-trouble")
+        self._problem.tell(self._keys, typing=isinstance(self.focused, TextLine) and bool(self.focused.value))
+        self.set_class(self._problem.display, "-trouble")
         notice, trouble = _microphone(view.parts, view.started)
         welcome = strings.WELCOME_TYPING if trouble else strings.WELCOME
         begin = (welcome, *strings.TOUR) if view.touring else (welcome,)
@@ -215,6 +216,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._conversation.update_from(model, begin_with, examples, view.newest)
         self._plan.update_from(model, named(waited_for(model, view.parts)))
         self.line.wait_for(named(loading(view.parts)))
+        self._ask.tell(busy=model.busy or bool(model.waiting))
         self._queue.update_from(model, view.now, self._keys)
         self._figures.update_from(view.robot, view.parts, view.world.held if view.world is not None else None)
         self._figures.tell(view.link)

@@ -8,13 +8,15 @@ from __future__ import annotations
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from textual.app import ComposeResult
+from textual.binding import BindingType
 from textual.content import Content
 from textual.message import Message
 from textual.screen import Screen
 
+from tui.keys.bindings import DOCTOR_BINDINGS
 from tui.shown.facts import printable
 from tui.widgets.lines import Drawn
 from tui.widgets.page import Row
@@ -55,6 +57,8 @@ class DoctorScreen(Screen[None]):
 
     CSS_PATH = "doctor.tcss"
     AUTO_FOCUS = ""
+    place: ClassVar[str] = "doctor"
+    BINDINGS: ClassVar[list[BindingType]] = DOCTOR_BINDINGS
 
     class Found(Message):
         """A check has ended; None: that was the last one."""
@@ -96,6 +100,9 @@ class DoctorScreen(Screen[None]):
     def on_mount(self) -> None:
         self.show(self._view)
         self._title()
+        self.begin()
+
+    def action_examine(self) -> None:
         self.begin()
 
     def begin(self) -> None:

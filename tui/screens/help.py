@@ -15,6 +15,7 @@ from textual.screen import Screen
 from textual.widgets import Input, Static
 
 from tui.keys.keys import (
+    DOCTOR_KEYS,
     HAND_KEYS,
     KEYS,
     LOG_KEYS,
@@ -29,7 +30,7 @@ from tui.keys.keys import (
 from tui.widgets.status import StatusLine
 from tui.widgets.text_line import Commands, TextLine
 from tui.words import strings
-from tui.words.hints import EDGES, fitting
+from tui.words.hints import EDGES, JOINT, fitting
 from tui.words.widths import right
 
 if TYPE_CHECKING:
@@ -98,9 +99,12 @@ class HelpScreen(Screen[None]):
         if self._view is not None:
             self.show(self._view)
 
+    def on_resize(self) -> None:
+        self.call_after_refresh(self._hint)
+
     def _begin(self) -> None:
         self.set_focus(self.query_one(TextLine))
-        self._hint()
+        self.call_after_refresh(self._hint)  # whether all is in sight is known then
 
     def compose(self) -> ComposeResult:
         yield self._status
@@ -134,6 +138,7 @@ class HelpScreen(Screen[None]):
             "actions": (strings.HELP_QUEUE, QUEUE_KEYS),
             "log": (strings.HELP_LOG, LOG_KEYS),
             "turn": (strings.HELP_TURN, TURN_KEYS),
+            "doctor": (strings.HELP_DOCTOR, DOCTOR_KEYS),
             "hand": (strings.HELP_HAND, HAND_KEYS),
             "settings": (strings.HELP_SETTINGS, SETTING_KEYS),
         }
@@ -178,11 +183,13 @@ class HelpScreen(Screen[None]):
         self.query_one("#nothing").display = not found
         self.query_one("#page").display = found
         self.query_one("#page", VerticalScroll).scroll_home(animate=False)
-        self._hint()
+        self.call_after_refresh(self._hint)  # whether all is in sight is known then
 
     def _hint(self) -> None:
-        hints = strings.HELP_TYPING if self._typed else strings.HELP_LEAVE
         page = self.query_one("#page", VerticalScroll)
+        hints = strings.HELP_TYPING if self._typed else strings.HELP_LEAVE
+        if not page.max_scroll_y:  # all of it is in sight
+            hints = hints.partition(JOINT)[2]
         words = fitting(hints.format(**self._keys), min(self.size.width, _COLUMNS) - EDGES, last=2)
         page.border_subtitle = Content(words)
 

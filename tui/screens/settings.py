@@ -66,7 +66,7 @@ class OptionList(Lines[Row | str]):
         name, value, origin, meant, tried = item
         style = "bold $text-accent" if meant else "$foreground"
         text = Content(f"‹ {value} ›" if tried else value).truncate(_VALUE, ellipsis=True)
-        body = Content.assemble((left(name, _NAME), style), (text.plain, style if meant else "$text-primary"))
+        body = Content.assemble((f"{left(name, _NAME - 1)} ", style), (text.plain, style if meant else "$text-primary"))
         return Drawn(Content.styled("▸ " if meant else "  ", style), body, Content.styled(origin, _DIM), nowrap=True)
 
 
@@ -131,9 +131,11 @@ class SettingsScreen(Screen[None]):
 
     def settled(self, message: Settled) -> None:
         """Settings were read, or one of them was set, or could not be."""
-        if message.failed:
+        if message.failed:  # what was written stays there, to be mended
             self._told = Content.styled(f"✗ {message.failed}", "$text-error")
         else:
+            if self.meant is not None and self.meant.key == message.key and not self._finding:
+                self._close_line()
             first, meant = not self._every, self.meant
             self._every = message.options
             self._options = found(self._every, self._typed)
@@ -181,6 +183,7 @@ class SettingsScreen(Screen[None]):
     def action_turn(self, step: int) -> None:
         """Look at another value of those that there are."""
         if self.meant is not None and (there := self._beside(self.meant, step)):
+            self._told = Content("")
             self._try(there)
             self._draw()
 
@@ -203,12 +206,16 @@ class SettingsScreen(Screen[None]):
     def action_find(self) -> None:
         """Show those settings alone in which what is typed occurs."""
         self._try(None)
+        self._told = Content("")
         self._finding, self._line.display, self._line.value = True, True, self._typed
         self.set_focus(self._line)
         self._draw()
 
     def on_input_changed(self, event: Input.Changed) -> None:
         event.stop()
+        if not self._finding and self._told.plain:  # why it was refused is about what was written before
+            self._told = Content("")
+            self._draw()
         if self._finding and event.value != self._typed:
             meant = self.meant
             self._typed = event.value
@@ -224,8 +231,6 @@ class SettingsScreen(Screen[None]):
             return
         if self.meant is not None:
             self._wardrobe.keep(self.meant, event.value)
-        self._close_line()
-        self._draw()
 
     def _beside(self, option: Option, step: int) -> str:
         """The value so many further in the list."""
@@ -240,7 +245,7 @@ class SettingsScreen(Screen[None]):
             self._wardrobe.try_on(self._tried)
 
     def _open_line(self, option: Option) -> None:
-        self._finding = False
+        self._finding, self._told = False, Content("")
         self._line.value = written(option.value)
         self._line.display = True
         self.set_focus(self._line)
@@ -284,11 +289,11 @@ class SettingsScreen(Screen[None]):
             yield Content.styled(strings.SETTING_LIVE if option.live else strings.SETTING_RESTART, _DIM)
             if option.over:
                 yield Content.styled(f"▲ {overridden(option)}", "$text-warning")
+        if self._told.plain and not self._finding:
+            yield self._told
         if self._line.display:
             words = strings.SETTINGS_FIND if self._finding else strings.SETTINGS_LINE
             yield Content.styled(words.format(**self._keys), _DIM)
-        elif self._told.plain:
-            yield self._told
 
     def _outcome(self, message: Settled) -> Iterator[Any]:
         if not message.key:

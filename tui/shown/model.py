@@ -14,7 +14,7 @@ from msgspec import Struct, field
 from msgspec.structs import replace
 
 from engine import events as ev
-from engine.states import EXPRESSING
+from engine.states import EXPRESSING, REST
 from tui.shown.facts import Line, LogLine, Path, Plan, Problem, Row, Waiting, call, in_words, printable
 from tui.shown.trace import Trace
 from tui.shown.trace import after as trace_after
@@ -82,6 +82,11 @@ class ConsoleModel(Struct, frozen=True):
     def busy(self) -> bool:
         """A task is under way that quitting would break off."""
         return self.state in BUSY or self.running is not None
+
+    @property
+    def held(self) -> bool:
+        """What waits begins when a question of the robot has been answered."""
+        return bool(self.waiting) and self.state in REST and self.plan is not None and self.plan.stage == "question"
 
     @property
     def moving(self) -> bool:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 NEEDED: Final[tuple[PartName, ...]] = ("robot", "planner")
 """What every request waits for; only a spoken one waits for the recogniser as well."""
+HEARS: Final[tuple[PartName, ...]] = ("microphone", "recogniser")
+"""Without one of these nobody is heard, and there is nothing to be woken for."""
 
 
 def loading(parts: Sequence[PartStatus]) -> tuple[PartName, ...]:
@@ -27,6 +29,11 @@ def loading(parts: Sequence[PartStatus]) -> tuple[PartName, ...]:
 def lost(parts: Sequence[PartStatus]) -> bool:
     """Whether one of them cannot be had: every request fails."""
     return any(part.name in NEEDED and part.state in ("failed", "missing") for part in parts)
+
+
+def deaf(parts: Sequence[PartStatus]) -> PartName | None:
+    """What is missing to hear somebody; None: nothing, or it is still loading."""
+    return next((part.name for part in parts if part.name in HEARS and part.state in ("failed", "missing")), None)
 
 
 def waited_for(model: ConsoleModel, parts: Sequence[PartStatus]) -> tuple[PartName, ...]:

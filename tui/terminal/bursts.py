@@ -6,17 +6,24 @@ with the enter on a slow line. Sent one after the other, each of these requests 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 from textual import events
 from textual.keys import Keys
 from textual.message import Message
 
-from tui.messages import Burst
-
 _ENTER: Final = frozenset({"enter", "ctrl+j"})
 """What ends a line, as a terminal's parser names it."""
+
+
+class Burst(Message):
+    """Several lines that were typed or pasted at once, in a terminal that does not say which."""
+
+    def __init__(self, keys: Sequence[events.Key], text: str) -> None:
+        super().__init__()
+        self.keys = tuple(keys)
+        self.text = text
 
 
 class Bursts:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import ClassVar, Final
 
 from textual import events
@@ -50,10 +50,12 @@ class Ask(TextLine):
     class Asked(Message):
         """The user typed a request, or pasted several: ``text`` is what stood in the line."""
 
-        def __init__(self, text: str) -> None:
+        def __init__(self, text: str, *, waits: bool) -> None:
+            """``waits``: it is done after all that was asked for before."""
             super().__init__()
             self.text = text
             self.requests = requests_of(text)
+            self.waits = waits
 
     def __init__(self, keys: Mapping[str, str], commands: Commands) -> None:
         """``keys`` are the keys in use by action id, as they are shown to people; ``commands`` as in ``TextLine``."""
@@ -62,11 +64,12 @@ class Ask(TextLine):
             commands=commands,
             select_on_focus=False,  # a draft that one comes back to is not typed over
             max_length=_MAX_LENGTH,
-            suggester=Guess(lambda text: self._completion.rest(text, self._history)),
+            suggester=Guess(lambda text: self._completion.rest(text, self.offered)),
         )
         self._keys = keys
         self._early = ""  # what has to be loaded before a request is begun
         self._history: list[str] = []
+        self._in_vain: set[str] = set()  # of these, those of which nothing was made
         self._at = 0  # place in the history; its length stands for the line being written
         self._draft = ""
         self._completion = Completion(phrases=strings.PHRASES)
@@ -76,8 +79,23 @@ class Ask(TextLine):
         """What was sent, the newest last."""
         return self._history
 
-    def remember(self, earlier: Sequence[str]) -> None:
-        """Put what was sent in earlier sessions before what was in this one."""
+    @property
+    def offered(self) -> Sequence[str]:
+        """What was sent and may be meant again, the newest last: nothing that was refused or not understood, and not
+        several that were pasted."""
+        return [text for text in self._history if text not in self._in_vain and _BREAK not in text]
+
+    def mark(self, text: str) -> bool:
+        """Nothing was made of this: it is not offered again. False where it is not among what was sent."""
+        if text not in self._history:
+            return False
+        self._in_vain.add(text)
+        return True
+
+    def remember(self, earlier: Sequence[str], in_vain: Iterable[str] = ()) -> None:
+        """Put what was sent in earlier sessions before what was in this one; of what was sent ``in_vain``, nothing was
+        made."""
+        self._in_vain.update(text for text in in_vain if text not in self._history)
         self._history = [*earlier, *self._history][-_MAX_HISTORY:]
         self._at = len(self._history)
 
@@ -160,18 +178,23 @@ class Ask(TextLine):
             await self.app.run_action("app.newest")
 
     async def action_submit(self) -> None:
-        self.value, text = "", self.value
-        self.send(text)
+        self.submit()
 
-    def send(self, text: str) -> None:
+    def submit(self, *, waits: bool = False) -> None:
+        """Ask for what stands here; ``waits``: to be done after all that was asked for before."""
+        self.value, text = "", self.value
+        self.send(text, waits=waits)
+
+    def send(self, text: str, *, waits: bool = False) -> None:
         """Ask for what was written, here or elsewhere; it is remembered."""
         text = text.strip()
         if not requests_of(text):
             return
+        self._in_vain.discard(text)
         if not self._history or self._history[-1] != text:
             self._history = [*self._history[1 - _MAX_HISTORY :], text]
         self._at, self._draft = len(self._history), ""
-        self.app.post_message(self.Asked(text))  # before the keys behind it
+        self.app.post_message(self.Asked(text, waits=waits))  # before the keys behind it
 
     def action_recall(self, step: int) -> None:
         """Go back (−1) or forth (1) in what was sent; what was being written is kept."""
@@ -203,23 +226,45 @@ class Guess(Suggester):
 
 
 _PROMPT: Final = " › "
+_ROOM_FOR_KEY: Final = 50
+"""Columns below which the line has all the room."""
 
 
 class AskLine(Horizontal):
-    """The prompt sign and the line."""
+    """The prompt sign, the line, and while something runs and the line has text the key that adds it to what waits."""
 
     def __init__(self, keys: Mapping[str, str], commands: Commands) -> None:
         super().__init__()
+        self._keys = keys
         self._ask = Ask(keys, commands)
+        self._adds = Static(id="adds", markup=False)
+        self._adds.display = self._busy = False
 
     def compose(self) -> ComposeResult:
         yield Static(_PROMPT, id="prompt", markup=False)
         yield self._ask
+        yield self._adds
+
+    def tell(self, *, busy: bool) -> None:
+        """Whether something runs or waits."""
+        if busy is not self._busy:
+            self._busy = busy
+            self._offer()
+
+    def on_resize(self) -> None:
+        self._offer()
+
+    def _offer(self) -> None:
+        offered = self._busy and bool(self._ask.value) and self.size.width >= _ROOM_FOR_KEY
+        if offered:
+            self._adds.update(strings.ADDS.format(**self._keys))
+        self._adds.display = offered
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Say before the line how many requests it holds, where they are several."""
         number = len(requests_of(event.value))
         self.query_one("#prompt", Static).update(f"{min(number, 99):>2}›" if number > 1 else _PROMPT)
+        self._offer()
 
     @property
     def line(self) -> Ask:

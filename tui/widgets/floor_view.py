@@ -223,7 +223,7 @@ class FloorView(Widget, can_focus=True):
         kind, text = "caption", ""
         if self._asked is not None:
             request = self._asked.request
-            kind, text = "question", strings.GO_THERE.format(request[0].upper() + request[1:])
+            kind, text = "question", strings.GO_THERE.format(f"{request[:1].upper()}{request[1:]}")
         elif (target := self.pointed) is not None:
             there = strings.ENTER_GOES if target.goal is None else strings.ENTER_GOES_TO.format(target.goal[2])
             text = f"{target.about}  {there if target.name else strings.NO_WAY_TO_SAY}"

@@ -2,7 +2,7 @@
 
 On a slow link bytes are what counts: a pane that repaints as a whole for one new figure costs kilobytes. This one keeps
 the drawn strips of every item, compares line by line, and marks the changed lines alone. It has no scroll bar; it shows
-the line that matters (the newest, or the one that runs) until somebody scrolls, and again after scrolling to the end.
+the line that matters (the newest, or the one that runs) until somebody scrolls, and again after scrolling back there.
 Who has scrolled keeps the lines in sight, also when lines before them are dropped.
 """
 
@@ -66,7 +66,7 @@ class Lines(Widget, Generic[Item], can_focus=False):
     def scroll_lines(self, lines: int) -> None:
         """Scroll by that many lines, down when positive."""
         top = max(0, min(self._top + lines, self._last_top))
-        self._held = top != self._last_top
+        self._held = top != self._top_for_what_matters()
         if top != self._top:
             self._top = top
             self.refresh()
@@ -131,7 +131,9 @@ class Lines(Widget, Generic[Item], can_focus=False):
                 self.refresh(Region(0, y, width, 1))
 
     def _top_for_what_matters(self) -> int:
-        if self._matters is None:
+        if self._matters is None or any(
+            item not in self._cache for item in self._items
+        ):  # nothing is drawn without room
             return self._last_top
         if not self._items:
             return 0

@@ -95,7 +95,8 @@ class LogView(Growing[Shown | str]):
         fresh = mark(strings.NEW_LINES.format(self._fresh), "log") if self._fresh else Content("")
         parts = [strings.LOG_LEVELS[self._least]] if self._least != "debug" else []
         parts += [strings.SOURCES.get(self._part, self._part)] if self._part is not None else []
-        if self.has_focus:
+        if self.is_attached and self.screen.focused is self:  # has_focus is not true yet when the keyboard comes
+            parts += [strings.LOG_ALL.format(**self._keys)] if parts else []
             parts += strings.LOG_KEYS.format(**self._keys).split(JOINT)
         room = max(1, self.size.width - 2 - (fresh.cell_length + len(JOINT) if fresh else 0))
         words = Content(fitting(JOINT.join(parts), room, last=0)) if parts else Content("")
@@ -114,6 +115,11 @@ class LogView(Growing[Shown | str]):
         parts = list(dict.fromkeys(line.source for line in self.known))
         at = parts.index(self._part) + 1 if self._part in parts else 0
         self._part = parts[at] if at < len(parts) else None
+        self._look()
+
+    def action_log_all(self) -> None:
+        """Whatever was left out is shown again."""
+        self._least, self._part = "debug", None
         self._look()
 
     def action_log_find(self) -> None:
@@ -170,7 +176,7 @@ class LogView(Growing[Shown | str]):
 
     def _look(self) -> None:
         shown = [Shown(line, line is self._marked) for line in self.known if self._fits(line)]
-        self.show(shown or ([strings.NOTHING_FITS] if self.known else []))
+        self.show(shown or ([strings.LOG_NOTHING_FITS.format(**self._keys)] if self.known else []))
         self.entitle()
 
     def _mark(self, line: LogLine, *, scroll: bool = True) -> None:

@@ -1,6 +1,9 @@
-"""The panel about what failed: what, why, and what to do next. It goes away with the next request."""
+"""The panel about what failed: what, why, and what to do next. It goes away with the next request, or when somebody
+goes back from it or clicks on it."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 from textual.content import Content
 from textual.widgets import Static
@@ -20,8 +23,24 @@ class ProblemPanel(Static):
         self._problem: Problem | None = None
         self.display = False
 
+    def tell(self, keys: Mapping[str, str], *, typing: bool) -> None:
+        """Say below it how to go back; ``typing``: words stand in the line, which one of the keys takes away."""
+        back = keys["back_typing" if typing else "back"]
+        words = strings.PROBLEM_KEYS.format(back=back, interrupt=keys["interrupt"])
+        if str(self.border_subtitle or "") != words:  # another one repaints the frame
+            self.border_subtitle = Content(words)
+
+    def close(self) -> bool:
+        """Go back from it; False when it is not shown."""
+        there, self.display = self.display, False
+        self.screen.remove_class("-trouble")  # the panes below have its room
+        return there
+
+    def on_click(self) -> None:
+        self.close()
+
     def update_from(self, problem: Problem | None) -> None:
-        if problem == self._problem:
+        if problem is self._problem:
             return
         self._problem = problem
         self.display = problem is not None
@@ -32,5 +51,6 @@ class ProblemPanel(Static):
 
     def reword(self) -> None:
         """Words are in another language now."""
-        problem, self._problem = self._problem, None
+        there, problem, self._problem = self.display, self._problem, None
         self.update_from(problem)
+        self.display = there

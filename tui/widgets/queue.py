@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar, Final, NamedTuple
 
+from textual import events
 from textual.binding import BindingType
 from textual.content import Content
 from textual.message import Message
@@ -57,7 +58,7 @@ class Waits(NamedTuple):
 class ActionQueue(Lines[Shown | Waits]):
     """The queue; the action that runs is kept in view, and the next one with it. While something runs it has the room
     for its words; afterwards those have it that did not end well. With the keyboard, one of the requests that wait is
-    chosen, and that is kept in view."""
+    chosen, and that is kept in view with those behind it."""
 
     BINDINGS: ClassVar[list[BindingType]] = QUEUE_BINDINGS
 
@@ -111,7 +112,7 @@ class ActionQueue(Lines[Shown | Waits]):
             for number, request in enumerate(model.waiting, 1)
         ]
         if (chosen := next((at for at, item in enumerate(waiting) if item.chosen), None)) is not None:
-            following = len(rows) + chosen
+            following = len(rows) + min(len(waiting), chosen + self.size.height) - 1
         elif running is None and rows:
             following = len(rows) - 1
         nothing = [] if rows or waiting else [Shown(None, 0, strings.NO_ACTIONS, "", "", None)]
@@ -122,6 +123,7 @@ class ActionQueue(Lines[Shown | Waits]):
         self._waiting = waiting
         if not any(request.id == self._chosen for request in waiting):
             self._chosen = waiting[min(self._place, len(waiting) - 1)].id if waiting else ""
+            self._held = False
         self._place = next((at for at, request in enumerate(waiting) if request.id == self._chosen), 0)
 
     def _summed_up(self, model: ConsoleModel, keys: Mapping[str, str], *, acts: bool) -> Content:
@@ -137,10 +139,25 @@ class ActionQueue(Lines[Shown | Waits]):
         own = action in ("choose", "drop", "move", "change")
         return bool(self._waiting) if own else super().check_action(action, parameters)
 
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """A request that is clicked on is chosen, and nothing scrolls below the hand."""
+        offset = event.get_content_offset(self)
+        at = self._item_at(self._top + offset.y) if offset is not None else None
+        if at is None or not isinstance(at[0], Waits) or self._known is None:
+            return
+        clicked = self._known[0].waiting[at[0].number - 1].id
+        place = next((n for n, request in enumerate(self._waiting) if request.id == clicked), None)
+        if place is not None:
+            self._choose(place)
+            self._held = True
+
     def action_choose(self, step: int) -> None:
-        self._place = max(0, min(len(self._waiting) - 1, self._place + step))
-        self._chosen = self._waiting[self._place].id
         self._held = False
+        self._choose(self._place + step)
+
+    def _choose(self, place: int) -> None:
+        self._place = max(0, min(len(self._waiting) - 1, place))
+        self._chosen = self._waiting[self._place].id
         if self._known is not None:
             self.update_from(*self._known)
 
@@ -201,6 +218,7 @@ def _summary(model: ConsoleModel, stop: str) -> str:
     parts = [strings.STEPS_ENDED.format(ended, len(model.queue))] if len(model.queue) > 1 else []
     parts += [strings.STEPS_FAILED.format(failed)] if failed else []
     parts += [strings.REQUESTS_WAIT.format(len(model.waiting))] if model.waiting else []
+    parts += [strings.ANSWER_FIRST] if model.held else []
     return " · ".join((*parts, strings.KEY_STOPS.format(stop)))
 
 

@@ -31,7 +31,7 @@ _SIGNS: Final = {
     "SPEAKING": ("♪", "bold $background on $primary-lighten-1"),
     "ACTING": ("▸", "bold $background on $success"),
     "FEEDBACK": ("↻", "bold $background on $primary-lighten-1"),
-    "WAITING": ("◇", "$foreground on $panel"),
+    "WAITING": ("○", "$foreground on $panel"),
 }
 _STARTING: Final = ("◌", "$foreground on $panel")
 _BROKEN: Final = ("✗", "bold $text on $error")
@@ -112,6 +112,12 @@ class StatusLine(Horizontal):
                         return
 
 
+def has_room(notice: str, view: View, columns: int) -> bool:
+    """Whether a status line so wide says all of this notice, and nothing else in its place."""
+    stop = sum(cell_len(hint.text) for hint in view.hints if hint.urgent)
+    return not is_pressed(view) and cell_len(f" {notice} ") <= columns - _CHIP - stop
+
+
 def is_pressed(view: View) -> bool:
     """Whether the emergency stop is."""
     return view.robot is not None and view.robot.estop
@@ -143,6 +149,7 @@ def chip(view: View) -> Content:
     else:
         thinks = model.state in ("IDLE", "WAITING") and model.plan is not None and model.plan.stage == "thinking"
         state = "PLANNING" if thinks else model.state  # which the engine enters when it knows how it thinks
+        state = "CLARIFYING" if model.held else state
         (sign, style), word = _SIGNS[state], strings.STATE_WORDS[state]
     return Content.styled(left(f" {sign} {word}", _CHIP), style)
 

@@ -1,13 +1,15 @@
 """A line to type in, as all lines of the console are: backspace edits, and on an empty line goes back.
 
 A key that is held down is sent again and again. Whoever clears a line like that must not leave it as well, for what is
-typed next would be taken for commands: a run of backspaces that began in a text ends at its beginning.
+typed next would be taken for commands: a run of backspaces that began in a text ends at its beginning. A pause ends
+the run.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Final, Protocol, cast
 
 from textual import events
 from textual.binding import Binding, BindingType
@@ -16,9 +18,20 @@ from textual.message import Message
 from textual.widgets import Input
 
 from tui.keys.keys import EDITING, PUNCTUATION
+from tui.words import strings
+
+RUN_S: Final = 0.7
+"""A key that is held down is sent again after less than this: the first time after 0.66 s, as X servers do, or less."""
 
 Commands = Callable[[str], str]
 """The action of the console that a key does in the empty line; empty: none, it is text."""
+
+
+class Clocked(Protocol):
+    """The application, as far as a line needs it."""
+
+    clock: Callable[[], float]
+    """Monotonic seconds."""
 
 
 def is_text(key: str) -> bool:
@@ -47,7 +60,7 @@ class TextLine(Input):
         self.cursor_blink = False  # a blinking cursor is traffic while nothing happens
         self._commands = commands
         self._was_empty = not value
-        self._clearing = False  # the last key was a backspace that had something to take away
+        self._erased = -math.inf  # when the newest backspace came of a run that had something to take away, s
 
     def acts(self, key: str) -> bool:
         """Whether this key does now what it does outside."""
@@ -63,7 +76,7 @@ class TextLine(Input):
     async def _on_key(self, event: events.Key) -> None:
         """As Textual's, which sees a key before anything that is bound to it."""
         if event.key != "backspace":
-            self._clearing = False
+            self._erased = -math.inf
         if not self.value and (action := self._commands(event.key)):
             event.stop()
             event.prevent_default()
@@ -71,12 +84,20 @@ class TextLine(Input):
             return
         await super()._on_key(event)
 
+    def _on_paste(self, event: events.Paste) -> None:
+        """As Textual's, which would take the first one of several lines and lose the others."""
+        if len([line for line in event.text.splitlines() if line.strip()]) > 1:
+            event.stop()
+            event.prevent_default()
+            self.app.notify(strings.PASTED_LINES, severity="warning", markup=False)
+
     async def action_backspace(self) -> None:
         """Take the character before the cursor away; where there is no text at all, go back."""
-        if self.value:
-            self._clearing = True
+        now = cast("Clocked", self.app).clock()
+        if self.value or now - self._erased <= RUN_S:
+            self._erased = now
             self.action_delete_left()
-        elif not self._clearing:
+        else:
             await self.app.run_action("app.back")
 
     def on_input_changed(self, event: Input.Changed) -> None:

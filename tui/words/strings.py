@@ -23,7 +23,7 @@ STATE_WORDS: Final[dict[State, str]] = {
     "SPEAKING": "SPEAKING",
     "ACTING": "ACTING",
     "FEEDBACK": "CHECKING",
-    "WAITING": "WAITING",
+    "WAITING": "READY",
 }
 STARTING: Final = "STARTING"
 BROKEN: Final = "FAILED"
@@ -59,6 +59,7 @@ ABOUT_KEYS: Final = {
     "wake": "Listen now. A robot that speaks or acts stops first.",
     "end_task": "Stop, reset arm and history, and begin a new task.",
     "type": "Go to the line, and type a request. Up and down recall earlier ones.",
+    "add": "Send what is in the line to be done after all that runs and waits: it interrupts nothing.",
     "estop": "The emergency stop: nothing moves until it is released.",
     "release": "Release the emergency stop.",
     "speed_down": "Lower the speed limit of the robot: fast, quick, medium, slow.",
@@ -132,6 +133,7 @@ ABOUT_KEYS: Final = {
     "queue_change": "Take it back into the line, to change it.",
     "log_level": "Show fewer levels of the log: information, warnings, errors; then all again.",
     "log_part": "Show the log of one part: the next one; after the last one of all parts.",
+    "log_all": "Show all lines of the log again.",
     "log_find": "Search the log.",
     "log_trouble_before": "Go to the warning or error before.",
     "log_trouble_after": "Go to the next warning or error.",
@@ -178,9 +180,10 @@ SIZES_NOT_KEPT: Final = "Pane sizes are not saved for later sessions: {}"
 STEPS_ENDED: Final = "{} of {} ended"
 STEPS_FAILED: Final = "{} failed"
 REQUESTS_WAIT: Final = "{} waiting"
+ANSWER_FIRST: Final = "your answer first"
 QUEUE_KEYS: Final = (
-    "{queue_up}{queue_down} choose · {queue_drop} drop · {queue_change} change · "
-    "{queue_earlier} {queue_later} move · {interrupt} stops"
+    "{queue_drop} drop · {queue_earlier} {queue_later} move · {queue_change} change · "
+    "{queue_up}{queue_down} choose · {interrupt} stops"
 )
 TAKEN_BACK: Final = "Enter puts it back into its place; empty the line to leave it out."
 TAKEN_BACK_TOO_LATE: Final = "It has begun already, or ended."
@@ -353,6 +356,11 @@ MIC_LOADING: Final = "starting"
 MIC_SPEECH: Final = "speech"
 MIC_QUIET: Final = "quiet"
 NO_MICROPHONE: Final = "No microphone: type, or start with sayso --demo."
+DEAF: Final = {
+    "microphone": "Nobody can be heard without a microphone: type instead",
+    "recogniser": "Nobody is understood without speech recognition: type instead",
+}
+"""Why waking is of no use, by the part that is missing."""
 
 MIC_WAITING: Final = "no speech"
 WAKE_BY: Final = {
@@ -469,6 +477,9 @@ PLACEHOLDER_TYPING: Final = (
 )
 PLACEHOLDER_TYPING_EARLY: Final = "Type; it waits for {parts} to load · {back} back · {interrupt} stops"
 PASTED_TOO_LONG: Final = "Too long to be pasted: the line holds {} characters. Nothing of it was taken."
+ADDS: Final = " {add} afterwards "
+"""Behind the line, while something runs: the key that adds what is written to what waits."""
+NOTHING_TO_ADD: Final = "Nothing is written to be done afterwards"
 PHRASES: Final = (
     "go to the ", "turn left 90 degrees", "turn right 90 degrees", "turn around", "move forward 1 metre",
     "move back 1 metre", "where are you?", "what can you do?", "what do you see?", "look around", "pick up the ",
@@ -504,6 +515,8 @@ LOG_LEVELS: Final = {"debug": "all", "info": "from information", "warning": "fro
 LOG_KEYS: Final = (
     "{log_level} level · {log_part} part · {log_find} search · {log_trouble_before} errors · {log_turn} turn"
 )
+LOG_ALL: Final = "{log_all} all"
+LOG_NOTHING_FITS: Final = "No matches; {log_all} shows all lines"
 NEW_LINES: Final = "{} new"
 SHOWS_NEW: Final = "{} shows them"
 LINE_OF_NO_TURN: Final = "This line belongs to no turn."
@@ -526,6 +539,7 @@ MOTION_PAUSED: Final = "“{phrase}” may have been said: the robot pauses"
 MOTION_RESUMED: Final = (
     "it was not said: the robot goes on after {seconds:.1f} s (false pause {number} of this session)"
 )
+PROBLEM_KEYS: Final = "{back} back · {interrupt} stops"
 SOMETHING_FAILED: Final = "Something failed"
 ASKED_EARLY: Final = "“{}” waits until the engine has started."
 CRASH_WRITTEN: Final = "sayso: this is a bug in sayso. Please report it and attach {}"
@@ -551,6 +565,7 @@ HELP_LEAVE: Final = "{newer} {older} more · {back} back · {interrupt} stops"
 HELP_MAP: Final = "While the map has the keyboard"
 HELP_QUEUE: Final = "At the actions, while requests wait"
 HELP_LOG: Final = "While the log has the keyboard"
+HELP_DOCTOR: Final = "On the page of the doctor"
 HELP_TURN: Final = "On the page of a turn"
 HELP_HAND: Final = "Driving by hand"
 HELP_SETTINGS: Final = "On the page of the settings"
@@ -618,6 +633,8 @@ PALETTE_RECENT: Final = "What was asked for before"
 PALETTE_LOG: Final = "Log"
 PALETTE_PROMPT: Final = "a part of its name"
 PALETTE_KEYS: Final = "enter does it · {back_typing} back · {interrupt} stops"
+PALETTE_KEYS_FILL: Final = "enter fills the line · {back_typing} back · {interrupt} stops"
+PASTED_LINES: Final = "Several lines were pasted, and one fits here. Nothing of it was taken."
 NOTHING_FITS: Final = "No matches"
 NEAREST: Final = "No matches; the nearest:"
 ASK_TYPED: Final = "Ask the robot: {}"
@@ -628,6 +645,7 @@ KIND_RECENT: Final = "earlier"
 KIND_MAP: Final = "map"
 KIND_QUEUE: Final = "actions"
 KIND_LOG: Final = "log"
+KIND_DOCTOR: Final = "doctor"
 KIND_TURN: Final = "turn"
 KIND_HAND: Final = "by hand"
 KIND_SETTINGS: Final = "settings"
@@ -646,7 +664,9 @@ FORM_BECOMES: Final = "› {}"
 NOT_KEPT: Final = "Your requests are not saved for later sessions: {}"
 
 # Copying and saving
-COPIED: Final = "{part} copied · {lines} lines · {key} again: {other}"
+LINES: Final = ("{} line", "{} lines")
+"""So many: one, and any other number."""
+COPIED: Final = "{part} copied · {lines} · {key} again: {other}"
 NOTHING_TO_COPY: Final = "no {part} to copy · {key} again: {other}"
 COPY_PARTS: Final = {
     "turn": "turn",
@@ -663,7 +683,7 @@ DOCTOR_TITLE: Final = "Doctor"
 DOCTOR_KEYS: Final = "{older} {newer} more · {examine} again · {copy} copies · {back} back · {interrupt} stops"
 EXAMINING: Final = "◌ {name} … {count} examined so far"
 NOTHING_TO_EXAMINE: Final = "The settings are not read yet. Try again in a moment."
-COPIED_PAGE: Final = "{lines} lines copied"
+COPIED_PAGE: Final = "{lines} copied"
 NOTHING_FOUND_YET: Final = "nothing to copy yet"
 FINDINGS: Final = {"ok": "fine", "limited": "limited", "missing": "missing"}
 CHECKS: Final = {
@@ -724,8 +744,9 @@ UNKNOWN_THEME: Final = "There is no theme {!r}; the console uses its own."
 DID_YOU_MEAN_THEME: Final = "Did you mean {}?"
 SETTINGS_TITLE: Final = "Settings"
 SETTINGS_KEYS: Final = (
-    "{setting_up}{setting_down} {setting_before}{setting_after} look · {setting_take} changes · "
-    "{setting_find} search · {setting_default} default · {back} back · {interrupt} stops"
+    "{setting_take} changes · {setting_find} search · "
+    "{setting_up}{setting_down} {setting_before}{setting_after} look · {setting_default} default · "
+    "{back} back · {interrupt} stops"
 )
 SETTINGS_LINE: Final = "enter keeps what is written · {back_typing} back · {interrupt} stops"
 SETTINGS_FIND: Final = "a part of a name or of what it means · enter: to the list"
@@ -763,7 +784,7 @@ SETTING_NAMES: Final = {
 }
 SETTING_ABOUTS: Final = {"console.theme": "The colours of the console. Left and right show others."}
 """What each means, where the schema does not say it, whose words are English."""
-SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文"}
+SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文", "true": "on", "false": "off"}
 """Values that need a word more."""
 NO_VALUE: Final = "not set"
 NO_ENTRY: Final = "none"

@@ -22,7 +22,7 @@ STATE_WORDS: Final[dict[State, str]] = {
     "SPEAKING": "说话中",
     "ACTING": "执行中",
     "FEEDBACK": "核对中",
-    "WAITING": "等待中",
+    "WAITING": "就绪",
 }
 STARTING: Final = "启动中"
 BROKEN: Final = "故障"
@@ -68,6 +68,7 @@ ABOUT_KEYS: Final = {
     "speed_down": "降低机器人的限速：快、较快、中、慢。",
     "speed_up": "提高机器人的限速。",
     "type": "转到输入行，输入请求。上下方向键可找回以前的请求。",
+    "add": "把这一行的请求排到正在做和等待的事之后，不打断任何事。",
     "estop": "急停：解除之前机器人不会动。",
     "release": "解除急停。",
     "by_hand": "手动驾驶（会结束计划），或不再手动。",
@@ -130,6 +131,7 @@ ABOUT_KEYS: Final = {
     "map_turn_right": "告诉机器人它的朝向更偏右。",
     "log_level": "只显示较重要的日志：信息、警告、错误；然后全部。",
     "log_part": "只显示一个部分的日志：下一个部分；最后一个之后是全部。",
+    "log_all": "重新显示所有日志。",
     "log_find": "搜索日志。",
     "log_trouble_before": "转到上一个警告或错误。",
     "log_trouble_after": "转到下一个警告或错误。",
@@ -175,9 +177,10 @@ SIZES_NOT_KEPT: Final = "窗格大小没有保存到以后的会话：{}"
 STEPS_ENDED: Final = "{}/{} 已结束"
 STEPS_FAILED: Final = "{} 个失败"
 REQUESTS_WAIT: Final = "{} 个在等待"
+ANSWER_FIRST: Final = "先等您回答"
 QUEUE_KEYS: Final = (
-    "{queue_up}{queue_down} 选择 · {queue_drop} 取消 · {queue_change} 修改 · "
-    "{queue_earlier} {queue_later} 移动 · {interrupt} 停止"
+    "{queue_drop} 取消 · {queue_earlier} {queue_later} 移动 · {queue_change} 修改 · "
+    "{queue_up}{queue_down} 选择 · {interrupt} 停止"
 )
 TAKEN_BACK: Final = "回车把它放回原处；清空这一行就不做了。"
 TAKEN_BACK_TOO_LATE: Final = "它已经开始或结束了。"
@@ -342,6 +345,10 @@ MIC_LOADING: Final = "启动中"
 MIC_SPEECH: Final = "有人声"
 MIC_QUIET: Final = "安静"
 NO_MICROPHONE: Final = "没有麦克风：请输入，或用 sayso --demo 启动。"
+DEAF: Final = {
+    "microphone": "没有麦克风，听不到人说话：请打字",
+    "recogniser": "语音识别不可用，听不懂人说话：请打字",
+}
 
 MIC_WAITING: Final = "无人声"
 WAKE_BY: Final = {
@@ -454,6 +461,8 @@ PLACEHOLDER_EARLY: Final = "按 {type} 输入；载入后才会执行：{parts}"
 PLACEHOLDER_TYPING: Final = "输入机器人要做的事 · 上键找回 · {recall} 搜索 · {back} 返回 · {interrupt} 停止"
 PLACEHOLDER_TYPING_EARLY: Final = "输入；载入后才会执行：{parts} · {back} 返回 · {interrupt} 停止"
 PASTED_TOO_LONG: Final = "粘贴的内容太长：输入行最多 {} 个字符，没有接受任何内容。"
+ADDS: Final = " {add} 排在后面 "
+NOTHING_TO_ADD: Final = "这一行是空的，没有可排的请求"
 PHRASES: Final = (
     "去", "向左转90度", "向右转90度", "转身", "前进1米", "后退1米", "你在哪里？", "你会做什么？", "你看到什么？",
     "看看四周", "拿起", "把它放到", "找到", "跟着我", "回来", "打扫房间", "举起手臂", "等5秒", "结束任务",
@@ -484,6 +493,8 @@ SOURCES: Final = {
 
 LOG_LEVELS: Final = {"debug": "全部", "info": "信息以上", "warning": "警告以上", "error": "只看错误"}
 LOG_KEYS: Final = "{log_level} 级别 · {log_part} 部分 · {log_find} 搜索 · {log_trouble_before} 错误 · {log_turn} 该轮"
+LOG_ALL: Final = "{log_all} 全部"
+LOG_NOTHING_FITS: Final = "没有符合的；{log_all} 显示全部"
 NEW_LINES: Final = "{} 条新的"
 SHOWS_NEW: Final = "{} 查看"
 LINE_OF_NO_TURN: Final = "这一行不属于任何一轮。"
@@ -504,6 +515,7 @@ ROBOT_BACK: Final = "机器人重新连上了"
 HALTED: Final = "机器人自己停下了"
 MOTION_PAUSED: Final = "可能有人说了“{phrase}”：机器人暂停"
 MOTION_RESUMED: Final = "没有人说：机器人在 {seconds:.1f} 秒后继续（本次会话第 {number} 次误停）"
+PROBLEM_KEYS: Final = "{back} 返回 · {interrupt} 停止"
 SOMETHING_FAILED: Final = "出错了"
 ASKED_EARLY: Final = "“{}”要等引擎启动后再发送。"
 CRASH_WRITTEN: Final = "sayso：这是 sayso 的缺陷。请报告此事，并附上 {}"
@@ -528,6 +540,7 @@ HELP_LEAVE: Final = "{newer} {older} 翻页 · {back} 返回 · {interrupt} 停�
 HELP_MAP: Final = "地图有键盘焦点时"
 HELP_QUEUE: Final = "在动作窗格，有请求等待时"
 HELP_LOG: Final = "日志有键盘焦点时"
+HELP_DOCTOR: Final = "在检查页"
 HELP_TURN: Final = "在一轮的详情页"
 HELP_HAND: Final = "手动驾驶"
 HELP_SETTINGS: Final = "在设置页"
@@ -582,6 +595,8 @@ PALETTE_RECENT: Final = "以前提过的请求"
 PALETTE_LOG: Final = "日志"
 PALETTE_PROMPT: Final = "名称中的几个字"
 PALETTE_KEYS: Final = "回车执行 · {back_typing} 返回 · {interrupt} 停止"
+PALETTE_KEYS_FILL: Final = "回车放进输入行 · {back_typing} 返回 · {interrupt} 停止"
+PASTED_LINES: Final = "粘贴了好几行，这里只能放一行，所以都没有放进来。"
 NOTHING_FITS: Final = "没有匹配项"
 NEAREST: Final = "没有匹配项；最接近的："
 ASK_TYPED: Final = "向机器人提出：{}"
@@ -592,6 +607,7 @@ KIND_RECENT: Final = "以前"
 KIND_MAP: Final = "地图"
 KIND_QUEUE: Final = "动作"
 KIND_LOG: Final = "日志"
+KIND_DOCTOR: Final = "检查"
 KIND_TURN: Final = "轮"
 KIND_HAND: Final = "手动"
 KIND_SETTINGS: Final = "设置"
@@ -609,7 +625,8 @@ FORM_MISSING: Final = "缺少 {name}"
 NOT_KEPT: Final = "你的请求没有保存到以后的会话：{}"
 
 # Copying and saving
-COPIED: Final = "已复制{part} · {lines} 行 · 再按 {key}：{other}"
+LINES: Final = ("{} 行", "{} 行")
+COPIED: Final = "已复制{part} · {lines} · 再按 {key}：{other}"
 NOTHING_TO_COPY: Final = "没有{part}可复制 · 再按 {key}：{other}"
 COPY_PARTS: Final = {
     "turn": "本轮",
@@ -626,7 +643,7 @@ DOCTOR_TITLE: Final = "检查"
 DOCTOR_KEYS: Final = "{older} {newer} 翻页 · {examine} 再检查 · {copy} 复制 · {back} 返回 · {interrupt} 停止"
 EXAMINING: Final = "◌ {name} … 已检查 {count} 项"
 NOTHING_TO_EXAMINE: Final = "设置尚未读取，请稍后再试。"
-COPIED_PAGE: Final = "已复制 {lines} 行"
+COPIED_PAGE: Final = "已复制 {lines}"
 NOTHING_FOUND_YET: Final = "还没有可复制的"
 FINDINGS: Final = {"ok": "正常", "limited": "受限", "missing": "缺少"}
 CHECKS: Final = {
@@ -686,8 +703,9 @@ UNKNOWN_THEME: Final = "没有主题 {!r}；控制台用自己的主题。"
 DID_YOU_MEAN_THEME: Final = "是不是 {}？"
 SETTINGS_TITLE: Final = "设置"
 SETTINGS_KEYS: Final = (
-    "{setting_up}{setting_down} {setting_before}{setting_after} 查看 · {setting_take} 更改 · "
-    "{setting_find} 搜索 · {setting_default} 默认 · {back} 返回 · {interrupt} 停止"
+    "{setting_take} 更改 · {setting_find} 搜索 · "
+    "{setting_up}{setting_down} {setting_before}{setting_after} 查看 · {setting_default} 默认 · "
+    "{back} 返回 · {interrupt} 停止"
 )
 SETTINGS_LINE: Final = "回车保存所写内容 · {back_typing} 返回 · {interrupt} 停止"
 SETTINGS_FIND: Final = "名称或说明中的几个字 · 回车：到列表"
@@ -739,7 +757,7 @@ SETTING_ABOUTS: Final = settings_zh.RARE | {
     "wake.words": "唤醒词（`sayso wake list`），用逗号隔开；auto：已安装的 hey jarvis 和 hey sayso。",
     "planner.profile": "还用哪些大模型思考（profiles.yaml）：phrases（不用）、local、international、china，或自己的。",
 }
-SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文"}
+SETTING_VALUES: Final = {"en": "en · English", "zh": "zh · 中文", "true": "开", "false": "关"}
 NO_VALUE: Final = "未设置"
 NO_ENTRY: Final = "无"
 FROM_DEFAULT: Final = "默认"
