@@ -46,7 +46,7 @@ def compact(line: SlowLine) -> bool:
     top, second, *_, last = line.screen.display
     return (
         top.startswith(" ○ READY")
-        and second.startswith("╭─ 1 Conversation")
+        and second.startswith("╭─ Conversation")
         and second.endswith("╮")
         and "Map" in second
         and last.startswith(" ›")

@@ -70,6 +70,7 @@ async def test_a_name_that_no_theme_has_is_told_with_the_nearest_one() -> None:
         await desk.until(lambda: any("sayso-contrst" in line.message for line in desk.app.shown.model.log))
         assert desk.app.theme == "sayso-dark"
         assert desk.app.shown.model.log[-1].message.endswith("Did you mean sayso-contrast?")
+        await desk.settled()
         assert "There is no theme 'sayso-contrst'" in desk.text.splitlines()[0]
 
 
