@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol
 
+from rich.cells import cell_len
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.content import Content
@@ -67,7 +68,18 @@ class OptionList(Lines[Row | str]):
         style = "bold $text-accent" if meant else "$foreground"
         text = Content(f"‹ {value} ›" if tried else value).truncate(_VALUE, ellipsis=True)
         body = Content.assemble((f"{left(name, _NAME - 1)} ", style), (text.plain, style if meant else "$text-primary"))
-        return Drawn(Content.styled("▸ " if meant else "  ", style), body, Content.styled(origin, _DIM), nowrap=True)
+        gutter = Content.styled("▸ " if meant else "  ", style)
+        room = self.size.width - gutter.cell_length - body.cell_length - 2
+        return Drawn(gutter, body, Content.styled(_end_of(origin, room), _DIM), nowrap=True)
+
+
+def _end_of(text: str, columns: int) -> str:
+    """As much of its end as there is room for: of a path, the file."""
+    if cell_len(text) <= columns:
+        return text
+    while text and cell_len(text) >= columns:
+        text = text[1:]
+    return f"…{text}" if columns > 0 else ""
 
 
 class Line(TextLine):
