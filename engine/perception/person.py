@@ -92,6 +92,8 @@ def _sighting(picture: Picture, found: Loose, hsv: Hsv) -> Sighting | None:
     seat = figure.seat_under(body)
     if seat is not None and figure.lies(body, seat):
         return _lying(picture, body, found, seat)
+    if seat is None and figure.lies_on_the_floor(body):
+        return _lying(picture, body, found, 0.0)
     if not _is_figure(picture, body, found, seat):
         return None
     return _upright(picture, body, found, seat)

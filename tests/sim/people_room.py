@@ -72,7 +72,8 @@ def room(case: Case, *others: Person) -> Scene:
     """With them in the middle, and others."""
     flat, piece = load_scene(scene_path("flat")), case.piece
     person = Person(
-        path=(case.at,), posture=case.posture, seat=piece[1] if piece else 0.42, gesture=case.gesture,
+        path=(case.at,), posture=case.posture, gesture=case.gesture,
+        seat=piece[1] if piece else 0.0 if case.posture == "lying" else 0.42,
         facing=case.facing, shirt=case.shirt, trousers=case.trousers, height=case.height,
     )  # fmt: skip
     wide = (-5.0, 5.0)

@@ -66,6 +66,15 @@ def test_whoever_lies_is_seen_from_aside(on: str, sides: tuple[int, ...], away: 
         assert person.surface == pytest.approx(0.42, abs=0.06)
 
 
+@pytest.mark.parametrize("away", [2.0, 3.0])
+def test_whoever_lies_on_the_floor_is_seen_from_aside(away: float) -> None:
+    onlooker = Onlooker(Case("lying"))
+    for side in (60, 90, 120, 240, 270, 300):
+        [person] = find_people(onlooker.look(away, side), onlooker.map)
+        assert person.figure is not None
+        assert (person.figure.posture, person.figure.shirt, person.figure.trousers) == ("lying", "red", "blue"), side
+
+
 @pytest.mark.parametrize(("shirt", "trousers"), [("white", "black"), ("yellow", "purple"), ("grey", "orange"),
                                                  ("green", "red"), ("black", "white"), ("orange", "grey")])  # fmt: skip
 def test_shirt_and_trousers_are_told_apart(shirt: str, trousers: str) -> None:
