@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import get_args
+from types import SimpleNamespace
+from typing import cast, get_args
 
 import numpy as np
 import pytest
@@ -19,6 +20,8 @@ from engine.perception.sighting import Colour, Figure, Sight, Sighting
 from engine.robot.camera import Lens, Mount, Picture
 from engine.robot.company import Gesture, Posture
 from engine.robot.geometry import Pose
+from engine.skills.context import SkillContext
+from engine.skills.library.people import as_now
 
 LENS = Lens.of_view(160, 120, math.radians(48))
 AHEAD = Mount(np.array([[0, 0, 1.0], [-1.0, 0, 0], [0, -1.0, 0]]), np.array([0.0, 0.0, 0.5]))
@@ -250,3 +253,22 @@ def test_people_are_no_things_but_are_found_where_people_are_asked_for() -> None
 )  # fmt: skip
 def test_somebody_in_words(person: Sighting, words: str) -> None:
     assert in_words(saw(PeopleMemory({"Cleo": Looks("green")}), person)[0]) == words
+
+
+def test_one_of_two_is_where_they_were_when_they_are_taken_for_the_other_from_close_by() -> None:
+    world = WorldMemory()
+    context = cast(SkillContext, SimpleNamespace(world=world))
+    one, other = saw(world.people, somebody("black", 0.0, trousers="blue"), somebody("green", 2.0))
+    saw(world.people, somebody(x=0.3, shirt="black", trousers="blue"), t=1.0)
+    assert as_now(context, one, (one, other)).position[0] == 0.3
+    saw(world.people, somebody(x=1.9, shirt="black", trousers="blue"), t=3.0)
+    assert as_now(context, one, (one, other)).position[0] == 0.0
+
+
+def test_what_arms_did_is_forgotten_where_it_is_looked_at_anew() -> None:
+    memory = PeopleMemory()
+    saw(memory, somebody(gesture="raising the left arm"))
+    memory.forget_gestures()
+    assert [person.gesture for person in memory.everybody] == [None]
+    [person] = saw(memory, somebody(), t=0.2)
+    assert person.gesture is None, "what was seen before does not count"

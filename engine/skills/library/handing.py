@@ -12,7 +12,7 @@ from engine.robot.arm import Joints
 from engine.skills.context import SkillContext
 from engine.skills.hand import close_fingers, fold, move_to, open_fingers, presses, still_held
 from engine.skills.library.manipulation import fetch
-from engine.skills.library.people import those_in
+from engine.skills.library.people import as_now, those_in
 from engine.skills.meeting import NEARER, called, go_up_to
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.registry import Word, skill
@@ -54,24 +54,24 @@ async def serve(context: SkillContext, object: Thing, who: Those = ANYBODY, wher
     if isinstance(found, Result):
         return found
     room, guests = found
-    served: list[str] = []
+    served: list[PersonSeen] = []
     for guest in guests:
         if context.world.held is None and not (picked := await fetch(context, wanted(object))).ok:
             return _served(served, picked)
         if (held := context.world.held) is None or not still_held(context):
             return _served(served, fail("dropped", f"I have lost the {object}."))
-        person = context.world.people.of_number(guest.number) or guest
+        person = as_now(context, guest, guests)
         went = await go_up_to(context, person, apart=NEARER)
         handed = await _hand_to(context, person, held) if went.ok else went
         if not handed.ok:
             return _served(served, handed)
-        served.append(called(person))
+        served.append(person)
     return ok(f"I served {len(served)} people in the {room}.", served=len(served))
 
 
-def _served(served: list[str], trouble: Result) -> Result:
+def _served(served: list[PersonSeen], trouble: Result) -> Result:
     """A failure that says who has got something before it."""
-    done = f"I served {' and '.join(served)}. " if served else ""
+    done = f"I served {' and '.join(map(called, served))}. " if served else ""
     return fail(trouble.error_code or "no_progress", f"{done}{trouble.message}", served=len(served))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final
 
 from engine.perception.people import PersonSeen
@@ -37,6 +38,8 @@ from engine.skills.with_people import (
 
 MOST_ASKED: Final = 5
 """People who are asked for their name before the robot gives up to look for one of them."""
+APART: Final = 0.6
+"""m between two people at least."""
 ONE: Final = 0.45
 """m within which two sightings are one person, of whom legs and shirt were seen apart."""
 
@@ -137,6 +140,14 @@ async def those_in(context: SkillContext, who: str, where: str) -> tuple[str, tu
     if not found:
         return fail("object_not_found", f"I looked in the {room.name} and saw nobody who is meant.")
     return room.name, found
+
+
+def as_now(context: SkillContext, one: PersonSeen, together: Sequence[PersonSeen]) -> PersonSeen:
+    """One of those who were seen ``together``, as they were seen last: as they were then, where the memory has them at
+    the place of another one, for what shows of clothes from close by may be taken for somebody else's."""
+    now = context.world.people.of_number(one.number) or one
+    others = [other for other in together if other.number != one.number]
+    return one if any(now.distance_to(*other.position[:2]) < APART for other in others) else now
 
 
 def _counted(count: int, who: Someone) -> str:

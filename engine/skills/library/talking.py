@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from engine.facts import fact
 from engine.han import is_chinese
-from engine.perception.people import Answer
+from engine.perception.people import Answer, PersonSeen
 from engine.skills.context import SkillContext
 from engine.skills.find import NO_WAY, by_distance
-from engine.skills.library.people import those_in
+from engine.skills.library.people import as_now, those_in
 from engine.skills.meeting import called, go_up_to
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.registry import skill
@@ -41,7 +41,7 @@ async def tell_everyone(context: SkillContext, text: Sentence, who: Those = ANYB
     them."""
     words = fact(text) or text
     rooms = (where,) if where else tuple(room.name for room in by_distance(context.robot.floor_map, context.pose))
-    told: list[str] = []
+    told: list[PersonSeen] = []
     shut: Result | None = None
     for room in rooms:
         found = await those_in(context, who, room)
@@ -51,12 +51,12 @@ async def tell_everyone(context: SkillContext, text: Sentence, who: Those = ANYB
             if found.error_code not in NO_WAY:
                 break
         for one in people:
-            person = context.world.people.of_number(one.number) or one
+            person = as_now(context, one, people)
             went = await go_up_to(context, person)
             if not went.ok:
                 return _told_only(told, went)
             await context.say(addressed(person, words))
-            told.append(called(person))
+            told.append(person)
     if shut is not None:
         return _told_only(told, shut)
     if not told:
@@ -64,9 +64,9 @@ async def tell_everyone(context: SkillContext, text: Sentence, who: Those = ANYB
     return ok(f"I told {len(told)} people: “{words}”.", said=words, told=len(told))
 
 
-def _told_only(told: list[str], trouble: Result) -> Result:
+def _told_only(told: list[PersonSeen], trouble: Result) -> Result:
     """A failure that says who has heard it before."""
-    before = f"I told {' and '.join(told)}. " if told else ""
+    before = f"I told {' and '.join(map(called, told))}. " if told else ""
     return fail(trouble.error_code or "no_progress", f"{before}{trouble.message}", told=len(told))
 
 
