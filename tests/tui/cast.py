@@ -72,7 +72,7 @@ def main() -> None:
         terminal.on_output = lambda data: film.take(data, time.monotonic())
         play(Person(terminal))
         terminal.on_output = lambda data: None  # the end stays on the screen
-        terminal.type("q")
+        terminal.type("\x03")
         terminal.wait()
     frames = film.frames()
     told = asciicast(frames, *SIZE)
