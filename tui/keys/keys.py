@@ -97,7 +97,7 @@ KEYS: Final = (
 
 IN_ONE_LINE: Final = frozenset([
     "interrupt", "back", "wake", "end_task", "type", "estop", "release", "speed_down", "speed_up", "resume", "undo",
-    "again", "leave", "leave_now", "copy", "save",
+    "again", "leave", "leave_now", "copy", "save", "add",
 ])  # fmt: skip
 """The actions that need neither panes nor pages."""
 

@@ -183,6 +183,8 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
             return True
         if self.driving_by_hand:
             self.rest()
+        elif self._one_line is not None:
+            return False  # the line keeps the keyboard: letters are keys where panes show which
         elif self.line.has_focus:
             self.set_focus(None)
         elif self.unzoom():

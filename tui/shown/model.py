@@ -84,9 +84,14 @@ class ConsoleModel(Struct, frozen=True):
         return self.state in BUSY or self.running is not None
 
     @property
+    def asks(self) -> bool:
+        """A question of the robot about a request is open."""
+        return self.state in REST and self.plan is not None and self.plan.stage == "question"
+
+    @property
     def held(self) -> bool:
         """What waits begins when a question of the robot has been answered."""
-        return bool(self.waiting) and self.state in REST and self.plan is not None and self.plan.stage == "question"
+        return bool(self.waiting) and self.asks
 
     @property
     def moving(self) -> bool:

@@ -149,7 +149,7 @@ def chip(view: View) -> Content:
     else:
         thinks = model.state in ("IDLE", "WAITING") and model.plan is not None and model.plan.stage == "thinking"
         state = "PLANNING" if thinks else model.state  # which the engine enters when it knows how it thinks
-        state = "CLARIFYING" if model.held else state
+        state = "CLARIFYING" if model.asks else state
         (sign, style), word = _SIGNS[state], strings.STATE_WORDS[state]
     return Content.styled(left(f" {sign} {word}", _CHIP), style)
 
