@@ -433,7 +433,7 @@ class Entities:
         if chinese or not candidates:
             return None
         *before, noun = candidates[0].split()
-        if number(noun) is not None:
+        if noun not in _STUFF and number(noun) is not None:
             return None
         noun = "thing" if noun in _STUFF else noun
         for colour in before:  # "the shiny red cup": what is known of it, and its colour

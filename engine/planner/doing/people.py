@@ -286,6 +286,10 @@ def answer(doing: Doing, roles: Roles) -> Calls:
     """A fact said to somebody, or the question that they have answered."""
     topic, words, where = roles.words("topic"), roles.words("person"), roles.words("place")
     who, there = somebody(doing, words, where) if words else (doing.who or "person", spot(doing, where))
+    if who == ME:
+        if not (answered := fact(topic)):
+            raise Unable("act")
+        return call("say", answered)
     found = find_person(doing, who, there)
     if _QUESTION.search(topic.casefold()):
         return (*found, *call("answer_question", who))
