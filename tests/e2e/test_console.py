@@ -29,7 +29,7 @@ def test_a_typed_command_drives_and_esc_stops_it_half_way(tmp_path: Path, size: 
         terminal.until(lambda: driving(terminal) and "ACTING" in terminal.text)
         terminal.type("\x1b")
         terminal.until(lambda: last(terminal, "action.finished").get("outcome") == "interrupted")
-        terminal.until(lambda: last(terminal, "robot.state").get("moving") is False and "WAITING" in terminal.text)
+        terminal.until(lambda: last(terminal, "robot.state").get("moving") is False and "READY" in terminal.text)
         assert 0.01 < last(terminal, "robot.state")["pose"]["y"] < 1.9
         children = psutil.Process(terminal.pid).children(recursive=True)
         terminal.type(TO_THE_PANES + "q")
@@ -79,9 +79,8 @@ def test_waking_without_a_microphone_says_what_is_missing_at_once(tmp_path: Path
         terminal.until(lambda: any(e["body"].get("source") == "microphone" for e in terminal.events()))
         terminal.until(lambda: any("recogniser" in str(e["body"].get("source")) for e in terminal.events()))
         terminal.type(" ")
-        terminal.until(lambda: last(terminal, "error").get("code") == "device_missing")
-        terminal.until(lambda: "microphone" in terminal.text)
-        assert last(terminal, "error")["hint"]
+        terminal.until(lambda: "Nobody can be heard without a microphone" in terminal.text)
+        assert last(terminal, "error") == {}, "nothing was stopped, and nothing failed"
         terminal.type(TO_THE_PANES + "q")
         assert terminal.wait() == 0
 
@@ -92,13 +91,13 @@ def test_the_map_sends_the_robot_while_the_camera_shows_where_it_goes(tmp_path: 
         terminal.type(TO_THE_PANES + "c")
         terminal.until(lambda: "▀" in terminal.text)
         terminal.type("m\t\r")
-        terminal.until(lambda: "Go to kitchen?" in terminal.text)  # it stands at the charging dock
+        terminal.until(lambda: "Go to the kitchen?" in terminal.text)  # it stands at the charging dock
         assert last(terminal, "transcript.final") == {}, "it has only been asked"
         terminal.type("\r")
         terminal.until(lambda: driving(terminal))
         assert last(terminal, "transcript.final")["text"] == "go to the kitchen"
         terminal.type("\x1b")
         terminal.until(lambda: last(terminal, "action.finished").get("outcome") == "interrupted")
-        terminal.until(lambda: "WAITING" in terminal.text)  # else it asks whether to quit
+        terminal.until(lambda: "READY" in terminal.text)  # else it asks whether to quit
         terminal.type("q")
         assert terminal.wait() == 0

@@ -109,7 +109,7 @@ def test_a_request_is_typed_in_a_browser_and_esc_stops_the_robot(tmp_path: Path,
         tab.until(lambda: served.is_driving() and "ACTING" in tab.text and "Going to the kitchen." in tab.text)
         tab.press("Escape", 27)
         tab.until(lambda: served.last("action.finished").get("outcome") == "interrupted")
-        tab.until(lambda: served.is_at_rest() and "WAITING" in tab.text)
+        tab.until(lambda: served.is_at_rest() and "READY" in tab.text)
         assert 0.01 < served.last("robot.state")["pose"]["y"] < 1.9
         tab.press("Tab", 9)  # to the panes, where letters are keys
         tab.type("i")
