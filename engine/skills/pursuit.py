@@ -209,11 +209,13 @@ class Pursuit:
 
         await face_point(context, (x, y, _WAIST))
         await context.see()
-        for at in ((x, y), legs.at) if not seen() else ():
-            if math.dist(at, (pose.x, pose.y)) < 0.8 or (await self._go_near(at, seen)).ok:
-                if not seen():
-                    await look_around(context, seen)
-                break
+        if not seen():
+            x, y = legs.at
+            if math.dist((x, y), (pose.x, pose.y)) > 0.8:
+                direction = math.atan2(y - pose.y, x - pose.x)
+                goal = Pose(x - 0.3 * math.cos(direction), y - 0.3 * math.sin(direction), direction)
+                await go_to(context, goal, "where they stayed")
+            await look_around(context, seen)
         if not found:
             await look_through(context, room_at(context.robot.floor_map, x, y), seen)
         if not found:
@@ -223,13 +225,6 @@ class Pursuit:
         self._seen_t = context.robot.state().t
         self._wheels = Wheels(context)
         return True
-
-    async def _go_near(self, at: tuple[float, float], seen: Callable[[], bool]) -> Result:
-        """To where somebody may be who is out of sight, until they are seen."""
-        pose = self._context.pose
-        direction = math.atan2(at[1] - pose.y, at[0] - pose.x)
-        goal = Pose(at[0] - 0.3 * math.cos(direction), at[1] - 0.3 * math.sin(direction), direction)
-        return await go_to(self._context, goal, "where they walked to", enough=seen)
 
     def _lost(self) -> Result:
         x, y = self._legs.at
