@@ -198,15 +198,14 @@ async def look_through(
 ) -> Result | None:
     """Look around from as many places of a room as it takes to see all of it."""
     places = _viewpoints(context, room)
+    enough = found if not gestures else lambda: False  # what arms do is not told in passing
     trouble: Result | None = None
     reached = False
     for x, y in places:
         pose = context.pose
         goal = Pose(x, y, math.atan2(y - pose.y, x - pose.x))
-        went = await go_to(
-            context, goal, f"a place in the {room.name} to look from", enough=found if not gestures else lambda: False
-        )
-        if not gestures and found():
+        went = await go_to(context, goal, f"a place in the {room.name} to look from", enough=enough)
+        if enough():
             return None
         if not went.ok:
             trouble = went

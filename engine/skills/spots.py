@@ -20,13 +20,13 @@ from engine.skills.aim import grip_height, view
 from engine.skills.approach import Reach, outlines
 from engine.skills.context import SkillContext
 from engine.skills.hand import from_map, nearest, on_map
+from engine.skills.strewn import FEET
 
 MOST: Final = 6
 """Spots that are tried before there is no room."""
 _DECK = 0.14  # m, height of the hull and what is on it
 _EDGE = 0.02  # m between a thing and the edge of what it stands on
 _APART = 0.035  # m between a thing and its neighbours
-_FEET = 0.35  # m from the middle of somebody within which nothing is put on the floor
 _SPOT = 0.04  # m between the spots that are considered
 _HAND = 0.1  # m between a thing and walls or furniture: the hand must find room there, too
 _ABOVE = 0.07  # m over the spot from which a thing is lowered
@@ -73,7 +73,7 @@ def spots_on(context: SkillContext, held: Thing, piece: Furniture) -> list[Point
 def is_free_by_memory(context: SkillContext, held: Thing, spot: Point) -> bool:
     """Whether the thing would stand apart from all others there that are remembered, and from people's feet."""
     people = context.world.people.everybody if spot[2] < 0.05 else ()
-    return all(person.distance_to(*spot[:2]) > _FEET for person in people) and all(
+    return all(person.distance_to(*spot[:2]) > FEET for person in people) and all(
         thing.distance_to(*spot[:2]) > (thing.size[0] + held.size[0]) / 2 + _APART
         for thing in context.world.things
         if abs(thing.surface - spot[2]) < 0.05

@@ -23,6 +23,8 @@ from engine.skills.context import SkillContext
 
 LOW: Final = 0.05
 """m: what stands lower lies on the floor."""
+FEET: Final = 0.35
+"""m from the middle of somebody within which what is seen low is their legs, and nothing is put on the floor."""
 BESIDE: Final = 0.03
 """m that a way leads past something."""
 MARGIN: Final = 0.012
@@ -32,7 +34,6 @@ _BRAKING, _TURN_BRAKING = 1.2, 6.0  # m/s² and rad/s², a little less than what
 _NEAR: Final = 0.08  # m from which the robot retreats…
 _RETREAT: Final = 0.12  # …at so many m/s
 _CORNERS: Final = 12  # points that stand for a thing's outline
-_FEET: Final = 0.35  # m around somebody in which what is seen low is their legs
 _STAYS_S: Final = 10.0  # for which somebody is taken to stand where they were seen
 
 
@@ -43,7 +44,7 @@ def strewn(context: SkillContext) -> list[Thing]:
     return [
         thing
         for thing in context.world.things
-        if thing.surface < LOW and all(person.distance_to(*thing.position[:2]) > _FEET for person in people)
+        if thing.surface < LOW and all(person.distance_to(*thing.position[:2]) > FEET for person in people)
     ]
 
 

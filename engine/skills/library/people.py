@@ -38,8 +38,8 @@ from engine.skills.with_people import (
 
 MOST_ASKED: Final = 5
 """People who are asked for their name before the robot gives up to look for one of them."""
-APART: Final = 0.6
-"""m between two people at least."""
+BETWEEN: Final = 0.6
+"""m from one person to the next at least."""
 ONE: Final = 0.45
 """m within which two sightings are one person, of whom legs and shirt were seen apart."""
 
@@ -147,7 +147,7 @@ def as_now(context: SkillContext, one: PersonSeen, together: Sequence[PersonSeen
     the place of another one, for what shows of clothes from close by may be taken for somebody else's."""
     now = context.world.people.of_number(one.number) or one
     others = [other for other in together if other.number != one.number]
-    return one if any(now.distance_to(*other.position[:2]) < APART for other in others) else now
+    return one if any(now.distance_to(*other.position[:2]) < BETWEEN for other in others) else now
 
 
 def _counted(count: int, who: Someone) -> str:
