@@ -57,6 +57,12 @@ class Outfit:
         shown = [(a, b) for a, b in pairs if a is not None and b is not None]
         return all(a == b for a, b in shown) and (bool(shown) or self.shirt is None)
 
+    def excludes(self, seen: Looks) -> bool:
+        """Whether something shows that is another colour."""
+        return any(
+            a is not None and b not in (None, a) for a, b in ((seen.shirt, self.shirt), (seen.trousers, self.trousers))
+        )
+
     def worn_since(self, t: float, people: Iterable[PersonSeen]) -> list[PersonSeen]:
         """Those of ``people`` who fit and were seen after ``t`` (robot time, s)."""
         return [p for p in people if p.seen_at > t and self.fits(Looks(p.shirt, p.trousers))]

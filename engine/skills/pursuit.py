@@ -22,12 +22,13 @@ from engine.robot.robot import RobotState
 from engine.skills.context import SkillContext
 from engine.skills.drive import why_held
 from engine.skills.legs import Legs
-from engine.skills.meeting import face_point, look_around, look_through
+from engine.skills.meeting import look_around, look_through
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.outfit import Outfit, clothes_of
 from engine.skills.search import room_at
-from engine.skills.servo import PICTURE_S, WHOLE_S, Wheels, chase, look_towards, place_of
+from engine.skills.servo import PICTURE_S, WHOLE_S, Wheels, chase, face, is_gazed_at, look_towards, place_of
 from engine.skills.travel import NOTHING_SEEN, SEEN_RANGE, go_to, way_to
+from engine.skills.walkers import Walker
 
 KEEP: Final = 1.2
 """m from somebody who is followed: people like it so."""
@@ -47,7 +48,9 @@ _HELD_S: Final = 0.8  # s that something is in the way until the robot goes roun
 _ROUND_S: Final = 4.0  # s for which it does
 _THEIRS: Final = 0.6  # m around somebody that the lidar sees of them
 _SEARCHES: Final = 3  # times that somebody who is lost is looked for
-_WALKED_S: Final = 3.0  # s for which somebody out of sight is taken to have walked on
+_DOUBTS: Final = 2  # pictures that show somebody else, until it is
+_GLANCES_S: Final = 8.0  # s for which everybody whom the lidar sees is looked at, one after the other
+_GLANCE_S: Final = 1.5  # s at most for one of them, after the camera has turned there
 _NARROW: Final = 0.05  # m that the robot keeps from things on its straight way
 
 
@@ -67,6 +70,8 @@ class Pursuit:
         self._held_since, self._round_until = math.inf, -math.inf  # by something that is not on the map
         self._seen_t = context.robot.state().t  # by the camera
         robot = context.robot
+        self._doubts = 0  # pictures in a row in which it was somebody else
+        self._searching = False
         self._free = distances(robot.floor_map.occupied, robot.floor_map.resolution, 1.0)
 
     async def run(self, there: Callable[[tuple[float, float]], bool], stands: float = STOOD_S) -> Result:
@@ -77,7 +82,7 @@ class Pursuit:
             while True:
                 state = context.robot.state()
                 self._legs.update()
-                await self._look(state)
+                await self._look(state, self._legs.expected)
                 if state.t - self._seen_t > LOST_S:  # legs alone may be somebody else's by now
                     searches += 1
                     if searches > _SEARCHES or not await self._search():
@@ -85,7 +90,7 @@ class Pursuit:
                     continue
                 if state.t - self._seen_t < 0.3:
                     searches = 0
-                here = self._legs.at
+                here = self._legs.expected
                 has_arrived = self._legs.speed < _STILL and there(here) and self._legs.away < KEEP + 0.6
                 stood_since = min(stood_since, state.t) if has_arrived else math.inf
                 if state.t - stood_since > stands:
@@ -102,10 +107,10 @@ class Pursuit:
                 with contextlib.suppress(asyncio.CancelledError, Exception):
                     await self._picture
 
-    async def _look(self, state: RobotState) -> None:
-        """Have a picture understood beside the driving, and take it in when it is."""
+    async def _look(self, state: RobotState, spot: tuple[float, float]) -> None:
+        """Have a picture that shows ``spot`` understood beside the driving, and take it in when it is."""
         if self._picture is None and state.t >= self._picture_at + PICTURE_S:
-            look_towards(self._context, (*self._legs.at, _WAIST))
+            look_towards(self._context, (*spot, _WAIST))
             self._picture_at = state.t
             whole = state.t >= self._whole_at + WHOLE_S  # for landmarks, and for what lies about
             self._whole_at = state.t if whole else self._whole_at
@@ -120,20 +125,31 @@ class Pursuit:
 
     def _take_in(self, sight: Sight) -> None:
         """The one who is followed among all who are seen, or nobody."""
-        people, at = [p for p in sight.objects if p.kind == "person"], self._legs.at
+        people, at = [p for p in sight.objects if p.kind == "person"], self._legs.expected
         self._learn(people)
         near = [p for p in people if self._outfit.fits(clothes_of(p))]
         best = min(near, key=lambda p: math.dist(p.position[:2], at), default=None)
-        gate = _SAME + min(2.0, 1.2 * max(0.0, sight.t - self._seen_t))
-        if best is None or math.dist(best.position[:2], at) > gate:
-            return
-        self._seen_t = sight.t
-        if math.dist(best.position[:2], at) > 0.35 or sight.t > self._legs.seen_t + 0.3:
+        gate = math.inf if self._searching else _SAME + min(2.0, 1.2 * max(0.0, sight.t - self._seen_t))
+        if best is not None and math.dist(best.position[:2], at) <= gate:
+            self._seen_t, self._doubts = sight.t, 0
             self._legs.moved_to((best.position[0], best.position[1]))
+        for person in people:
+            if self._outfit.excludes(clothes_of(person)):
+                self._exclude((person.position[0], person.position[1]))
+
+    def _exclude(self, at: tuple[float, float]) -> None:
+        """Somebody else is there. One picture may show colours wrong: whom the lidar holds is let go after two."""
+        if math.dist(at, self._legs.expected) > _HERE:
+            self._legs.is_somebody_else(at)
+            return
+        self._doubts += 1
+        if self._doubts >= _DOUBTS:
+            self._legs.is_somebody_else(at)
+            self._doubts = 0
 
     def _learn(self, people: list[Sighting]) -> None:
         """What they wear, by what is seen where their legs are while nobody else is near."""
-        at, others = self._legs.at, self._legs.others
+        at, others = self._legs.expected, self._legs.others
         near = [p for p in people if math.dist(p.position[:2], at) < _ALONE]
         if len(near) != 1 or math.dist(near[0].position[:2], at) > _HERE or self._legs.unseen_s > 0.3:
             return
@@ -141,7 +157,7 @@ class Pursuit:
             self._outfit.learn(near[0])
 
     def _twist(self, state: RobotState) -> Twist:
-        spot = self._legs.at
+        spot = self._legs.expected
         velocity = (0.0, 0.0) if self._legs.speed < _STILL else self._legs.velocity
         self._held_since = min(self._held_since, state.t) if state.blocked else math.inf
         if state.t - self._held_since > _HELD_S:
@@ -194,28 +210,60 @@ class Pursuit:
         return way.points[-1]
 
     async def _search(self) -> bool:
-        """Look where they walked to, else go there and look around; whether they are seen again."""
+        """Look at everybody whom the lidar sees, then go where they were last and look around; whether they are seen
+        again."""
+        context = self._context
         await self._wheels.stand()
-        context, legs = self._context, self._legs
         context.progress(None, f"looking for {self._name}")
-        began, pose = context.robot.state().t, context.pose
-        ahead = min(legs.unseen_s, _WALKED_S)
-        x, y = (at + ahead * speed for at, speed in zip(legs.at, legs.velocity, strict=True))
+        self._searching = True
+        try:
+            if await self._glance_round():
+                return True
+        finally:
+            self._searching = False
+        return await self._look_about()
+
+    async def _glance_round(self) -> bool:
+        """Turn to everybody whom the lidar sees, the likeliest first, and to where they should be; the robot stays
+        where it is."""
+        state = self._context.robot.state()
+        end, since = state.work_t + _GLANCES_S, self._seen_t
+        at_whom: Walker | None = None
+        turned_t = math.inf
+        while state.work_t < end:
+            candidates = self._legs.candidates()
+            if at_whom is None or at_whom not in candidates:
+                at_whom, turned_t = next(iter(candidates), None), math.inf
+            spot = at_whom.expected(state.t) if at_whom is not None else self._legs.expected
+            if turned_t == math.inf and is_gazed_at(self._context, (*spot, _WAIST)):
+                turned_t = state.t
+            state = await self._wheels.go(face(state.pose, spot))
+            if state.halted:
+                return False
+            self._legs.update()
+            await self._look(state, spot)
+            if self._seen_t > since:
+                return True
+            if at_whom is not None and state.t > turned_t + _GLANCE_S:  # what shows no clothes is no person
+                self._legs.is_somebody_else(spot)
+        return False
+
+    async def _look_about(self) -> bool:
+        """Go to where they were last and look around, then through the room."""
+        context, legs = self._context, self._legs
+        await self._wheels.stand()
+        began, pose, (x, y) = context.robot.state().t, context.pose, legs.expected
         found: list[PersonSeen] = []
 
         def seen() -> bool:
             found[:] = self._outfit.worn_since(began, context.world.people.everybody)
             return bool(found)
 
-        await face_point(context, (x, y, _WAIST))
-        await context.see()
-        if not seen():
-            x, y = legs.at
-            if math.dist((x, y), (pose.x, pose.y)) > 0.8:
-                direction = math.atan2(y - pose.y, x - pose.x)
-                goal = Pose(x - 0.3 * math.cos(direction), y - 0.3 * math.sin(direction), direction)
-                await go_to(context, goal, "where they stayed")
-            await look_around(context, seen)
+        if math.dist((x, y), (pose.x, pose.y)) > 0.8:
+            direction = math.atan2(y - pose.y, x - pose.x)
+            goal = Pose(x - 0.3 * math.cos(direction), y - 0.3 * math.sin(direction), direction)
+            await go_to(context, goal, "where they stayed")
+        await look_around(context, seen)
         if not found:
             await look_through(context, room_at(context.robot.floor_map, x, y), seen)
         if not found:

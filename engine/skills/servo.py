@@ -57,6 +57,7 @@ _LEAP = 0.8  # m from where a target is expected; what is seen farther off is so
 _GAZE_YAW = 1.2  # rad; the base turns towards what is further aside
 _GAZE_PITCHES = (1.0, 2.5)  # rad: as far up as faces of people near by … steeply down
 _GAZE_SPEED = 2.0  # rad/s
+_GAZED = 0.15  # rad by which the camera may look past
 _SWEEP = 1.9  # rad to each side when looking around
 _TRACK_YAW = 0.6  # rad that the arm alone follows a target which the base need not approach
 
@@ -170,11 +171,21 @@ def gaze(arm: ArmModel, point: Point) -> Joints:
 
 def look_towards(context: SkillContext, point: Point) -> None:
     """Begin to turn the camera to ``point`` (map frame, m); the base stays as it is."""
+    context.robot.move_arm(_gaze_at(context, point), context.epoch, speed=_GAZE_SPEED)
+
+
+def is_gazed_at(context: SkillContext, point: Point) -> bool:
+    """Whether the camera is turned to ``point`` (map frame, m)."""
+    pose, joints = context.pose, context.robot.state().joints
+    bearing = wrap(math.atan2(point[1] - pose.y, point[0] - pose.x) - pose.yaw)
+    return abs(bearing) < _GAZE_YAW and abs(joints[0] - _gaze_at(context, point)[0]) < _GAZED
+
+
+def _gaze_at(context: SkillContext, point: Point) -> Joints:
     pose = context.pose
     dx, dy = point[0] - pose.x, point[1] - pose.y
     c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-    joints = gaze(context.robot.arm, (c * dx + s * dy, c * dy - s * dx, point[2]))
-    context.robot.move_arm(joints, context.epoch, speed=_GAZE_SPEED)
+    return gaze(context.robot.arm, (c * dx + s * dy, c * dy - s * dx, point[2]))
 
 
 async def follow(context: SkillContext, target: Target, *, keep: float | None) -> Result:

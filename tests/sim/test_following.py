@@ -29,6 +29,7 @@ from engine.skills.library import following
 from engine.skills.library.accompanying import person_follow
 from engine.skills.outcome import Result
 from engine.skills.registry import Skill
+from tests.eval.gpsr.three_people import among
 from tests.sim.inhand import HandRobot, context_of
 from tests.sim.rig import beating, running, ticks_until
 
@@ -164,6 +165,22 @@ def test_a_walking_person_is_followed() -> None:
     assert min(gaps[150:]) > 0.7
     assert max(gaps[150:]) < 1.9
     assert run.robot.world.true_pose.distance_to(Pose(-1.2, 0, 0)) > 1.5
+
+
+def test_somebody_who_passes_between_is_not_taken_for_the_one_who_is_followed() -> None:
+    scene, _ = among("following", 6612)  # somebody who goes the same way hides the one in purple
+    gaps: list[float] = []
+
+    def watch(robot: HandRobot, t: float) -> None:
+        x, y = (float(robot.world.data.joint(f"person 1 {axis}").qpos[0]) for axis in "xy")
+        pose = robot.world.true_pose
+        gaps.append(math.hypot(x - pose.x, y - pose.y))
+        if t > 30:
+            raise _EnoughError
+
+    with pytest.raises(_EnoughError):
+        Run(scene, watch).do(person_follow, "person in purple")
+    assert np.mean(np.array(gaps) < 2.0) > 0.9
 
 
 def test_a_glance_finds_what_it_asks_for_and_what_it_does_not_look_for_is_not_forgotten() -> None:

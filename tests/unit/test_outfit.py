@@ -42,3 +42,11 @@ def test_somebody_fits_by_what_shows_of_them() -> None:
     assert outfit.fits(Looks(None, "blue"))
     assert not outfit.fits(Looks("grey", "black"))
     assert not outfit.fits(Looks(None, None)), "nothing shows of them"
+
+
+def test_somebody_is_excluded_by_a_colour_that_shows() -> None:
+    outfit = Outfit(FIRST)
+    assert outfit.excludes(Looks("red", None))
+    assert outfit.excludes(Looks("grey", "black"))
+    assert not outfit.excludes(Looks(None, "blue"))
+    assert not outfit.excludes(Looks())
