@@ -13,6 +13,7 @@ from engine.robot.robot import Robot
 from engine.skills.walkers import AHEAD_S, Walker, Walkers
 
 _CROSSED: Final = 0.6  # m around them, in which somebody else makes it doubtful who is who
+_LEFT: Final = 0.8  # m from them, where somebody is not beside them any more
 _CLEARED_S: Final = 8.0  # s for which it counts that the camera has seen somebody else
 _LATELY_S: Final = 0.3  # s without the lidar, after which the camera tells better where they are
 
@@ -26,6 +27,7 @@ class Legs:
         self._all = Walkers(robot)
         self._mine = self._all.add(at)
         self._sure = Walker(at, robot.state().t)  # as the camera saw them last
+        self._beside: list[Walker] = []  # who was there when the camera saw that it is they
         self.crossed = False
         """Somebody or something else has been so near that these may be other legs now."""
 
@@ -70,13 +72,18 @@ class Legs:
         if self._all.update():
             if self._mine not in self._all.everybody:  # out of sight for too long
                 self._all.everybody.append(self._mine)
-            near = (one for one in self._all.everybody if one is not self._mine and one.seen_t >= self._mine.seen_t)
-            self.crossed = self.crossed or any(math.dist(one.at, self._mine.at) < _CROSSED for one in near)
+            self._beside = [one for one in self._beside if math.dist(one.at, self._mine.at) < _LEFT]
+            self.crossed = self.crossed or any(one not in self._beside for one in self._near())
         return self.unseen_s < AHEAD_S
 
     def is_sure(self) -> None:
-        """The camera has seen that it is they."""
+        """The camera has seen that it is they. Who is beside them now makes it doubtful when they come back."""
         self.crossed = False
+        self._beside = self._near()
+
+    def _near(self) -> list[Walker]:
+        others = (one for one in self._all.everybody if one is not self._mine and one.seen_t >= self._mine.seen_t)
+        return [one for one in others if math.dist(one.at, self._mine.at) < _CROSSED]
 
     def moved_to(self, at: tuple[float, float]) -> None:
         """The camera has seen them there: those whom the lidar sees there are they."""
