@@ -64,6 +64,7 @@ test-ros: $(INSTALLED)
 reader: $(INSTALLED)
 	@$(BIN)/sayso models pull multilingual-e5-small
 	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[train]'
+	$(BIN)/python -m engine.understanding.training.lexicon
 	$(BIN)/python -m engine.understanding.training.train $(if $(PUBLIC),--public $(PUBLIC)) $(ARGS)
 
 pictures: $(INSTALLED)

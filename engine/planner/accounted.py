@@ -18,6 +18,7 @@ from engine.planner.not_an_order import Mark, MarkKind, marks
 from engine.planner.text.conditions import CONDITION, IF_POLITE
 from engine.planner.text.measures import read_measures
 from engine.planner.text.words import words_of
+from engine.understanding.lexicon import common_characters, lexicon, words_in
 from engine.understanding.meaning import About, Do, If, Instead, Meaning, Node, Not, Repeat, Retract, Role, walk
 
 _NODES: Final[dict[MarkKind, tuple[type[Node], ...]]] = {
@@ -90,6 +91,48 @@ def accounted(meaning: Meaning, names: Collection[str] = ()) -> bool:
     if not (_trusted(meaning) or _order_stands(text, nodes)) or not _colour_stands(text, nodes):
         return False
     return _marks_stand(meaning, nodes, depends=depends) and _numbers_stand(meaning, nodes)
+
+
+def is_said(meaning: Meaning, known: Collection[str]) -> bool:
+    """Whether the acts are said in words that the reader has learned, or that are ``known`` here: one beside the words
+    of roles, which may be any; most of them where there are no roles, and half in talk, where people call one another
+    by name. Of words that it has never seen a reader is as sure as of others: "glorp" is no order to switch a light
+    on."""
+    if meaning.reader == "certain":
+        return True
+    nodes = list(walk(meaning.nodes))
+    spans = [(role.start, role.end) for node in nodes for role in _roles(node)]
+    words = [word for word in words_in(meaning.text, spans) if word not in _SAY_NOTHING]
+    if not words:
+        return bool(spans)
+    learned = sum(_is_learned(word, known, within=bool(spans)) for word in words)
+    return learned > 0 if spans else 2 * learned >= len(words) + (_acts(nodes) != {"talk"})
+
+
+def _is_learned(word: str, known: Collection[str], *, within: bool) -> bool:
+    """``within``: names stand beside it, so that a Chinese verb may be next to any other character."""
+    if word in lexicon() or word in known or (within and set(word) <= common_characters()):
+        return True
+    parts = [part for part in re.split(r"['-]", word) if len(part) > 1]  # "sofa's", "night-time"
+    return len(parts) > 0 and parts != [word] and all(part in lexicon() or part in known for part in parts)
+
+
+def without_an_unsaid_act(meaning: Meaning) -> Meaning:
+    """The meaning as a fragment, where no word is left that could say the act: of "dishwasher" alone, nobody knows what
+    is to be done with it."""
+    act = meaning.nodes[0] if len(meaning.nodes) == 1 else None
+    if not isinstance(act, Do) or act.until is not None or len(act.roles) != 1 or act.roles[0].name not in _NAMES:
+        return meaning
+    others = words_in(meaning.text, [(role.start, role.end) for role in act.roles])
+    if any(word not in _SAY_NOTHING for word in others):
+        return meaning
+    return replace(meaning, nodes=(Do("fragment", act.roles),))
+
+
+_NAMES: Final = frozenset({"place", "source", "thing", "person"})
+"""Roles whose words are names."""
+_SAY_NOTHING: Final = frozenset({"the", "a", "an", "my", "your", "our", "please", "请.", "吧."})
+"""Words beside a name that say nothing of what is to be done."""
 
 
 def is_cut_off(text: str) -> bool:

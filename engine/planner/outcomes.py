@@ -26,7 +26,7 @@ from engine.planner.phrases.phrases import Phrases, Told
 from engine.planner.phrases.said import Calls
 from engine.planner.request import Heard, Language, NoPlan
 from engine.planner.sentences import SAID
-from engine.planner.unknown_places import room_instead, unknown
+from engine.planner.unknown_places import meant, room_instead, unknown
 from engine.planner.validation import Validation
 from engine.skills.vocabulary import Vocabulary
 from engine.understanding.meaning import About, Do, If, Meaning, Node, Not, Repeat, Retract, Role
@@ -165,8 +165,12 @@ class Outcomes:
                 return _answer(heard, SAID[heard.language]["all_right"])
             case "fragment" if not happened and (talk := phrases.only_talk(heard.text)):
                 return _answer(heard, talk)
-            case "fragment" if act.words("place") and len(act.roles) == 1:
-                return self._done((replace(act, act="go"),), heard)
+            case "fragment" if len(act.roles) == 1 and self._is_name(act.words("place")):
+                found = self._done((replace(act, act="go"),), heard)
+                unknown_place = isinstance(found, NoPlan) and found.code == "unknown_place"
+                return (self.meant(heard) or found) if unknown_place else found
+            case "fragment" if not any(self._entities.of(role.words).thing for role in act.roles):
+                return self.meant(heard) or _question(heard, "no_act", phrases.question("what_do"))
             case "fragment" | "again":
                 return _question(heard, "no_act", phrases.question("what_do"))
         return None
@@ -269,6 +273,17 @@ class Outcomes:
     def _planned(self, heard: Heard, calls: Calls) -> Plan | NoPlan:
         told = self._phrases(heard.language).told(calls)
         return _sourced(self._validation.of(heard.text, calls, told.steps, told.response))
+
+    def _is_name(self, words: str) -> bool:
+        """Whether that may name a place, so that it is an order by itself: neither letters of the map nor numbers do,
+        though an order can go by them ("go to M")."""
+        letters = "".join(character if character.isalpha() else " " for character in words).split()
+        return bool(letters) and not any(map(self._vocabulary.is_symbol, letters))
+
+    def meant(self, heard: Heard) -> NoPlan | None:
+        """The question whether a place is meant by what is only the letter, the beginning or a misspelling of its
+        name; None where it is none of these."""
+        return meant(heard.text, self._vocabulary, heard.language)
 
     def _unknown(self, heard: Heard, name: str) -> NoPlan:
         """A journey to a place that the map does not have."""

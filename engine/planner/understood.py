@@ -2,20 +2,28 @@
 
 Meanings that come to the same plan are as likely together as the sum of them. Words that take something back, forbid,
 report or ask, and numbers, have to stand in the meaning: where they don't, the reader has missed something, and nothing
-is planned of it without a question."""
+is planned of it without a question. Nor is anything of an act that is said in words which the reader has never seen."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Final, Protocol
 
+from config.nearest import nearest
 from engine.errors import ExitCode
 from engine.events import MeaningRead
 from engine.plan import Action, Plan
-from engine.planner.accounted import accounted, is_cut_off, sides_stand, without_an_empty_branch
+from engine.planner.accounted import (
+    accounted,
+    is_cut_off,
+    is_said,
+    sides_stand,
+    without_an_empty_branch,
+    without_an_unsaid_act,
+)
 from engine.planner.conversation import Conversation
 from engine.planner.entities import Entities
 from engine.planner.not_an_order import marks
@@ -27,6 +35,7 @@ from engine.planner.sentences import SAID
 from engine.planner.validation import Validation
 from engine.skills.vocabulary import Vocabulary
 from engine.understanding.learned import UNDIRECTED
+from engine.understanding.lexicon import lexicon, words_in
 from engine.understanding.meaning import About, Do, Meaning, Not, Retract
 
 SURE: Final = 0.4
@@ -41,6 +50,10 @@ CERTAIN: Final = 0.97
 """How sure it is where words that only sound like what the robot cannot do are no reason to doubt it."""
 NO_ORDER: Final = 0.6
 """How sure it has to be that something is no order, for nothing of it to be done."""
+LONG_ENOUGH: Final = 4
+"""Letters of a word that may be one that is misspelt."""
+NEAR: Final = 0.8
+"""How alike the two are then, 0 to 1, as ``difflib`` counts it."""
 _MOVING: Final = frozenset({"base"})
 """What a skill occupies that is asked about first: a wave of the arm harms nobody."""
 _NO: Final = re.compile(
@@ -79,6 +92,7 @@ class Understood:
         self._read = lru_cache(maxsize=64)(reader.readings)
         self._validation = validation
         self._names = frozenset(map(str.casefold, (*vocabulary.names(), *vocabulary.places())))
+        self._known = frozenset(word for name in self._names for word in words_in(name))
         self._outcomes = Outcomes(phrases, validation, vocabulary, entities, tell)
         self._conversation = Conversation(self.meaning, lambda meaning: accounted(meaning, self._names), entities)
 
@@ -98,7 +112,9 @@ class Understood:
 
     def overhears(self, heard: Heard) -> bool:
         """Whether it is not said to the robot: talk between others, or words in no order. What is typed always is."""
-        meaning = self.meaning(heard.text) if heard.request.spoken else None
+        if not heard.request.spoken:
+            return False
+        meaning = self.meaning(heard.text) or next(iter(self._read(heard.text)), None)
         return meaning is not None and meaning.directed < UNDIRECTED
 
     def agrees(self, text: str) -> bool:
@@ -128,7 +144,7 @@ class Understood:
             return _question(heard, "incomplete", "unfinished")
         chosen = self._chosen(heard)
         if chosen is None:
-            return self._but_for_some_words(heard)
+            return self._but_for_some_words(heard) or self._outcomes.meant(heard) or self._spelt_right(heard)
         meaning, found = chosen
         heard.request.read(_told(meaning))
         if isinstance(found, NoPlan) or meaning.confidence >= SURE:
@@ -156,8 +172,12 @@ class Understood:
         first = found[0].nodes[0] if answer is not None and found and found[0].nodes else None
         refuses = isinstance(first, Not) or (isinstance(first, Do) and first.act == "no")
         if answer is None or not refuses or marks(text):
-            return tuple(map(without_an_empty_branch, found))
-        return self._read(text[answer.end() :])  # "no, raise your arm" forbids nothing
+            return self._believed(map(without_an_empty_branch, found))
+        return self._believed(self._read(text[answer.end() :]))  # "no, raise your arm" forbids nothing
+
+    def _believed(self, found: Iterable[Meaning]) -> tuple[Meaning, ...]:
+        """Those of these meanings that are said in known words."""
+        return tuple(without_an_unsaid_act(meaning) for meaning in found if is_said(meaning, self._known))
 
     def _chosen(self, heard: Heard) -> tuple[Meaning, Plan | NoPlan] | None:
         """The likeliest outcome, and the likeliest meaning that has it; None where it is likelier that others have the
@@ -199,6 +219,21 @@ class Understood:
             heard.request.read(_told(meaning))
             return self._asked_about(found, heard)
         return found if isinstance(found, NoPlan) and found.exit_code is ExitCode.CLARIFY else None
+
+    def _spelt_right(self, heard: Heard) -> NoPlan | None:
+        """The question whether an act is meant whose word is misspelt ("beeep"); None where it is none."""
+        words = list(words_in(heard.text))
+        wrong = [word for word in words if word not in lexicon() and word not in self._known]
+        text = heard.text
+        for word in wrong if len(wrong) == 1 or 2 * len(wrong) <= len(words) else ():
+            if len(word) >= LONG_ENOUGH and word.isascii():
+                near = nearest(word, [other for other in lexicon() if other[0] == word[0]], NEAR)
+                text = re.sub(rf"\b{re.escape(word)}\b", near or word, text, flags=re.IGNORECASE)
+        chosen = self._chosen(replace(heard, text=text)) if text != heard.text else None
+        found = chosen[1] if chosen is not None else None
+        if not isinstance(found, Plan) or not found.finished or not found.actions:
+            return None
+        return self._asked_about(found, heard)
 
     def _asked_about(self, found: Plan, heard: Heard) -> NoPlan:
         """The question whether that is meant; a yes does it."""

@@ -224,6 +224,12 @@ class Vocabulary:
         """What people call a place of the map."""
         return self._places.words(symbol)[0] if symbol and symbol != ZERO_SYMBOL else ""
 
+    def is_symbol(self, word: str) -> bool:
+        """Whether that is how a place is marked on the map, and not what anything is called."""
+        plain = _plain(word)
+        symbols = (symbol.casefold() for symbol in self._places.known() if symbol != ZERO_SYMBOL)
+        return plain in symbols and plain not in self._place_words()
+
     def all_rooms(self) -> tuple[str, ...]:
         """The name of each room, in the order of the map."""
         return tuple(room.name for room in self._rooms.values())

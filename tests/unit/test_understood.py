@@ -158,9 +158,9 @@ def test_a_reader_that_is_not_sure_asks_before_anything_moves(understood: Unders
 
 
 def test_a_yes_does_what_was_asked_about(planner: Planner, reader: Written) -> None:
-    text = reader.knows("go | bimble {place: the kitchen}", MAYBE - 0.05)
-    reader.knows("go | bimble the {place: kitchen}", MAYBE - 0.1)  # the likeliest plan, though no meaning of it is
-    reader.knows("forward | bimble {manner: the kitchen}", MAYBE - 0.02)
+    text = reader.knows("go | wander {place: the kitchen}", MAYBE - 0.05)
+    reader.knows("go | wander the {place: kitchen}", MAYBE - 0.1)  # the likeliest plan, though no meaning of it is
+    reader.knows("forward | wander {manner: the kitchen}", MAYBE - 0.02)
     asked = asyncio.run(planner.plan(PlanRequest(text)))
     assert isinstance(asked, NoPlan)
     assert asked.answer == "Do I understand you right: Go to the kitchen?"
