@@ -217,6 +217,18 @@ class RequestEnded(Body, frozen=True):
     sent_as: str | None = None  # the id that its sender gave to the command
 
 
+@kind("question.ended")
+class QuestionEnded(Body, frozen=True):
+    """What the robot asked about a request is not open any more. The envelope's turn is the one that asked.
+
+    ``answered``: what was said next is the answer, or says no. ``replaced``: another request came in its place.
+    ``withdrawn``: it was interrupted, or what was said next asks for nothing."""
+
+    text: str  # the request that it was asked about
+    outcome: Literal["answered", "replaced", "withdrawn"]
+    by: Scope | None = None  # what interrupted it
+
+
 @kind("offers.made")
 class OffersMade(Body, frozen=True):
     """What may be asked about the past in a word; told whenever that changes. Each is the turn that it is about, by its

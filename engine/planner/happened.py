@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from engine.errors import ExitCode
 from engine.plan import Action, Plan
 from engine.planner.reply import FINISH
-from engine.planner.request import Happened, NoPlan, Noted, Ran, Said
+from engine.planner.request import Happened, NoPlan, Noted, Ran, Said, Withdrawn
 
 
 def last_said(happened: Sequence[Happened]) -> str:
@@ -16,8 +16,8 @@ def last_said(happened: Sequence[Happened]) -> str:
 
 
 def last_question(happened: Sequence[Happened]) -> NoPlan | None:
-    """What the robot answered last, where that is a question."""
-    answer = next((entry for entry in reversed(happened) if isinstance(entry, Plan | NoPlan)), None)
+    """What the robot answered last, where that is a question that is still open."""
+    answer = next((entry for entry in reversed(happened) if isinstance(entry, Plan | NoPlan | Withdrawn)), None)
     return answer if isinstance(answer, NoPlan) and is_question(answer) else None
 
 
@@ -46,6 +46,8 @@ def open_command(happened: Sequence[Happened]) -> tuple[str, ...]:
             if not is_question(entry):
                 break
             asked = True
+        elif isinstance(entry, Withdrawn):
+            break
         elif isinstance(entry, Said):
             if not asked:
                 break
@@ -83,3 +85,5 @@ def in_words(entry: Happened) -> str:
             return str(entry)
         case Said(text) | Noted(text):
             return text
+        case Withdrawn():
+            return "Nobody will answer that question: the user interrupted."

@@ -124,8 +124,20 @@ class Planner:
         heard = Heard(request, text, language)
         for step in (self._stopped, self._agreed, self._asked_for, self._read, self._withheld):
             if (found := await step(heard)) is not None:
+                if self._is_answer(found, heard):
+                    request.answers()
                 return found
+        request.answers()  # which a model may take it for: it has read the question
         return await self._by_model(heard)
+
+    @staticmethod
+    def _is_answer(found: Plan | NoPlan, heard: Heard) -> bool:
+        """Whether what was said answers the robot's question by itself: a no, or one of the names that it has named."""
+        if isinstance(found, NoPlan) and found.code == "no_order":
+            return True
+        question = last_question(heard.request.happened)
+        named = question.suggestions if question is not None and question.code == "did_you_mean" else ()
+        return any(name.casefold() in heard.text.casefold() for name in named)
 
     def _written(self, request: PlanRequest) -> Plan | NoPlan | None:
         """The plan of actions that are written as such: ``navigation(place="kitchen"); beep()``."""
@@ -165,6 +177,7 @@ class Planner:
             offered = question.offer if await asyncio.to_thread(self._learned.agrees, heard.text) else ""
         if not offered:
             return None
+        heard.request.answers()
         if isinstance(offered, str):
             return await self.plan(replace(heard.request, text=offered, happened=()))
         return self._told(heard, offered)

@@ -87,7 +87,12 @@ class Noted:
     text: str
 
 
-Happened = Said | Plan | NoPlan | Ran | Noted
+@dataclass(frozen=True, slots=True)
+class Withdrawn:
+    """Somebody interrupted while a question of the robot was open: no answer to it is to come."""
+
+
+Happened = Said | Plan | NoPlan | Ran | Noted | Withdrawn
 """Something that happened earlier in a task; a plan or the reason why there is none is what the robot answered."""
 
 
@@ -146,6 +151,8 @@ class PlanRequest:
     """What the camera shows after a look, as a PNG file; only models that see get it."""
     enter: Callable[[Literal["DECIDING", "PLANNING"]], None] = lambda stage: None
     """To be called when a stage of planning begins that takes its time."""
+    answers: Callable[[], object] = lambda: None
+    """To be called when what was said is taken for the answer to the question that the robot asked last."""
     decide: Callable[[tuple[str, ...], PlanSource], None] = lambda steps, source: None
     """To be called with the decision layer's steps in words."""
     read: Callable[[MeaningRead], object] = lambda meaning: None

@@ -26,6 +26,7 @@ from engine.planner.accounted import (
 )
 from engine.planner.conversation import Conversation
 from engine.planner.entities import Entities
+from engine.planner.happened import last_question
 from engine.planner.not_an_order import marks
 from engine.planner.outcomes import Outcomes, is_no_order
 from engine.planner.phrases.follow_ups import follow_up
@@ -198,7 +199,11 @@ class Understood:
                 meaning = replace(first, confidence=min(1.0, first.confidence + meaning.confidence))
             outcomes[key] = meaning, found
         chosen = max(outcomes.values(), key=lambda outcome: outcome[0].confidence, default=None)
-        return chosen if chosen is not None and chosen[0].confidence >= max(MAYBE, elsewhere) else None
+        if chosen is None or chosen[0].confidence < max(MAYBE, elsewhere):
+            return None
+        if answered is not None and last_question(heard.request.happened) is not None:
+            heard.request.answers()
+        return chosen
 
     def _same(self, meaning: Meaning, found: Plan | NoPlan, heard: Heard) -> object:
         """What two meanings have in common that come to the same."""

@@ -70,7 +70,14 @@ class Interrupted:
     scope: Scope
 
 
-Entry = Said | Planned | Acted | NeverStarted | Answered | Interrupted
+@dataclass(frozen=True, slots=True)
+class Withdrawn:
+    """The question that the turn ended with is not open any more: somebody interrupted."""
+
+    turn: str
+
+
+Entry = Said | Planned | Acted | NeverStarted | Answered | Interrupted | Withdrawn
 
 
 @dataclass(slots=True)
@@ -154,6 +161,8 @@ def _as_json(entry: Entry) -> dict[str, Any]:
             return {"turn": turn, "answered": heard, "cut_off": heard != text}
         case Interrupted(turn, scope):
             return {"turn": turn, "interrupted": scope}
+        case Withdrawn(turn):
+            return {"turn": turn, "withdrawn": "question"}
         case Acted(turn, ran):
             result = ran.result
             return {"turn": turn, "action": str(ran.action), "outcome": result.outcome, "message": result.message}
@@ -172,6 +181,8 @@ def _happened(entry: Entry) -> Happened | None:
         case Answered(_, _, heard):
             heard = heard or "(nothing that could be heard)"
             return Noted(f"The robot said, before it was cut off: {heard}")
+        case Withdrawn():
+            return request.Withdrawn()
         case Interrupted(_, scope):
             return Noted(f"Interruption: {_BY[scope]}.")
         case Acted(_, ran):

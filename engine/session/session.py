@@ -49,13 +49,15 @@ from engine.commands import (
 from engine.epoch import Epoch
 from engine.errors import ExitCode, RobotError, SaysoError
 from engine.events import Scope, State, TurnResult
+from engine.plan import Plan
 from engine.planner.about_itself import goes_on
 from engine.planner.phrases.joints import comes_after
+from engine.planner.request import NoPlan
 from engine.planner.text.language import language_of
 from engine.robot.geometry import Pose, Twist, wrap
 from engine.robot.robot import EMERGENCY_STOP
 from engine.session.by_hand import ByHand
-from engine.session.history import Interrupted, TaskCycle
+from engine.session.history import Interrupted, TaskCycle, Withdrawn
 from engine.session.inbox import Inbox, Request
 from engine.session.turn import PRESSED, Needs, Overtaken, Turn, way_back
 from engine.session.waiting import Waiting, seen
@@ -66,6 +68,14 @@ ARM_RETURN_SPEED = 0.5  # rad/s: after an interruption the arm goes home slowly,
 
 FREE_S = 10.0
 """Without a request for so long, nobody is about to ask for the next."""
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What the robot wants to know: the turn that asked, and the words of the request that it is about."""
+
+    turn: str
+    about: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +125,8 @@ class Session:
         self._broke_off = False  # …or while the robot moved or spoke
         self._undone = ""  # the newest turn, if what it was asked for was not done
         self._asking = False  # the newest request ended with a question, and nobody has said anything since
+        self._question: Question | None = None  # that is open, or whose answer is being planned
+        self._about = ""  # the request that the question was about which the running turn has answered
         self._answer = ""  # the id of a request that came while a question was being put
         self._quit: Request | None = None
 
@@ -221,7 +233,7 @@ class Session:
             self._waiting.add([answer], first=True)
             self._waiting.add(others)
             return False
-        elif (self._turn is not None or self._waiting) and isinstance(command, Say | Quit | Added):
+        elif self._has_to_wait(command):
             self._waiting.add(request.one_by_one())
             if isinstance(command, Added):
                 self._log("info", f"After this: “{command.heard.text}”.")
@@ -240,6 +252,12 @@ class Session:
         An answer that came before the question had been put waits itself."""
         ends = any(isinstance(request.command, Quit) for request in self._waiting)
         return self._asking and not ends and all(request.id != self._answer for request in self._waiting)
+
+    def _has_to_wait(self, command: Command) -> bool:
+        """Whether something runs or waits before it, or the robot waits for an answer that it is not."""
+        if isinstance(command, Say | Quit | Added) and (self._turn is not None or self._waiting):
+            return True
+        return isinstance(command, Say) and command.wait and self._asking
 
     def _rejects(self, command: Say) -> bool:
         return self._settings.busy == "reject" and not command.wait
@@ -328,7 +346,7 @@ class Session:
     def _new_cycle(self, reason: str) -> None:
         self._bus.publish(events.TaskEnded(reason), epoch=self._epoch.current)
         self._cycle = TaskCycle(self._cycle.number + 1)
-        self._asking = False
+        self._asking, self._question = False, None
         self._offer()
 
     # Turns
@@ -340,9 +358,15 @@ class Session:
 
         def enter(state: State, reason: str) -> None:
             self._enter(state, reason, turn)
+            if state == "CLARIFYING" and self._cycle.leaves_open(turn.id):
+                self._question = Question(turn.id, self._about or turn.asked)
 
+        def planned(found: Plan | NoPlan) -> None:
+            self._question_met(found, answered=turn.answers)
+
+        self._about = ""
         number = self._inbox.epoch_for(request.epoch)
-        turn = Turn(number, self._epoch, self._bus, self._needs, self._cycle, enter)
+        turn = Turn(number, self._epoch, self._bus, self._needs, self._cycle, enter, planned)
         self._turn = turn
         self._begun = request
         self._ack(request, turn=turn)
@@ -390,6 +414,8 @@ class Session:
             self._waiting.move_on(request.epoch)
         else:
             self._drop_waiting(scope)
+        if scope not in ("replaced", "wake"):  # else what comes may be the answer
+            self._withdraw_question(scope)
         if turn is None:
             return
         if turn.asked:  # else nobody has said anything yet
@@ -433,6 +459,31 @@ class Session:
             assert result.outcome != "unheard", "only who listens hears nothing"
             replaced = result.outcome == "interrupted" and scope == "replaced"
             self._end(request, "replaced" if replaced else result.outcome, scope, turn)
+
+    # Questions
+
+    def _question_met(self, found: Plan | NoPlan, *, answered: bool) -> None:
+        """What was said while a question was open has come to this."""
+        question, self._question = self._question, None
+        if question is None:
+            return
+        if answered:
+            self._about = question.about
+        nothing = isinstance(found, Plan) and not found.actions
+        self._tell_question(question, "answered" if answered else "withdrawn" if nothing else "replaced")
+
+    def _withdraw_question(self, scope: Scope) -> None:
+        """An interruption concerns an open question, too: nothing that is said later is its answer."""
+        question, self._question, self._asking = self._question, None, False
+        if question is not None:
+            self._cycle.entries.append(Withdrawn(question.turn))
+            self._tell_question(question, "withdrawn", scope)
+
+    def _tell_question(
+        self, question: Question, outcome: Literal["answered", "replaced", "withdrawn"], scope: Scope | None = None
+    ) -> None:
+        ended = events.QuestionEnded(question.about, outcome, scope)
+        self._bus.publish(ended, turn=question.turn, epoch=self._epoch.current)
 
     # What waits
 

@@ -129,9 +129,17 @@ class Turn:
     """The work of one request. ``enter`` tells the session which state the work has reached."""
 
     def __init__(
-        self, number: int, epoch: Epoch, bus: Bus, needs: Needs, cycle: TaskCycle, enter: Callable[[State, str], None]
+        self,
+        number: int,
+        epoch: Epoch,
+        bus: Bus,
+        needs: Needs,
+        cycle: TaskCycle,
+        enter: Callable[[State, str], None],
+        planned: Callable[[Plan | NoPlan], None] = lambda found: None,
     ) -> None:
-        """``number``: the epoch that the turn belongs to; it can be over already."""
+        """``number``: the epoch that the turn belongs to; it can be over already. ``planned`` is told what the request
+        has come to, before anything of it begins."""
         self.id = str(ULID())
         self.epoch = number
         self.emit = bus.bound(turn=self.id, epoch=number)
@@ -152,7 +160,10 @@ class Turn:
         self._epoch = epoch
         self._needs = needs
         self._cycle = cycle
+        self.answers = False
+        """What was said was taken for the answer to the question that was asked last."""
         self._enter = enter
+        self._planned = planned
         self._mouth = asyncio.Lock()
         self._voice = needs.voice
         self._thinking = False
@@ -217,6 +228,8 @@ class Turn:
     async def do(self) -> TurnResult:
         """Plan what was taken and do it; think over what became of it, and go on, until nothing is left to be done."""
         found = self._about_release() or await self._think(self.asked, self._so_far)
+        await self.stay_current()
+        self._planned(found)
         steps = 0
         for rounds in range(1, self._needs.rounds + 1):
             await self.stay_current()
@@ -306,6 +319,7 @@ class Turn:
             on_record=self._cycle.on_record(),
             spent=frozenset(action for action, failures in self._failures.items() if failures >= MOST_FAILURES),
             enter=self._enter_stage,
+            answers=self._answer_taken,
             decide=lambda steps, source: self._thought(events.DecisionMade(steps, source)),
             warn=lambda message: self._thought(events.Log("warning", "planner", message)),
             read=lambda meaning: self._thought(meaning),
@@ -356,6 +370,9 @@ class Turn:
         if done is None or done.turn != self.id:
             return False
         return done.ran.action.name == "seewhat" and done.ran.result.ok
+
+    def _answer_taken(self) -> None:
+        self.answers = True
 
     def _thought(self, body: events.Body) -> None:
         if self._thinking and self.cut is None:

@@ -369,3 +369,78 @@ def test_a_session_that_is_to_end_waits_for_no_answer() -> None:
         assert names(talk) == ["beep", "arm_up"]
 
     converse(test)
+
+
+# What becomes of the question
+
+
+def questions(talk: Conversation) -> list[tuple[str, str, events.Scope | None]]:
+    return [(body.text, body.outcome, body.by) for body in talk.bodies(events.QuestionEnded)]
+
+
+@pytest.mark.parametrize(
+    ("said", "outcome"),
+    [
+        ("yes", "answered"), ("no", "answered"), ("the kitchen", "answered"), ("turn left 90 degrees", "replaced"),
+        ("snorf the blick", "answered"), ("go to the laundry", "replaced"), ("thank you", "withdrawn"),
+    ],
+)  # fmt: skip
+def test_it_is_told_once_what_becomes_of_a_question(said: str, outcome: str) -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say(ASKS))
+        await talk.result(1)
+        asked = next(event.turn for event in talk.seen if isinstance(event.body, events.ClarificationAsked))
+        assert questions(talk) == []
+        talk.send(Say(said))
+        await talk.result(2)
+        assert questions(talk) == [(ASKS, outcome, None)]
+        assert [event.turn for event in talk.seen if isinstance(event.body, events.QuestionEnded)] == [asked]
+
+    converse(test)
+
+
+def test_a_request_that_is_asked_about_twice_keeps_its_words() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go"))
+        await talk.result(1)
+        talk.send(Say("to the bedrom"))
+        await talk.result(2)
+        talk.send(Say("beep"))
+        await talk.result(3)
+        assert questions(talk) == [("go", "answered", None), ("go", "replaced", None)]
+
+    converse(test)
+
+
+@pytest.mark.parametrize("while_put", [True, False])
+@pytest.mark.parametrize(("command", "scope"), [(Interrupt(), "interrupt"), (Say("stop"), "stop")])
+def test_a_question_that_is_interrupted_is_withdrawn_and_a_later_yes_does_nothing(
+    command: Command, scope: events.Scope, *, while_put: bool
+) -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say(ASKS))
+        await (talk.until_state("CLARIFYING") if while_put else talk.result(1))
+        talk.send(command)
+        await talk.pass_time(20)
+        assert questions(talk) == [(ASKS, "withdrawn", scope)]
+        talk.send(Say("yes"))
+        await talk.pass_time(60)
+        assert names(talk) == []
+        assert len(questions(talk)) == 1
+
+    converse(test, voice=SlowVoice())
+
+
+def test_what_is_added_to_the_queue_during_a_question_waits_also_where_nothing_else_does() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say(ASKS))
+        await talk.result(1)
+        talk.send(Say("turn left 90 degrees", wait=True))
+        await talk.pass_time(60)
+        assert names(talk) == []
+        assert talk.bodies(events.RequestsWaiting)[-1].texts == ("turn left 90 degrees",)
+        talk.send(Say("yes"))
+        await talk.result(3)
+        assert names(talk) == ["navigation", "move_left"]
+
+    converse(test)

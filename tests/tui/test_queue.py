@@ -322,3 +322,71 @@ async def test_the_key_that_adds_says_what_it_is_for_where_nothing_is_written() 
         await desk.press("ctrl+j")
         assert "Nothing is written to be done afterwards" in desk.text
         assert desk.engine.sent == []
+
+
+# A question of the robot that is given up
+
+
+def ask_about_a_bedroom(desk: Desk, *, waiting: int) -> None:
+    """The robot asks about a request, behind which so many others wait."""
+    desk.engine.publish(ev.TranscriptFinal("go to the bedrom", "text", "", 1.0, 0.0, 0.0, 0.0, 0.0))
+    desk.engine.publish(waits(*WAITING[:waiting]), turn=None)
+    desk.engine.publish(ev.ClarificationAsked("Shall I go to the bedroom?", "go to the bedrom"))
+    result = ev.TurnResult(5, "clarify", "Shall I go to the bedroom?")
+    desk.engine.publish(ev.StateChanged("CLARIFYING", "WAITING", "clarify", result))
+
+
+@pytest.mark.parametrize(
+    ("ended", "told"),
+    [
+        (ev.QuestionEnded("go to the bedrom", "replaced"), "■  go to the bedrom  replaced while it was asked about"),
+        (
+            ev.QuestionEnded("go to the bedrom", "withdrawn", "interrupt"),
+            "■  go to the bedrom  question withdrawn: the stop key",
+        ),
+        (ev.QuestionEnded("go to the bedrom", "withdrawn"), ""),
+        (ev.QuestionEnded("go to the bedrom", "answered"), ""),
+    ],
+)
+async def test_a_question_that_is_given_up_leaves_a_row_that_says_why(ended: ev.QuestionEnded, told: str) -> None:
+    async with console() as desk:
+        ask_about_a_bedroom(desk, waiting=0)
+        desk.engine.publish(ended)
+        await desk.settled()
+        words = " ".join(desk.text.split())
+        assert (" ".join(told.split()) in words) if told else ("■" not in desk.text)
+
+
+@pytest.mark.parametrize(
+    ("number", "told"),
+    [
+        (0, "Question withdrawn"),
+        (1, "Question withdrawn · 1 waiting request dropped"),
+        (3, "Question withdrawn · 3 waiting requests dropped"),
+    ],
+)
+async def test_the_key_that_stops_says_what_it_has_ended_while_the_robot_asks(number: int, told: str) -> None:
+    async with console(size=(160, 40)) as desk:
+        ask_about_a_bedroom(desk, waiting=number)
+        await desk.settled()
+        assert "ASKING" in desk.text.splitlines()[0]
+
+        def stopped(command: Command) -> None:
+            desk.engine.publish(ev.InterruptRaised("interrupt", "interrupt", "WAITING"), turn=None)
+            desk.engine.publish(waits(), turn=None)
+            desk.engine.publish(ev.QuestionEnded("go to the bedrom", "withdrawn", "interrupt"))
+
+        desk.engine.on_command = stopped
+        await desk.press("escape")
+        await desk.until(lambda: told in desk.text.splitlines()[0])
+        assert "Nothing to stop" not in desk.text
+        assert "ASKING" not in desk.text.splitlines()[0]
+
+
+async def test_while_the_robot_asks_a_key_adds_what_is_written_to_what_waits() -> None:
+    async with console(in_line=True) as desk:
+        ask_about_a_bedroom(desk, waiting=0)
+        await desk.press(*"nod")
+        assert "ctrl+j afterwards" in desk.text.splitlines()[-1]
+        await desk.press("ctrl+j")
+        assert desk.engine.sent == [Say("nod", wait=True)]

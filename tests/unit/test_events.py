@@ -80,7 +80,15 @@ def test_every_kind_is_read_back_as_it_was_written(kind: str, data: st.DataObjec
 
 def test_the_kinds_are_those_that_were_promised() -> None:
     assert BODIES.keys() >= WIRE_NAMES
-    later = {"ack", "model.asked", "requests.waiting", "requests.dropped", "request.ended", "offers.made"}
+    later = {
+        "ack",
+        "model.asked",
+        "requests.waiting",
+        "requests.dropped",
+        "request.ended",
+        "question.ended",
+        "offers.made",
+    }
     assert BODIES.keys() - WIRE_NAMES == {*later, "person.asked", "person.answered", "person.acted"}
 
 

@@ -123,6 +123,16 @@ class Drawing:
         else:
             self._frames.ask()
 
+    def _tell_stopped(self, before: ConsoleModel) -> None:
+        """The key that stops was pressed while nothing ran: say what it ended, or that there was nothing."""
+        waiting = len(before.waiting)
+        ended = [strings.WITHDRAWN] if before.asks else []
+        ended += [strings.WAITING_DROPPED[waiting == 1].format(waiting)] if waiting else []
+        if ended:
+            self._stage.remark(" · ".join(ended))
+        else:
+            self.nothing_to_stop()
+
     def nothing_to_stop(self) -> None:
         """The key that stops was pressed while all was still: say so, and which key goes back."""
         self._stage.remark(strings.NOTHING_TO_STOP.format(**self._stage.shown_keys))
@@ -178,7 +188,7 @@ class Drawing:
             return False
         arrived, self._arrived = [*self._arrived, *self._inbox.take()], []
         for event, when in arrived:
-            model = model.after(event)
+            before, model = model, model.after(event)
             self._session = event.session
             self._lag = min(self._lag, when - event.t)
             self.on_event(event.body)
@@ -188,7 +198,7 @@ class Drawing:
                 self.stop_asked = False
                 moved = self.view.robot is not None and self.view.robot.moving
                 if event.body.scope == "interrupt" and event.body.state in ("IDLE", "WAITING") and not moved:
-                    self.nothing_to_stop()
+                    self._tell_stopped(before)
         if any(isinstance(event.body, Log | ErrorRaised) for event, _ in arrived):
             self._parts_timer.resume()  # a part may have changed
         if not model.busy:

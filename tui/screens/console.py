@@ -218,7 +218,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._conversation.update_from(model, begin_with, examples, view.newest)
         self._plan.update_from(model, named(waited_for(model, view.parts)))
         self.line.wait_for(named(loading(view.parts)))
-        self._ask.tell(busy=model.busy or bool(model.waiting))
+        self._ask.tell(busy=model.busy or model.asks or bool(model.waiting))
         self._queue.update_from(model, view.now, self._keys)
         self._figures.update_from(view.robot, view.parts, view.world.held if view.world is not None else None)
         self._figures.tell(view.link)

@@ -200,6 +200,20 @@ def _(body: ev.RequestEnded, model: ConsoleModel, event: ev.Event) -> ConsoleMod
 
 
 @_fold.register
+def _(body: ev.QuestionEnded, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
+    if body.outcome == "answered":
+        return model
+    if model.plan is not None and model.plan.stage == "question":
+        model = replace(model, plan=None)
+    if body.outcome == "replaced":
+        return model.with_line(Line("lost", printable(body.text), strings.REPLACED_ASKED))
+    if body.by is None:  # what was said instead of an answer has a row
+        return model
+    note = strings.QUESTION_WITHDRAWN.format(reason=strings.REASONS[body.by])
+    return model.with_line(Line("lost", printable(body.text), note))
+
+
+@_fold.register
 def _(body: ev.OffersMade, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
     return replace(model, offers=replace(body, no_undo=printable(body.no_undo)))
 

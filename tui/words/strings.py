@@ -260,6 +260,8 @@ LOST: Final = {
 """What becomes of a request that never begins, by its outcome."""
 LOST_BY: Final = "never begun: {reason}"
 REPLACED_PLANNING: Final = "replaced while it was planned"
+REPLACED_ASKED: Final = "replaced while it was asked about"
+QUESTION_WITHDRAWN: Final = "question withdrawn: {reason}"
 REPLACED: Final = "replaced by a newer request"
 NEW_TASK: Final = "new task"
 REASONS: Final = {
@@ -523,6 +525,9 @@ LINE_OF_NO_TURN: Final = "This line belongs to no turn."
 
 # Quitting and failing
 NOTHING_TO_STOP: Final = "Nothing to stop; {back} goes back"
+WITHDRAWN: Final = "Question withdrawn"
+WAITING_DROPPED: Final = {False: "{} waiting requests dropped", True: "{} waiting request dropped"}
+"""By whether it is one."""
 NOTHING_BACK: Final = "Nothing to go back from; {type} goes to the line"
 NOT_STARTED: Final = "not started"
 QUIT_QUESTION: Final = "A task is running: {key} again quits, {stop} stops it"

@@ -251,6 +251,8 @@ LOST: Final = {
 }
 LOST_BY: Final = "没有开始：{reason}"
 REPLACED_PLANNING: Final = "规划时被取代"
+REPLACED_ASKED: Final = "询问时被取代"
+QUESTION_WITHDRAWN: Final = "问题已撤回：{reason}"
 REPLACED: Final = "被新的请求取代"
 NEW_TASK: Final = "新任务"
 REASONS: Final = {
@@ -501,6 +503,8 @@ LINE_OF_NO_TURN: Final = "这一行不属于任何一轮。"
 
 # Quitting and failing
 NOTHING_TO_STOP: Final = "没有什么要停止；{back} 返回"
+WITHDRAWN: Final = "问题已撤回"
+WAITING_DROPPED: Final = {False: "取消了 {} 个等待的请求", True: "取消了 {} 个等待的请求"}
 NOTHING_BACK: Final = "无处可返回；{type} 转到输入行"
 NOT_STARTED: Final = "未开始"
 QUIT_QUESTION: Final = "任务进行中：再按 {key} 退出，{stop} 停止任务"

@@ -28,7 +28,7 @@ from engine.planner.happened import in_words, last_said
 from engine.planner.phrases.phrases import Told
 from engine.planner.phrases.said import Calls
 from engine.planner.reply import SCHEMA, STEPS_SCHEMA, Proposal, UnreadableReply, read_reply, read_steps
-from engine.planner.request import Language, NoPlan, Noted, PlanRequest, Ran, Said
+from engine.planner.request import Language, NoPlan, Noted, PlanRequest, Ran, Said, Withdrawn
 from engine.planner.stages.brief import full
 from engine.planner.stages.prompts import Now, Prompts
 from engine.skills.registry import NOT_SAID, SkillRegistry, UnknownSkill
@@ -247,7 +247,7 @@ class TwoStage:
                 raise PlanError("It depends on something: go there and look first, and do nothing else yet.")
         if any(str(action) in request.spent for action in actions):
             return NoPlan(goal, "gave_up", proposal.response or _GAVE_UP[language])
-        feedback = (in_words(entry) for entry in request.happened if isinstance(entry, Ran | Noted))
+        feedback = (in_words(entry) for entry in request.happened if isinstance(entry, Ran | Noted | Withdrawn))
         seen = (*request.seen, *feedback, *((f"The {request.holding} is in the hand.",) if request.holding else ()))
         if request.holding:  # it need not be picked up again
             actions = tuple(a for a in actions if a.name != "pick_object" or a.args["object"] != request.holding)
