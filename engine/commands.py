@@ -31,7 +31,8 @@ class Command(msgspec.Struct, frozen=True):
 class Say(Command, frozen=True):
     """A typed request, treated as if it had been spoken and understood. ``then``: requests that are done after it, one
     after the other. They wait whatever ``session.busy`` says, and each is acknowledged with the same id. ``wait``: it
-    waits itself for what runs to end, whatever ``session.busy`` says.
+    waits itself for what runs to end, whatever ``session.busy`` says. A stop among them waits for nothing: those before
+    it never begin, and those behind it are asked for anew.
 
     What waits waits also for the answer to a question about the request before it: the next one that does not
     ``wait`` is that, and begins at once."""

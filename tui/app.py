@@ -474,11 +474,9 @@ class SaysoApp(Stage):
         await self._deal()
 
     def _take(self, burst: Burst) -> None:
-        """In the line, several requests that come at once are one submission, each of which is done. Elsewhere they
-        are keys; and whatever stops or ends a task must not wait for its turn."""
-        from engine.planner.phrases.stopping import scope_of  # which most sessions do without
-
-        if self.main.line.has_focus and not any(map(scope_of, burst.text.splitlines())):
+        """In the line, several requests that come at once are one submission, each of which is done; the engine sees to
+        it that a stop among them waits for none. Elsewhere they are keys."""
+        if self.main.line.has_focus:
             self.main.line.take(burst.text)
         else:
             self._keys.extendleft(reversed(burst.keys))

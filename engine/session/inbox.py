@@ -25,6 +25,9 @@ from engine.states import EXPRESSING, REST
 
 T = TypeVar("T")
 
+STOPS: Final[frozenset[Scope | None]] = frozenset({"stop", "estop"})
+"""What a request in words may interrupt whatever stands before it."""
+
 LASTING: Final[frozenset[Scope]] = frozenset({"estop", "end_task", "halted", "shutdown"})
 """Interruptions that do more than end a turn: they take place even when a newer one has come in the meantime."""
 
@@ -54,6 +57,17 @@ class Request:
         """The id that its sender gave to the command."""
         return getattr(self.command, "id", None)
 
+    def since_its_stop(self) -> tuple[tuple[Request, ...], Request]:
+        """What stands before the last line that says stop, which stops all of that, and the request without it. What
+        stands behind that line is asked for anew."""
+        stops = [one.scope in STOPS for one in self.one_by_one()]
+        if not isinstance(self.command, Say) or self.scope not in STOPS or not any(stops[1:]):
+            return (), self
+        at = len(stops) - 1 - stops[::-1].index(True)
+        lines = (self.command.text, *self.command.then)
+        said = Say(lines[at], self.command.id, lines[at + 1 :])
+        return tuple(self.one_by_one())[:at], replace(self, command=said, id=str(ULID()))
+
     def one_by_one(self) -> Iterator[Request]:
         """The same, with what is to be done after it as requests of their own. Those interrupt nothing: when it is
         their turn, nothing is running."""
@@ -63,6 +77,12 @@ class Request:
         yield replace(self, command=Say(self.command.text, self.command.id))
         for text in self.command.then:
             yield Request(Say(text, self.command.id), self.epoch, scope_of(text))
+
+
+def _stop_in(command: Say) -> Scope | None:
+    """The strongest stop among its lines: none of them waits for those before it."""
+    found = {scope_of(line) for line in (command.text, *command.then)}
+    return "estop" if "estop" in found else "stop" if "stop" in found else None
 
 
 class Inbox(Generic[T]):
@@ -136,6 +156,8 @@ class Inbox(Generic[T]):
                 return None if adds or epoch < self._newest else "replaced"
             case Heard(text):
                 return scope_of(text) if self._state() in EXPRESSING and is_stop(text) else None
+            case Say() if (stop := _stop_in(command)) is not None:
+                return stop
             case Say(text) if self._is_asked() and scope_of(text) is None:
                 return None  # it is the answer
             case Say(text, wait=wait):

@@ -15,7 +15,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import math
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
@@ -188,7 +188,10 @@ class Session:
                             if turn.ends_cycle:
                                 self._arm_home()
                     case Request() as request:
-                        if not await self._admit(request):
+                        stopped, request = request.since_its_stop()
+                        admitted = await self._admit(request)
+                        self._never_begun(stopped, request.scope)
+                        if not admitted:
                             continue
                         first, *others = request.one_by_one()
                         self._waiting.add(others)
@@ -486,6 +489,12 @@ class Session:
         self._bus.publish(ended, turn=question.turn, epoch=self._epoch.current)
 
     # What waits
+
+    def _never_begun(self, requests: Iterable[Request], scope: Scope | None) -> None:
+        """A stop came with these, and behind them."""
+        for request in requests:
+            self._ack(request, "Interrupted before it started.", ok=False)
+            self._end(request, "interrupted", scope)
 
     def _end(
         self, request: Request, outcome: events.RequestOutcome, scope: Scope | None = None, turn: Turn | None = None

@@ -444,3 +444,58 @@ def test_what_is_added_to_the_queue_during_a_question_waits_also_where_nothing_e
         assert names(talk) == ["navigation", "move_left"]
 
     converse(test)
+
+
+# A stop among several lines
+
+
+@pytest.mark.parametrize("wait", [True, False])
+@pytest.mark.parametrize("stop", ["stop", "Stop!", "停"])
+def test_a_stop_among_several_lines_stops_at_once_whatever_stands_before_it(stop: str, *, wait: bool) -> None:
+    async def test(talk: Conversation) -> None:
+        waiting = await three_waiting(talk)
+        talk.send(Say("nod", then=("dance", stop), wait=wait))
+        assert talk.robot.state().twist.is_zero, "when the call returns"
+        await talk.pass_time(60)
+        assert names(talk) == ["move_forward"]
+        interrupted = {(one.text, "interrupted", "stop") for one in waiting}
+        assert set(ends(talk)) == interrupted | {
+            ("go forward 3 metres", "interrupted", "stop"), ("nod", "interrupted", "stop"),
+            ("dance", "interrupted", "stop"), (stop, "done", None),
+        }  # fmt: skip
+
+    converse(test)
+
+
+def test_what_stands_behind_the_stop_is_asked_for_anew() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go forward 3 metres"))
+        await talk.until(events.ActionStarted)
+        talk.send(Say("nod", "all", then=("stop", "dance", "stop", "beep", "raise your arm")))
+        await talk.result(4)
+        assert names(talk) == ["move_forward", "beep", "arm_up"]
+        assert [(text, outcome) for text, outcome, _ in ends(talk)] == [
+            ("go forward 3 metres", "interrupted"), ("nod", "interrupted"), ("stop", "interrupted"),
+            ("dance", "interrupted"), ("stop", "done"), ("beep", "done"), ("raise your arm", "done"),
+        ]  # fmt: skip
+
+    converse(test)
+
+
+def test_an_emergency_stop_among_several_lines_is_pressed_at_once() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("nod", then=("emergency stop", "stop")))
+        assert talk.robot.state().estop
+        await talk.pass_time(60)
+        assert names(talk) == []
+
+    converse(test)
+
+
+def test_the_end_of_the_task_among_several_lines_comes_in_its_turn() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("beep", then=("nod", "that's all")))
+        await talk.until(events.TaskEnded)
+        assert names(talk) == ["beep", "arm_nod"]
+
+    converse(test)
