@@ -345,6 +345,8 @@ class SaysoApp(Stage):
         self.come_back()
         if self.main.driving_by_hand:
             self.main.rest()
+        elif self.shown.standstill:
+            self.keeping.tell(strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")))
         else:
             self.main.drive_by_hand()
 

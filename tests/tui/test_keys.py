@@ -457,6 +457,34 @@ async def test_by_hand_arrows_drive_until_one_goes_back() -> None:
         assert desk.engine.sent[4:] == []
 
 
+async def test_nobody_drives_by_hand_while_the_emergency_stop_is_pressed_and_the_key_says_what_releases_it() -> None:
+    async with console() as desk:
+        desk.engine.robot = replace(robot_at(0.0, 0.0, 0.0), estop=True)
+        desk.app.redraw()
+        await desk.until(lambda: "E-STOP" in desk.text)
+        await desk.press("g")
+        assert "by hand" not in desk.text
+        told = "The emergency stop is pressed: ctrl+o releases it."
+        assert [one.message for one in desk.app._notifications] == [told]
+        await desk.press("up")
+        assert desk.engine.sent == []
+
+
+async def test_a_hand_that_drives_stands_with_the_emergency_stop_and_goes_on_after_it() -> None:
+    async with console() as desk:
+        desk.engine.robot = robot_at(0.0, 0.0, 0.0)
+        await desk.press("g", "up")
+        desk.engine.robot = replace(robot_at(0.0, 0.0, 0.0), estop=True)
+        desk.app.redraw()
+        await desk.until(lambda: "nothing moves; ctrl+o releases" in desk.text.splitlines()[-1])
+        await desk.press("up")
+        desk.engine.robot = robot_at(0.0, 0.0, 0.0)
+        desk.app.redraw()
+        await desk.until(lambda: "by hand 0.2 m/s" in desk.text)
+        await desk.press("down")
+        assert desk.engine.sent == [Drive(0.2, 0.0, 0.0), Drive(-0.2, 0.0, 0.0)]
+
+
 async def test_whoever_types_drives_no_more() -> None:
     async with console() as desk:
         await desk.press("g", "up", "slash", "w", "a")

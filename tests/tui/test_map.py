@@ -526,3 +526,41 @@ async def test_pointing_into_a_room_tells_and_shows_where_the_robot_would_go() -
         assert floor._overlay[at].ink == "cursor", "it is marked"
         await desk.press("enter")
         assert "Go to the living room? enter: yes" in desk.text
+
+
+# While the emergency stop is pressed
+
+
+async def press(desk: Desk, *, estop: bool) -> None:
+    """The robot has its emergency stop pressed from now on, or released."""
+    desk.engine.robot = replace(HERE, estop=estop)
+    desk.app.redraw()
+    await desk.until(lambda: bool(desk.app.shown.standstill) is estop)
+
+
+async def test_while_the_emergency_stop_is_pressed_the_map_asks_nobody_whether_to_go_and_says_why() -> None:
+    async with console(engine()) as desk:
+        await press(desk, estop=True)
+        await desk.press("m", "tab")
+        caption = next(line for line in desk.text.splitlines() if "kitchen" in line and "releases" in line)
+        assert "nothing moves; ctrl+o releases" in caption
+        assert "enter goes" not in desk.text
+        await desk.press("enter", "enter")
+        assert "Go to the kitchen?" not in desk.text
+        assert desk.engine.sent == []
+        await press(desk, estop=False)
+        assert "enter goes there" in desk.text
+        await desk.press("enter", "enter")
+        assert desk.engine.sent == [Say("go to the kitchen")]
+
+
+async def test_a_question_whether_to_go_falls_with_the_emergency_stop() -> None:
+    async with console(engine()) as desk:
+        await desk.press("m", "tab", "enter")
+        assert "Go to the kitchen?" in desk.text
+        await press(desk, estop=True)
+        assert "Go to the kitchen?" not in desk.text
+        await desk.press("enter")
+        await press(desk, estop=False)
+        await desk.press("x")
+        assert desk.engine.sent == []

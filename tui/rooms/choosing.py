@@ -131,6 +131,9 @@ class Choosing:
             stage.main.go_to("log")
             await stage.run_action(action, stage.main.log_pane)
             return
+        if where == "hand" and stage.shown.standstill:
+            await stage.run_action("by_hand")  # which says why not
+            return
         if where == "hand":
             await stage.run_action(action, stage.main.drive_by_hand())
             return

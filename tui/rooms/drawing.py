@@ -23,7 +23,7 @@ from tui.rooms.viewing import Viewing
 from tui.screens.pages import Following
 from tui.shown.model import ConsoleModel
 from tui.shown.readiness import deaf
-from tui.shown.view import Hint, View
+from tui.shown.view import RELEASE, Hint, View
 from tui.shown.watchdog import INTERVAL_S, Watchdog, engine_is_back, engine_is_silent, robot_is_back
 from tui.terminal.pacing import Inbox, Pacer
 from tui.words import strings
@@ -249,7 +249,7 @@ class Drawing:
         robot = handle.robot_state()
         if robot is not None and robot.estop:
             words = strings.ESTOP_HOLDS.format(release=stage.reaching("release"))
-            view = replace(view, notice=words, notice_does="release")
+            view = replace(view, notice=words, notice_does=RELEASE)
         return replace(
             view,
             robot=robot,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from msgspec import Struct, field
 
@@ -36,6 +36,10 @@ class Hint(Struct, frozen=True):
         return self.action == "interrupt"
 
 
+RELEASE: Final = "release"
+"""The action that releases the emergency stop."""
+
+
 class View(Struct, frozen=True):
     """Everything the screen shows at one moment."""
 
@@ -58,3 +62,8 @@ class View(Struct, frozen=True):
     bare: bool = False  # the line bears no more than what one has to know
     touring: bool = False  # somebody sits here for the first time
     link: LinkFigures | None = None  # how good the line is; None: nobody wants to know
+
+    @property
+    def standstill(self) -> str:
+        """Why nothing can move the robot, and what changes that; empty where it can be moved."""
+        return self.notice if self.notice_does == RELEASE else ""

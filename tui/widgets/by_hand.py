@@ -40,6 +40,7 @@ class ByHand(Static):
         super().__init__(id="by-hand", markup=False, **more)
         self._keys = keys
         self._step = 1
+        self._standstill = ""
         self.display = False
 
     def allow_focus(self) -> bool:
@@ -52,12 +53,20 @@ class ByHand(Static):
         self._tell()
         self.screen.set_focus(self)
 
+    def tell(self, standstill: str) -> None:
+        """``standstill`` says why nothing can move the robot, where that is so; the line says it then."""
+        if standstill != self._standstill:
+            self._standstill = standstill
+            self._tell()
+
     def on_blur(self, event: events.Blur) -> None:
         self.display = False
         self.post_message(self.Ended())
 
     def action_hand(self, vx: int, vy: int, wz: int) -> None:
         """Drive with the chosen speed in this direction."""
+        if self._standstill:
+            return
         speed = SPEEDS[self._step]
         self.post_message(self.Driven(vx * speed, vy * speed, wz * speed * TURN))
 
@@ -70,5 +79,8 @@ class ByHand(Static):
         self._tell()
 
     def _tell(self) -> None:
-        words = strings.BY_HAND.format(speed=SPEEDS[self._step], **self._keys)
+        if self._standstill:
+            words = strings.BY_HAND_STANDS.format(why=self._standstill, **self._keys)
+        else:
+            words = strings.BY_HAND.format(speed=SPEEDS[self._step], **self._keys)
         self.update(f" {fitting(words, self.size.width - 2, last=2)}")

@@ -101,6 +101,7 @@ class FloorView(Widget, can_focus=True):
         self._styles: dict[tuple[str, str, int], Style] = {}
         self._cursor: Spot | None = None
         self._legend: tuple[Row, ...] | None = None  # None: nobody wants to read it
+        self._standstill = ""  # why the robot cannot go anywhere, if so
         self._asked: Target | None = None  # where to go: the question that stands…
         self._answering: Target | None = None  # …when the key that acts now was pressed
 
@@ -115,8 +116,13 @@ class FloorView(Widget, can_focus=True):
             self._map, self._places = floor_map, places
             self._measure()
 
-    def show_moving(self, moving: Moving, scan: Scan | None = None) -> None:
-        """Set what moves; marks only the cells that differ. Scans are taken no oftener than they can be sent."""
+    def show_moving(self, moving: Moving, scan: Scan | None = None, standstill: str = "") -> None:
+        """Set what moves; marks only the cells that differ. Scans are taken no oftener than they can be sent.
+        ``standstill`` says why nothing can move the robot, where that is so: nobody is asked whether to go then."""
+        if standstill != self._standstill:
+            self._standstill = standstill
+            self._asked = None if standstill else self._asked
+            self._refresh_caption()
         (seen, loose), robot = (self._moving.seen, self._moving.loose), moving.robot
         if robot is None or scan is None:
             seen, loose = (), ()
@@ -224,7 +230,9 @@ class FloorView(Widget, can_focus=True):
         if self._asked is not None:
             request = self._asked.request
             kind, text = "question", strings.GO_THERE.format(f"{request[:1].upper()}{request[1:]}")
-        elif (target := self.pointed) is not None:
+        elif (target := self.pointed) is not None and self._standstill:
+            kind, text = "question", f"{target.about}  · {self._standstill}"
+        elif target is not None:
             there = strings.ENTER_GOES if target.goal is None else strings.ENTER_GOES_TO.format(target.goal[2])
             text = f"{target.about}  {there if target.name else strings.NO_WAY_TO_SAY}"
         style = self.get_component_rich_style(f"floor--{kind}")
@@ -356,7 +364,9 @@ class FloorView(Widget, can_focus=True):
 
     def action_map_go(self) -> None:
         """Ask whether to go where the cursor is; asked, go."""
-        if self._answering is not None:
+        if self._standstill:
+            self._refresh_caption()  # which says why
+        elif self._answering is not None:
             self.post_message(self.Chosen(self._answering.request))
         elif (target := self.pointed) is not None and target.name:
             self._point(self._cursor, asked=target)

@@ -29,6 +29,7 @@ STARTING: Final = "STARTING"
 BROKEN: Final = "FAILED"
 ESTOP: Final = "E-STOP"
 ESTOP_HOLDS: Final = "nothing moves; {release} releases"
+BY_HAND_STANDS: Final = "{why} · {back} back · {interrupt} stops"
 BY_HAND: Final = (
     "by hand {speed:g} m/s · {hand_ahead} {hand_back} {hand_left} {hand_right} drive · "
     "{hand_faster} {hand_slower} speed · {hand_aside_left} {hand_aside_right} aside · {back} back · {interrupt} stops"

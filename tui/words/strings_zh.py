@@ -28,6 +28,7 @@ STARTING: Final = "启动中"
 BROKEN: Final = "故障"
 ESTOP: Final = "急停"
 ESTOP_HOLDS: Final = "机器人不会动；{release}解除"
+BY_HAND_STANDS: Final = "{why} · {back} 返回 · {interrupt} 停止"
 BY_HAND: Final = (
     "手动 {speed:g}米/秒 · {hand_ahead} {hand_back} {hand_left} {hand_right} 行驶 · {hand_faster} {hand_slower} 速度 · "
     "{hand_aside_left} {hand_aside_right} 平移 · {back} 返回 · {interrupt} 停止"
