@@ -115,6 +115,15 @@ class LimitSpeed(Command, frozen=True):
     id: str | None = None
 
 
+class SetVolume(Command, frozen=True):
+    """Speak and sound so loud from now on, as ``voice.volume`` says it: 0…1. What sounds already gets louder or
+    quieter; nothing is interrupted."""
+
+    do: ClassVar[str] = "set_volume"
+    volume: Annotated[float, msgspec.Meta(ge=0, le=1)]
+    id: str | None = None
+
+
 class Audio(Command, frozen=True):
     """Sound for the recogniser, as if from the microphone: 16 kHz mono signed 16-bit little-endian."""
 
@@ -206,6 +215,7 @@ COMMANDS: dict[str, type[Command]] = {
         Drive,
         Here,
         LimitSpeed,
+        SetVolume,
         Audio,
         Drop,
         Move,

@@ -278,6 +278,7 @@ class Engine:
             recall=lambda up: Recall(up, self._memory),
             ask=self.send,
             press=self._estop.press,
+            set_volume=self._player.set_volume,
             wording=build_wording(self._settings),
             rounds=self._settings.planner.rounds,
             steps=self._settings.planner.steps,

@@ -34,9 +34,17 @@ SHOWN: Final = (
 )
 """Those that are changed most, which stand first."""
 LIVE: Final = frozenset(
-    {"console.theme", "console.language", "console.fps", "console.camera", "console.motion", "console.notify"}
+    {
+        "console.theme",
+        "console.language",
+        "console.fps",
+        "console.camera",
+        "console.motion",
+        "console.notify",
+        "voice.volume",
+    }
 )
-"""Those that need no restart; the engine's own are read once."""
+"""Those that need no restart; of the engine's own, which are read once, those that it is told by a command."""
 
 
 @dataclass(frozen=True, slots=True)

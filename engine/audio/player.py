@@ -213,13 +213,14 @@ class Playback:
 
 
 class Player:
-    """The robot's loudspeaker. Belongs to the loop in which it is opened, but for :meth:`stop`, :meth:`duck` and
-    :attr:`sounded`, which are for any thread."""
+    """The robot's loudspeaker. Belongs to the loop in which it is opened, but for :meth:`stop`, :meth:`duck`,
+    :meth:`set_volume` and :attr:`sounded`, which are for any thread."""
 
     def __init__(self, output: Output, *, volume: float = 1.0, duck_db: float = 12.0) -> None:
         """``volume``: 0…1. ``duck_db``: how much quieter it is while somebody else is to be heard, dB."""
         self._output = output
         self._volume = volume
+        self._sounding_volume = volume  # at the end of the last block
         self._ducked = 10 ** (-duck_db / 20)
         self._ducking = False
         self._gain = 1.0  # of what ducks, at the end of the last block
@@ -302,6 +303,10 @@ class Player:
         """Whether what was begun in ``epoch`` has been stopped."""
         return epoch < self._epoch
 
+    def set_volume(self, volume: float) -> None:
+        """So loud from the next block on, 0…1; any thread."""
+        self._volume = volume
+
     def duck(self, on: bool) -> None:
         """From now on speech is quieter, or as loud as usual again. Never blocks."""
         self._ducking = on
@@ -352,12 +357,14 @@ class Player:
                 ended.append(playback)
             self._tell(playback, playback.taken, sounds_at + len(sound) / self.rate, stage)
         self._gain = target
-        block = to_int16(mixed * np.float32(self._volume))
+        before, self._sounding_volume = self._sounding_volume, self._volume
+        volume = np.linspace(before, self._sounding_volume, count, dtype=np.float32)  # another one makes no click
+        block = to_int16(mixed * volume)
         with self._changing:
             self._active = [playback for playback in self._active if playback not in ended]
             if active:
                 self._last_sound = sounds_at
-        self.sounded.add(to_int16(said * np.float32(self._volume)), self.rate, sounds_at)
+        self.sounded.add(to_int16(said * volume), self.rate, sounds_at)
         return block
 
     def _tell(self, playback: Playback, taken: int, at: float, stage: Stage) -> None:

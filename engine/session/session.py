@@ -42,6 +42,7 @@ from engine.commands import (
     Quit,
     Release,
     Say,
+    SetVolume,
     Snapshot,
     Wake,
     Withdraw,
@@ -299,6 +300,9 @@ class Session:
             case LimitSpeed(share):
                 refused = self._limit_speed(share)
                 self._ack(request, refused or f"I drive at {100 * share:.0f}% of my speed at most.", ok=not refused)
+            case SetVolume(volume):
+                self._needs.set_volume(volume)
+                self._ack(request)
             case Wake():
                 again = self._again
                 self._start(request, lambda turn: turn.listen(restarted=again)).broke_off = self._broke_off

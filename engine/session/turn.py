@@ -86,6 +86,8 @@ class Needs:
     """Tells the session what was added to a request."""
     press: Callable[[bool], None] = lambda pressed: None
     """Presses the emergency stop, or releases it; from any thread."""
+    set_volume: Callable[[float], None] = lambda volume: None
+    """How loud the robot is from now on, 0…1."""
     voice_for_typed: Voice | None = None
     """Answers what was typed; None: the same one does."""
     place_names: Mapping[str, str] = field(default_factory=dict)

@@ -206,6 +206,8 @@ class Conversation:
     hesitation: Hesitation
     ducked: list[bool] = field(default_factory=list)
     """Whether speech was told to be quieter, or as usual again."""
+    volumes: list[float] = field(default_factory=list)
+    """How loud the robot was told to be."""
     seen: list[Event] = field(default_factory=list)
     on_event: Callable[[Event], None] = lambda event: None
     _news: asyncio.Event = field(default_factory=asyncio.Event)
@@ -327,6 +329,7 @@ async def begin(
     planner = SlowPlanner(reader or build_planner(settings, registry))
     hearing = ScriptedHearing()
     in_words = build_planner(settings, registry, reader=False)
+    volumes: list[float] = []
     needs = Needs(
         robot=await _ready("robot", robot),
         planner=await _ready("planner", planner),
@@ -338,6 +341,7 @@ async def begin(
         recall=lambda up: Recall(up, WorldMemory()),
         ask=lambda command: session.request(command),
         press=robot.press,
+        set_volume=volumes.append,
         wording=build_wording(settings),
         rounds=settings.planner.rounds,
         steps=settings.planner.steps,
@@ -350,7 +354,7 @@ async def begin(
         robot, epoch, bus, LoopClock(loop), state=lambda: session.state, ears=lambda: hearing, duck=ducked.append
     )
     robot.on_halt = lambda reason, number: session.request(Halted(reason, number))
-    conversation = Conversation(session, robot, epoch, hearing, planner, holds, hesitation, ducked)
+    conversation = Conversation(session, robot, epoch, hearing, planner, holds, hesitation, ducked, volumes)
     bus.subscribe(conversation.see)
     return conversation
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from engine import events
-from engine.commands import Command, Drive, EndTask, EStop, Heard, Here, Interrupt, LimitSpeed, Release, Say
+from engine.commands import Command, Drive, EndTask, EStop, Heard, Here, Interrupt, LimitSpeed, Release, Say, SetVolume
 from engine.errors import ExitCode
 from engine.robot.geometry import Pose
 from engine.robot.robot import BatteryState
@@ -282,6 +282,22 @@ def test_a_speed_limit_reaches_a_robot_that_drives_and_interrupts_nothing() -> N
         assert talk.robot.speed_limit == 0.25
         assert talk.epoch.current == epoch
         assert not talk.robot.state().twist.is_zero
+        assert not talk.bodies(events.ActionFinished)
+
+    converse(test)
+
+
+# The volume
+
+
+def test_another_volume_reaches_the_loudspeaker_and_interrupts_nothing() -> None:
+    async def test(talk: Conversation) -> None:
+        await driving(talk)
+        epoch = talk.epoch.current
+        talk.send(SetVolume(0.5, id="quiet"))
+        assert (await talk.until(events.Ack, lambda body: body.id == "quiet")).ok
+        assert talk.volumes == [0.5]
+        assert talk.epoch.current == epoch
         assert not talk.bodies(events.ActionFinished)
 
     converse(test)

@@ -17,7 +17,7 @@ from syrupy.assertion import SnapshotAssertion
 from config import allowed, load
 from config.changing import Layers
 from engine import events as ev
-from engine.commands import Say
+from engine.commands import Say, SetVolume
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
 from tests.tui.scripted import ScriptedEngine, flat, robot_at
@@ -229,8 +229,11 @@ async def test_what_is_written_in_the_line_is_tested_before_it_is_kept(tmp_path:
         assert (line.has_focus, line.value) == (True, "7"), "what was refused can be mended"
         await desk.press("backspace", *"0")
         assert "✗" not in desk.text, "why, only for as long as that stands there"
+        assert SetVolume(0.3) not in desk.engine.sent
         await desk.press(*".3", "enter")
         await kept(desk, "Volume")
+        assert strings.SETTING_LIVE in desk.text
+        assert desk.engine.sent == [SetVolume(0.3)], "it counts at once"
         await go_to(desk, "wake.words")
         await desk.press("enter", *["backspace"] * 4, *"hey rosie, hey you", "enter")
         await kept(desk, "Wake words")

@@ -22,6 +22,7 @@ from engine.commands import (
     Interrupt,
     Quit,
     Say,
+    SetVolume,
     Snapshot,
     Wake,
     parse_command,
@@ -42,6 +43,7 @@ from tui.commands.ask import requests
         ('{"do": "wake"}', Wake()),
         ('{"do": "interrupt", "id": null}', Interrupt()),
         ('{"id": "a", "do": "end_task"}', EndTask("a")),
+        ('{"do": "set_volume", "volume": 0.5}', SetVolume(0.5)),
         ('{"do": "snapshot"}', Snapshot()),
         ('{"do": "quit"}\n', Quit()),
         (b'{"do": "quit"}', Quit()),
@@ -53,8 +55,8 @@ def test_each_command_is_read_from_its_line(line: str | bytes, command: Command)
 
 def test_the_commands_are_those_that_were_promised() -> None:
     assert set(COMMANDS) == {
-        "say", "wake", "interrupt", "end_task", "estop", "release", "drive", "here", "limit_speed", "audio",
-        "drop", "move", "snapshot", "quit",
+        "say", "wake", "interrupt", "end_task", "estop", "release", "drive", "here", "limit_speed", "set_volume",
+        "audio", "drop", "move", "snapshot", "quit",
     }  # fmt: skip
 
 

@@ -347,6 +347,21 @@ def test_speech_ducks_while_somebody_is_listened_to_without_a_click_and_sounds_d
     run(scenario())
 
 
+def test_another_volume_counts_at_once_without_a_click_and_the_reference_has_it() -> None:
+    async def scenario() -> None:
+        async with playing() as (player, room):
+            playback = await fed(player, tone(1.0))
+            await asyncio.sleep(0.3)
+            player.set_volume(0.25)
+            await playback.until_ended()
+            heard = room.sound
+            loud, quiet = heard[: RATE // 5], heard[round(0.5 * RATE) : round(0.7 * RATE)]
+            assert loudness(quiet) == pytest.approx(loudness(loud) / 4, rel=0.05)
+            assert loudness(np.diff(heard.astype(int)).astype(np.int16)) < 3500
+
+    run(scenario())
+
+
 # The reference
 
 

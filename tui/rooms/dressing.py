@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from engine import events as ev
+from engine.commands import SetVolume
 from engine.scheduling import prefer, raise_priority
 from tui.messages import CameraChoice, Dressed, Measured, Recalled, Warned
 from tui.rooms.drawing import CALM_S, Drawing
@@ -193,7 +194,7 @@ class Dressing:
             self._stage.theme = theme
 
     def take_up(self, key: str, settings: Settings, wording: Telling | None) -> None:
-        """Look as one of the settings says."""
+        """Look, or sound, as one of the settings says."""
         console = settings.console
         match key:
             case "console.theme":
@@ -207,6 +208,8 @@ class Dressing:
                 self._look(camera_of(settings), or_not=True)
             case "console.motion":
                 self._move(console.motion)
+            case "voice.volume":
+                self._stage.send(SetVolume(settings.voice.volume))
             case "console.notify":
                 self._rooms.drawing.alerting.on = console.notify != "off"
 
