@@ -196,6 +196,14 @@ def test_a_thing_is_taken_from_one_and_given_to_another() -> None:
     assert family.world.held is None
 
 
+def test_what_is_fetched_is_brought_to_whoever_has_stepped_aside_meanwhile() -> None:
+    family = Family(changed(you={"path": [[2.1, -0.3]]}, James=None))
+    family.context.places.remember(family.context.pose)
+    [brought] = family.do(("carry", {"object": "orange ball", "place": "zero"}))
+    assert brought.message == "I brought the orange ball to the person in purple."
+    assert math.dist(family.robot.where("ball")[:2], family.place_of("you")) < 1.5
+
+
 def test_nothing_is_handed_over_by_an_empty_hand(family: Family) -> None:
     [given] = family.do(("hand_over", {"who": "Anna"}))
     assert given.error_code == "nothing_held"

@@ -9,6 +9,7 @@ from typing import Annotated, Final
 
 from engine.perception.memory import Thing
 from engine.perception.naming import Wanted, wanted
+from engine.perception.people import PersonSeen
 from engine.robot.floor_map import Furniture, Room
 from engine.skills.context import SkillContext
 from engine.skills.find import (
@@ -27,7 +28,9 @@ from engine.skills.hand import grip_again, still_held
 from engine.skills.library.manipulation import fetch
 from engine.skills.library.navigation import PlaceName
 from engine.skills.library.searching import ObjectName, RoomName
+from engine.skills.meeting import called, go_up_to, seen_now
 from engine.skills.outcome import ErrorCode, Result, fail, ok
+from engine.skills.places import ZERO_SYMBOL
 from engine.skills.put import HIGHEST, put_in, put_on, put_on_floor
 from engine.skills.registry import Word, skill
 from engine.skills.search import room_at, search
@@ -37,6 +40,11 @@ ATTEMPTS: Final = 2
 """How often one thing is tried before it is left where it is."""
 ROUNDS: Final = 3
 """How often a room is looked through: what fell down on the way, or was hidden, is found in the next round."""
+
+RIGHT_HERE: Final = 1.5
+"""m from where the task was given, within which somebody has at hand what is put there."""
+NEAR_HERE: Final = 3.0
+"""m within which the robot brings it to them instead."""
 
 _HOPELESS: Final[frozenset[ErrorCode]] = frozenset({"robot_lost", "robot_halted", "camera_lost", "cancelled"})
 """Failures after which nothing else can be tried."""
@@ -76,8 +84,18 @@ async def carry(
         return lost(context, held)
     if not went.ok and (piece is None or went.error_code not in NO_WAY):  # furniture can be stood at elsewhere
         return fail(went.error_code or "path_blocked", f"{went.message} I still hold the {held.name}.")
+    if place == ZERO_SYMBOL and (waiting := _who_waits(context)) is not None and (await go_up_to(context, waiting)).ok:
+        name = called(waiting)
     put = await _put_down(context, piece)
     return ok(f"I brought the {held.name} to {name}.{elsewhere}") if put.ok else put
+
+
+def _who_waits(context: SkillContext) -> PersonSeen | None:
+    """The nearest of those who were seen just now, where they are not right here but near: whoever asked for something
+    may have stepped aside for the robot."""
+    pose = context.pose
+    nearest = seen_now(context, lambda person: True, lambda person: person.distance_to(pose.x, pose.y) < NEAR_HERE)
+    return nearest if nearest is not None and nearest.distance_to(pose.x, pose.y) > RIGHT_HERE else None
 
 
 async def _put_down(context: SkillContext, piece: Furniture | None) -> Result:
