@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from msgspec.structs import replace
 from rich.console import RenderableType
 from textual import events
+from textual.actions import ActionParseResult
 from textual.app import App
 from textual.dom import DOMNode
 from textual.driver import Driver
@@ -35,7 +36,7 @@ from engine.commands import Drive, EndTask, EStop, Here, Interrupt, LimitSpeed, 
 from engine.errors import ExitCode, SaysoError
 from engine.states import REST
 from tui.keys.bindings import BINDINGS
-from tui.keys.keys import ALL_KEYS, EDITING, IN_ONE_LINE, KEYS
+from tui.keys.keys import ALL_KEYS, EDITING
 from tui.keys.speeds import limit_beside
 from tui.looks.themes import CONTRAST, DARK, LIGHT
 from tui.messages import (
@@ -58,6 +59,7 @@ from tui.rooms.changing import Changing
 from tui.rooms.choosing import Choosing
 from tui.rooms.drawing import Drawing
 from tui.rooms.dressing import Dressing, Rooms
+from tui.rooms.enabling import Enabling
 from tui.rooms.examining import Examining
 from tui.rooms.keeping import Keeping
 from tui.rooms.leaving import Leaving
@@ -82,6 +84,7 @@ from tui.widgets.status import StatusLine
 from tui.widgets.text_line import TextLine, is_text
 from tui.widgets.timeline import Timeline
 from tui.words import strings
+from tui.words.hints import hint_line
 from tui.words.language import Language, of_environment, speak, told
 
 if TYPE_CHECKING:
@@ -133,6 +136,7 @@ class SaysoApp(Stage):
         self.viewing = Viewing(self, self.sending)
         self.leaving = Leaving(self)
         self.drawing = Drawing(self, self.sending, self.viewing, self.leaving, lambda: self.notice, fps)
+        self.enabling = Enabling(self, self.drawing, self.leaving, one_line=one_line)
         self.keeping = Keeping(self)
         self.queueing = Queueing(self, self.keeping)
         self.examining = Examining(self, self.keeping)
@@ -146,8 +150,6 @@ class SaysoApp(Stage):
         self._start_engine = start_engine
         self._is_ready = False
         self._asked_early: list[Say] = []  # typed before the engine was there
-        wanting = {(key.does or key.id).partition("(")[0] for key in KEYS if key.id not in IN_ONE_LINE}
-        self._without_room = wanting if one_line else set()  # actions that have none
         self._keys: deque[events.Key | Burst] = deque()  # that wait to be dealt out
         self._taker: Widget | None = None  # what the last one was dealt out to, and which is not done with it
 
@@ -182,11 +184,11 @@ class SaysoApp(Stage):
     @property
     def notice(self) -> str:
         """What must be read in the status line now."""
-        leave, ended = self.shown_keys["leave"], self.drawing.model.ended
+        leave, ended = self.acting("leave") or self.acting("leave_now"), self.drawing.model.ended
         if ended is not None:
-            return strings.SESSION_ENDED.format(reason=strings.REASONS.get(ended, ended), key=leave)
+            return strings.SESSION_ENDED.format(reason=strings.REASONS.get(ended, ended), leave=leave)
         if self.leaving.asked:
-            return strings.QUIT_QUESTION.format(key=leave, stop=self.shown_keys["interrupt"])
+            return strings.QUIT_QUESTION.format(leave=leave, interrupt=self.shown_keys["interrupt"])
         return "" if self.keeping.while_still and self.drawing.model.busy else self.keeping.told
 
     # Starting
@@ -338,7 +340,7 @@ class SaysoApp(Stage):
             if not (isinstance(self.screen, Stepped) and self.screen.step_back()):
                 self.step_back()
         elif not await self.main.back():
-            self.remark(strings.NOTHING_BACK.format(**self.shown_keys))
+            self.remark(hint_line(strings.NOTHING_BACK, self.acting))
         self.redraw_later()
 
     def action_by_hand(self) -> None:
@@ -443,9 +445,29 @@ class SaysoApp(Stage):
             return False
         return await super()._check_bindings(key, priority)
 
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Whether it would do something now: see ``tui.rooms.enabling``."""
+        return self.enabling.check(action, parameters)
+
+    def possible(self, action: str) -> bool:
+        return self.enabling.possible(action)
+
+    async def run_action(
+        self,
+        action: str | ActionParseResult,
+        default_namespace: DOMNode | None = None,
+        namespaces: Mapping[str, DOMNode] | None = None,
+    ) -> bool:
+        """As Textual's; an action that does nothing now (``check_action`` says None) keeps its key and may say why. It
+        is False alone that leaves the key to whoever comes next."""
+        target, name, parameters = self._parse_action(action, default_namespace or self, namespaces)
+        if target.check_action(name, parameters) is False:
+            return False
+        return await self._dispatch_action(target, name, parameters)
+
     async def _dispatch_action(self, namespace: DOMNode, action_name: str, params: Any) -> bool:
         """As Textual's; where all stands on one line, what needs panes or pages says so."""
-        if namespace is self and action_name in self._without_room:
+        if namespace is self and action_name in self.enabling.without_room:
             self.keeping.remark(strings.NO_ROOM_IN_LINE, while_still=False)
             return True
         return await super()._dispatch_action(namespace, action_name, params)
@@ -470,6 +492,8 @@ class SaysoApp(Stage):
             taker = self.focused or self.screen
             if key.is_forwarded and taker.post_message(KeyDone()):  # which comes back behind the key
                 self._taker = taker
+            else:
+                self.redraw()  # other keys may act now
 
     async def on_burst(self, message: Burst) -> None:
         self._keys.append(message)
@@ -485,6 +509,7 @@ class SaysoApp(Stage):
 
     async def on_key_done(self, message: KeyDone) -> None:
         self._taker = None
+        self.redraw()  # other keys may act now
         await self._deal()
 
     def on_paste(self, event: events.Paste) -> None:
@@ -530,7 +555,7 @@ class SaysoApp(Stage):
             self.step_back()
         else:
             commands = self.command_in_line
-            self.open_page(HelpScreen(self.shown_keys, self.listed_keys, commands, self._place))
+            self.open_page(HelpScreen(self, commands, self._place))
 
     @property
     def _place(self) -> str:
@@ -677,7 +702,7 @@ class SaysoApp(Stage):
             self.step_back()
         else:
             self.come_back()
-            self.open_page(TurnScreen(self.shown_keys, self.shown))
+            self.open_page(TurnScreen(self.acting, self.shown))
 
     # Leaving
 

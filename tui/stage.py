@@ -6,26 +6,37 @@ The console itself (``tui.app``) is the stage with all its rooms.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from textual.app import App
+from textual.binding import BindingsMap
+from textual.dom import DOMNode
 from textual.driver import Driver
 from textual.screen import Screen
+from textual.widget import Widget
 
 from engine.commands import Command, Interrupt
 from engine.errors import SaysoError
-from tui.keys.keys import EVERYWHERE, all_shown, command_in_line, hinted, shown
+from tui.keys.keys import BY_ID, EDITING, LINE_KEYS, all_shown, command_in_line, first_shown, shown
 from tui.messages import Failed
 from tui.screens.console import ConsoleScreen
 from tui.shown.view import View
 from tui.shown.watchdog import SILENT_S
-from tui.widgets.text_line import TextLine
+from tui.widgets.text_line import TextLine, is_text
 from tui.words import strings
 
 if TYPE_CHECKING:
     from engine.handle import EngineHandle
     from engine.offer import Offer
+
+
+class _Bound(NamedTuple):
+    """Who is asked about a key while this screen is on top and this part of it has the keyboard."""
+
+    screen: Screen[Any]
+    focused: Widget | None
+    chain: Sequence[tuple[DOMNode, BindingsMap]]
 
 
 class Stage(App[None]):
@@ -38,17 +49,18 @@ class Stage(App[None]):
         line."""
         super().__init__()
         self.clock = clock
-        self.keys = dict(keys)
+        self.keys = {key.id: key.key for key in LINE_KEYS} | dict(keys)
         """The keys in use by action id, several separated by commas, as Textual spells them."""
-        self.shown_keys = hinted(keys)
-        """The first key of each action, as people read it in a hint."""
+        self.shown_keys = first_shown(self.keys)
+        """The first key of each action, as people read it, whether it acts now or not."""
         self.listed_keys = all_shown(keys)
         """All keys of each action, as people read them in a list."""
         self.handle: EngineHandle | None = None
         """The engine, once it is there."""
         self.offer: Offer | None = None
         """What can be asked of it."""
-        self.main = ConsoleScreen(self.shown_keys, self.command_in_line, self.acting, one_line=one_line)
+        self._bound: _Bound | None = None
+        self.main = ConsoleScreen(self.command_in_line, self.acting, one_line=one_line)
 
     def command_in_line(self, key: str) -> str:
         """The action of this key in an empty line."""
@@ -57,8 +69,9 @@ class Stage(App[None]):
     def use_keys(self, keys: Mapping[str, str]) -> None:
         """These are in use from now on, or have other names."""
         self.keys |= keys
-        self.shown_keys |= hinted(self.keys)
+        self.shown_keys |= first_shown(self.keys)
         self.listed_keys |= all_shown(self.keys)
+        self._bound = None
 
     @property
     def shown(self) -> View:
@@ -106,16 +119,53 @@ class Stage(App[None]):
         return isinstance(self.focused, TextLine)
 
     def acting(self, action: str) -> str | None:
-        """The first key of the action that acts where the keyboard is, as people read it; None: none does."""
-        line, everywhere = self.focused, action in EVERYWHERE
-        for key in self.keys[action].split(","):
-            if not isinstance(line, TextLine) or everywhere or line.acts(key):
-                return shown(key)
-        return None
+        """The first key of the action that acts now, as people read it; None: none does. Every hint on the screen asks
+        this. It goes the way that a key goes which is pressed, and what a key would do is asked of the same
+        ``check_action`` that Textual asks before it does that: a key that is named acts."""
+        if not self.screen_stack:
+            return None
+        return next((shown(key) for key in self.keys[action].split(",") if self._does(key, action)), None)
+
+    def _does(self, key: str, action: str) -> bool:
+        """Whether this key, pressed now, would do something, and this."""
+        line, edits = self.focused, False
+        if isinstance(line, TextLine):
+            if is_text(key):
+                does = line.command(key)
+                return bool(does) and does == BY_ID[action].action and bool(self._check_action_state(does, self))
+            if key == "backspace":
+                return action == "back" and not line.value and bool(self._check_action_state("back", self))
+            edits = key in EDITING
+        for ahead in (True, False):
+            if ahead and edits:
+                continue
+            for node, bindings in reversed(self._chain) if ahead else self._chain:
+                for binding in bindings.key_to_bindings.get(key, ()):
+                    if binding.priority is not ahead:
+                        continue
+                    if (state := self._check_action_state(binding.action, node)) is not False:
+                        return bool(state) and binding.id == action
+        return False
+
+    @property
+    def _chain(self) -> Sequence[tuple[DOMNode, BindingsMap]]:
+        """Who is asked about a key, from where the keyboard is up to the console. Textual puts that together anew for
+        each key, which takes longer than a hint may."""
+        screen, focused = self.screen, self.focused
+        if self._bound is None or self._bound.screen is not screen or self._bound.focused is not focused:
+            self._bound = _Bound(screen, focused, screen._modal_binding_chain)
+        return self._bound.chain
+
+    def possible(self, action: str) -> bool:
+        """Whether there is anything here by which it could ever act."""
+        return True
 
     def reaching(self, action: str) -> str:
         """The key that does this where the keyboard is; where it is text, the one that goes back first."""
-        return self.acting(action) or f"{self.shown_keys['back_typing']} {self.shown_keys[action]}"
+        if (key := self.acting(action)) is not None:
+            return key
+        leaves = next((key for key in self.keys["back"].split(",") if key not in EDITING and len(key) > 1), "")
+        return " ".join((shown(leaves), self.shown_keys[action])).strip()
 
     @property
     def terminal(self) -> Driver | None:

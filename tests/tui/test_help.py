@@ -106,6 +106,8 @@ async def test_what_was_typed_stays_when_the_language_changes() -> None:
 async def test_keys_for_more_are_named_where_there_is_more() -> None:
     async with console(size=(120, 40)) as desk:
         await desk.press("question_mark")
+        assert "page down more" in desk.text
+        await desk.press("pagedown")
         assert "page down page up more" in desk.text
         await desk.press(*"emergency")
         assert "more ·" not in desk.text

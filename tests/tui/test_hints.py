@@ -19,7 +19,7 @@ from tests.tui.desk import Desk, console
 from tests.tui.scripted import PARTS_READY, ScriptedEngine, flat, robot_at
 from tui.keys.keys import ALL_KEYS
 from tui.words import strings
-from tui.words.hints import JOINT, fitting
+from tui.words.hints import JOINT, fitting, hint_line, sentence
 from tui.words.language import Language
 
 SIZES = [(60, 16), (64, 20), (70, 24), (80, 24), (120, 40)]
@@ -36,6 +36,19 @@ def test_what_does_not_fit_is_left_out_whole_the_last_one_stays() -> None:
         assert set(found.split(JOINT)) <= set(KEYS.split(JOINT))
         assert found.endswith("esc stops")
         assert cell_len(found) <= columns or found == "esc stops"
+
+
+def test_a_hint_stands_there_with_those_of_its_keys_that_act_and_not_at_all_where_none_does() -> None:
+    words = "how fast {speed} · {queue_earlier} {queue_later} move · {back} back · {interrupt} stops"
+    assert hint_line(words, {"queue_later": "J", "interrupt": "esc"}.get, speed=3) == "how fast 3 · J move · esc stops"
+    every = {"queue_earlier": "K", "queue_later": "J", "back": "⌫", "interrupt": "esc"}.get
+    assert hint_line(words, every, speed=3) == "how fast 3 · K J move · ⌫ back · esc stops"
+    assert hint_line(words, every, 31, last=2, speed=3) == "how fast 3 · ⌫ back · esc stops"
+
+
+def test_a_sentence_about_a_key_that_does_nothing_is_not_said() -> None:
+    assert sentence("Press {wake} and speak.", {"wake": "space"}.get) == "Press space and speak."
+    assert sentence("Press {wake} and speak.", {}.get) == ""
 
 
 def status(desk: Desk) -> str:
@@ -93,8 +106,9 @@ async def test_no_hint_on_a_page_or_in_the_line_is_cut(size: tuple[int, int], tm
             (("d",), "⌫ back · esc stops"),
             (("o",), "⌫ back · esc stops"),
             (("question_mark",), "⌫ back · esc stops"),
-            (("ctrl+p",), "ctrl+g back · esc stops"),
-            (("ctrl+p", "slash"), "⌫ back · esc stops"),
+            (("ctrl+p",), "⌫ back · esc stops"),
+            (("x",), "ctrl+g back · esc stops"),
+            (("ctrl+g", "ctrl+g", "slash"), "⌫ back · esc stops"),
             (("tab", "ctrl+g", "g"), "⌫ back · esc stops"),
         ):
             await desk.press(*keys)

@@ -13,7 +13,7 @@ from engine import events as ev
 from engine.commands import Command, Drive, EndTask, EStop, Interrupt, LimitSpeed, Quit, Release, Say, Wake
 from engine.errors import DeviceError, ExitCode, RobotError
 from engine.handle import EngineHandle
-from tests.tui import scripted
+from tests.tui import conversation, scripted
 from tests.tui.desk import Desk, console
 from tests.tui.scripted import ScriptedEngine, robot_at
 from tui.screens.console import ConsoleScreen
@@ -164,12 +164,17 @@ async def test_the_keys_in_the_status_line_are_true_where_the_keyboard_is(size: 
 
 async def test_keys_below_panes_are_shown_while_they_are_true() -> None:
     async with console(in_line=True) as desk:
-        desk.engine.play(scripted.done())
+        conversation.play(desk.engine, conversation.ALL)
         await desk.settled()
         assert "m points" not in desk.text
+        assert "enter opens" not in desk.text, "it sends"
+        assert "[ browse" in desk.text, "no request begins with it"
+        await desk.press(*"go")
         assert "browse" not in desk.text
         await desk.press("ctrl+g")
         assert "m points" in desk.text
+        assert "[ browse · enter opens" in desk.text
+        await desk.press("left_square_bracket")
         assert "[ ] browse · enter opens" in desk.text
 
 

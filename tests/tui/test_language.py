@@ -370,7 +370,7 @@ async def test_no_character_is_torn_where_something_ends_under_a_panel(size: tup
         conversation.play(engine, conversation.ALL)
         await desk.press("ctrl+p")
         palette = desk.app.screen.query_one(Palette)
-        whole = [*(entry.title[:12] for entry in palette.shown[:6]), "回车执行 · ctrl+g 返回 · esc 停止"]
+        whole = [*(entry.title[:12] for entry in palette.shown[:6]), "回车执行 · ⌫ 返回 · esc 停止"]
         for words in whole:
             assert words in desk.text
         for _ in range(3):

@@ -34,7 +34,7 @@ async def test_it_is_told_on_every_page_in_the_language_of_the_console() -> None
         await desk.press("question_mark")
         await turns(desk, "wake", "ready")
         await turns(desk, "wake", "failed", "The port is gone.")
-        assert notices(desk) == ["! 唤醒模块未连接。空格键仍可唤醒。"]
+        assert notices(desk) == ["! 唤醒模块未连接 · 空格键仍可唤醒"]
 
 
 async def test_coming_back_at_once_is_not_told_at_once() -> None:

@@ -122,7 +122,7 @@ async def test_the_actions_list_what_waits_and_name_the_keys_while_they_have_the
     async with waiting(size) as desk:
         assert listed(desk) == [("beep", True), ("nod", False), ("go home", False)]
         assert "› 1 beep" in desk.text
-        assert "x drop · K J move" in desk.text, "also where there is no room for all of them"
+        assert "x drop · J move" in desk.text, "also where there is no room for all of them"
         assert "esc stops" in desk.text
         await desk.press("1")
         assert [chosen for _, chosen in listed(desk)] == [False, False, False]

@@ -24,8 +24,9 @@ from tests.tui.scripted import ScriptedEngine, flat, robot_at
 from tui.kept.tour import Tour
 from tui.options import LIVE, SHOWN
 from tui.rooms.drawing import CALM_S
-from tui.screens.settings import Line, SettingsScreen
+from tui.screens.settings import SettingsScreen
 from tui.terminal.feed import Feed
+from tui.widgets.text_line import TextLine
 from tui.words import strings
 from tui.words.language import speak
 
@@ -134,13 +135,15 @@ async def test_the_keys_of_the_page_can_be_others_and_the_page_says_which(tmp_pa
         await desk.press("o")
         await desk.until(lambda: page(desk).meant is not None)
         assert "ctrl+k changes · s search" in desk.text
-        assert "x default" in desk.text
+        assert "x default" not in desk.text, "it is the default"
         await desk.press("down", "right")  # which are nobody's keys now
         assert page(desk)._at == 0
         assert desk.app.theme == "sayso-dark"
         assert not (tmp_path / "config.yaml").exists()
         await desk.press("v", "ctrl+k")
         await kept(desk, "Theme")
+        await desk.settled()
+        assert "x default" in desk.text
         await desk.press("n")
         assert page(desk)._at == 1
         await desk.press("up", "x")
@@ -225,7 +228,7 @@ async def test_what_is_written_in_the_line_is_tested_before_it_is_kept(tmp_path:
         await desk.press("enter", *["backspace"] * 3, *"7", "enter")
         await desk.until(lambda: "✗" in desk.text and "from 0 up to 1" in desk.text)
         assert not (tmp_path / "config.yaml").exists()
-        line = desk.app.screen.query_one(Line)
+        line = desk.app.screen.query_one(TextLine)
         assert (line.has_focus, line.value) == (True, "7"), "what was refused can be mended"
         await desk.press("backspace", *"0")
         assert "✗" not in desk.text, "why, only for as long as that stands there"

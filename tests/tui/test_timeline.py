@@ -101,7 +101,7 @@ def test_the_line_above_the_bars_says_how_it_went_and_how_long_one_waited() -> N
 async def test_a_timeline_that_gets_more_room_shows_older_turns_without_any_news() -> None:
     class Room(App[None]):
         def compose(self) -> ComposeResult:
-            yield Timeline("")
+            yield Timeline(lambda action: None)
 
     async with Room().run_test(size=(80, 6)) as pilot:
         timeline = pilot.app.query_one(Timeline)

@@ -32,7 +32,7 @@ async def test_the_newest_turn_is_on_the_screen_with_its_stages_and_the_wait() -
             "endpoint",
             "recognise",
             "decide",
-            "[ ] browse · enter opens",
+            "[ browse · enter opens",
         ):
             assert words in desk.text
 

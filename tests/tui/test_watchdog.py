@@ -40,7 +40,7 @@ async def test_a_silent_engine_is_told_with_the_keys_that_still_work() -> None:
     async with console() as desk:
         await silent(desk)
         assert "The robot has stopped by itself" in desk.text
-        assert "esc still stops the robot, q quits at once" in desk.text
+        assert "esc still stops the robot, ctrl+c quits at once" in desk.text
         await desk.press("escape")
         assert desk.engine.sent == [Interrupt()]
 

@@ -48,7 +48,7 @@ def run(arguments: Namespace) -> int:
         from tui.kept.sizes import SizeFile
         from tui.kept.tour import Tour
         from tui.keys.keymap import keymap
-        from tui.keys.keys import hinted
+        from tui.keys.keys import first_shown
         from tui.rooms.dressing import camera_of, language_of, wording_of
 
         language, folders = language_of(settings), paths()
@@ -77,7 +77,7 @@ def run(arguments: Namespace) -> int:
 
         sound, release = (
             Sound("demo" if arguments.demo else "mic"),
-            hinted(keymap(settings.console.keys).keys)["release"],
+            first_shown(keymap(settings.console.keys).keys)["release"],
         )
         engine = Engine(settings, mode="console", sound=sound, release_key=release)
         engine.start()

@@ -29,6 +29,11 @@ class Key:
     """The method with its arguments where it is not ``action_<id>``."""
 
     @property
+    def action(self) -> str:
+        """What it does, as Textual writes it."""
+        return self.does or self.id
+
+    @property
     def ahead(self) -> bool:
         """Acts before the keys behind it are dealt out: these go to wherever the keyboard is then."""
         return self.everywhere or self.reserved
@@ -188,8 +193,7 @@ LINE_KEYS: Final = (
     Key("send", "enter", does="submit"),
     Key("earlier", "up", does="recall(-1)"),
 )
-"""Of the keys of the line itself, which nobody changes, those that the status line names. Their actions are the
-line's."""
+"""Of the keys of a line that is typed in, which nobody changes, those that hints name. Their actions are the line's."""
 
 _SCROLLED: Final = ("older", "newer", "newest", "line_up", "line_down", "zoom", "copy")
 PANE_KEYS: Final[Mapping[str, tuple[str, ...]]] = {
@@ -205,6 +209,7 @@ PANE_KEYS: Final[Mapping[str, tuple[str, ...]]] = {
 """The console's own keys that matter most where the keyboard is: in a pane, or in the line."""
 
 ALL_KEYS: Final = (*KEYS, *MAP_KEYS, *QUEUE_KEYS, *LOG_KEYS, *TURN_KEYS, *DOCTOR_KEYS, *HAND_KEYS, *SETTING_KEYS)
+BY_ID: Final[Mapping[str, Key]] = {key.id: key for key in (*ALL_KEYS, *LINE_KEYS)}
 
 
 EVERYWHERE: Final = frozenset(key.id for key in KEYS if key.everywhere)
@@ -230,13 +235,9 @@ def all_shown(keys: Mapping[str, str]) -> dict[str, str]:
     return {action: "/".join(map(shown, written.split(","))) for action, written in keys.items()}
 
 
-def hinted(keys: Mapping[str, str]) -> dict[str, str]:
-    """The first key of each action, as it is written in a hint; ``back_typing`` is the one that goes back from a line
-    with words in it, which backspace takes away."""
-    first = {action: written.partition(",")[0] for action, written in keys.items()}
-    back = keys.get("back", "").split(",")
-    first["back_typing"] = next((key for key in back if key not in EDITING and len(key) > 1), back[0])
-    return {action: shown(key) for action, key in first.items()}
+def first_shown(keys: Mapping[str, str]) -> dict[str, str]:
+    """The first key of each action, as people read it."""
+    return {action: shown(written.partition(",")[0]) for action, written in keys.items()}
 
 
 def command_in_line(key: str, keys: Mapping[str, str]) -> str:
@@ -244,7 +245,7 @@ def command_in_line(key: str, keys: Mapping[str, str]) -> str:
     it. Letters and digits are text. Empty: there is none."""
     if key not in PUNCTUATION.values():
         return ""
-    return next((action.does or action.id for action in KEYS if key in keys[action.id].split(",")), "")
+    return next((action.action for action in KEYS if key in keys[action.id].split(",")), "")
 
 
 def shown(key: str) -> str:

@@ -7,7 +7,7 @@ been typed into the line.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -117,13 +117,14 @@ def entries(
     recent: Sequence[str],
     settings_file: str,
     themes: Sequence[str] = (),
+    possible: Callable[[str], bool] = lambda action: True,
 ) -> tuple[Entry, ...]:
     """All there is. ``keys`` are those in use by action id, as they are shown; ``recent``: the newest last; ``themes``
-    are those that there are."""
+    are those that there are; ``possible``: of the console's own actions, those that could ever act."""
     return (
         *requests(recent),
         *_places(places),
-        *_actions(keys),
+        *_actions(keys, possible),
         *_skills(skills),
         *_settings(),
         *_values(themes),
@@ -153,9 +154,9 @@ def _places(places: Mapping[str, Place]) -> Iterator[Entry]:
         yield Entry("place", printable(text), strings.KIND_PLACE, Send(text), words)
 
 
-def _actions(keys: Mapping[str, str]) -> Iterator[Entry]:
+def _actions(keys: Mapping[str, str], possible: Callable[[str], bool]) -> Iterator[Entry]:
     for key in KEYS:
-        if key.id != "palette":
+        if key.id != "palette" and possible(key.id):
             yield Entry("action", key.about, keys[key.id], Act(key), f"{key.id} {key.word}")
     for key in MAP_KEYS:
         yield Entry("action", key.about, f"{strings.KIND_MAP} {keys[key.id]}", Act(key, "map"), key.id)

@@ -25,6 +25,7 @@ from tui.widgets.ask import Guess
 from tui.widgets.completion import Completion
 from tui.widgets.text_line import TextLine
 from tui.words import strings
+from tui.words.hints import Acting
 from tui.words.language import told
 
 
@@ -87,9 +88,9 @@ class Form(Over):
             super().__init__()
             self.text = text
 
-    def __init__(self, skill: Skill, blanks: tuple[Blank, ...], keys: str) -> None:
-        """``keys``: what to press, for people."""
-        super().__init__(keys)
+    def __init__(self, skill: Skill, blanks: tuple[Blank, ...], acting: Acting) -> None:
+        """``acting`` says which keys act now."""
+        super().__init__(acting)
         self._skill = skill
         self._lines = tuple(BlankLine(blank, self._go, self._submitted) for blank in blanks)
         self._choices = Static(id="choices", markup=False)
@@ -107,6 +108,10 @@ class Form(Over):
                 yield Static(f"{blank.unit:<6}{limits}".rstrip(), classes="unit", markup=False)
         yield self._choices
         yield self._result
+
+    @property
+    def hints(self) -> str:
+        return strings.FORM_KEYS
 
     def begin(self) -> None:
         """Put the focus where one types, before the next key is dealt out."""

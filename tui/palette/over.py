@@ -7,7 +7,7 @@ from textual import events
 from textual.containers import Vertical
 from textual.content import Content
 
-from tui.words.hints import EDGES, fitting
+from tui.words.hints import EDGES, Acting, hint_line
 
 COLUMNS = 84
 """At most so wide."""
@@ -41,15 +41,19 @@ class Over(Vertical):
     def on_mount(self) -> None:
         self._place()
 
-    def __init__(self, hints: str) -> None:
-        """``hints``: what to press, for people."""
+    def __init__(self, acting: Acting) -> None:
+        """``acting`` says which keys act now."""
         super().__init__()
-        self._hints = hints
+        self._acting = acting
 
-    def tell(self, hints: str) -> None:
-        """What to press is something else now."""
-        self._hints = hints
-        words = fitting(hints, self.columns - EDGES, last=2)
+    @property
+    def hints(self) -> str:
+        """What to press, for people, with the actions in place of their keys."""
+        raise NotImplementedError
+
+    def hint(self) -> None:
+        """Say what to press."""
+        words = hint_line(self.hints, self._acting, self.columns - EDGES, last=2)
         if str(self.border_subtitle or "") != words:  # another one repaints the frame
             self.border_subtitle = Content(words)
 
@@ -59,7 +63,7 @@ class Over(Vertical):
 
     def _place(self) -> None:
         self.styles.width = self.columns
-        self.tell(self._hints)
+        self.hint()
         self.styles.offset = ((self.screen.size.width - self.columns) // 2, 1)
 
     def on_descendant_blur(self, event: events.DescendantBlur) -> None:

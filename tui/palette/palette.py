@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import ClassVar
 
 from textual.app import ComposeResult
@@ -16,6 +16,7 @@ from tui.palette.entries import Choice, Entry, Write, found, nearest
 from tui.palette.over import Over
 from tui.widgets.text_line import TextLine
 from tui.words import strings
+from tui.words.hints import Acting
 
 
 class PaletteLine(TextLine):
@@ -34,8 +35,15 @@ class PaletteLine(TextLine):
             super().__init__()
             self.step = step
 
-    def __init__(self) -> None:
+    def __init__(self, finds: Callable[[], bool]) -> None:
+        """``finds``: an entry is meant, which enter chooses."""
         super().__init__(placeholder=strings.PALETTE_PROMPT, max_length=200)
+        self._finds = finds
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        if action == "submit":
+            return self._finds() or None
+        return super().check_action(action, parameters)
 
     def action_choose(self, step: int) -> None:
         self.post_message(self.Moved(step))
@@ -67,14 +75,12 @@ class Palette(Over):
             super().__init__()
             self.choice = choice
 
-    def __init__(self, entries: Sequence[Entry], keys: Mapping[str, str], *, title: str, guesses: bool = True) -> None:
-        """``keys`` are those in use by action id, as they are shown to people; ``guesses``: where nothing fits, what
-        comes near is shown."""
-        super().__init__(strings.PALETTE_KEYS.format(**keys))
-        self._keys = keys
+    def __init__(self, entries: Sequence[Entry], acting: Acting, *, title: str, guesses: bool = True) -> None:
+        """``acting`` says which keys act now; ``guesses``: where nothing fits, what comes near is shown."""
+        super().__init__(acting)
         self._entries = tuple(entries)
         self._guesses = guesses
-        self._line = PaletteLine()
+        self._line = PaletteLine(lambda: self._meant is not None)
         self._list = OptionList(markup=False)
         self._list.can_focus = False
         self.border_title = title
@@ -111,15 +117,17 @@ class Palette(Over):
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         event.stop()
-        self._look()  # all that was typed counts, also what has not been looked for yet
         self._choose(self._list.highlighted)
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
         """Say what enter does with it."""
         event.stop()
-        entry = self._entry(event.option_index)
-        fills = entry is not None and isinstance(entry.choice, Write)
-        self.tell((strings.PALETTE_KEYS_FILL if fills else strings.PALETTE_KEYS).format(**self._keys))
+        self.hint()
+
+    @property
+    def hints(self) -> str:
+        fills = self._meant is not None and isinstance(self._meant.choice, Write)
+        return strings.PALETTE_KEYS_FILL if fills else strings.PALETTE_KEYS
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """By the mouse: the keyboard is with the line."""
@@ -134,6 +142,12 @@ class Palette(Over):
         """The entry on a line of the list."""
         at = -1 if number is None else number - self._above
         return self.shown[at] if 0 <= at < len(self.shown) else None
+
+    @property
+    def _meant(self) -> Entry | None:
+        """The entry that enter chooses."""
+        self._look()  # all that was typed counts, also what has not been looked for yet
+        return self._entry(self._list.highlighted)
 
     @property
     def _above(self) -> int:

@@ -45,7 +45,7 @@ class Changing:
         stage.come_back()
         if leaving or stage.main.has_class("-tiny"):
             return
-        self._page = SettingsScreen(stage.shown_keys, self, stage.shown, at)
+        self._page = SettingsScreen(stage.acting, self, stage.shown, at)
         stage.open_page(self._page)
 
     def read(self) -> None:

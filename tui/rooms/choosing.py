@@ -37,7 +37,7 @@ class Choosing:
         skills = stage.offer.skills if stage.offer is not None else ()
         file = str(paths().config / "config.yaml")
         themes = sorted(stage.available_themes, key=lambda name: "sayso" not in name)
-        found = entries(stage.listed_keys, places, skills, stage.main.line.offered, file, themes)
+        found = entries(stage.listed_keys, places, skills, stage.main.line.offered, file, themes, stage.possible)
         await self._show(found, strings.PALETTE)
 
     async def recall(self) -> None:
@@ -68,7 +68,7 @@ class Choosing:
         await stage.main.uncover()
         match choice:
             case Act(key, where):
-                await self._act(key.does or key.id, where)
+                await self._act(key.action, where)
             case Write(text):
                 self._write(text)
             case Tell(text):
@@ -99,15 +99,15 @@ class Choosing:
 
         stage = self._stage
         stage.come_back()
-        await stage.main.cover(Palette(entries, stage.shown_keys, title=title, guesses=guesses))
+        await stage.main.cover(Palette(entries, stage.acting, title=title, guesses=guesses))
 
     async def act(self, action: str) -> None:
         """What a click on a key in the status line does: what the key does. Nobody quits by a slip of the hand."""
         if (of_line := next((key for key in LINE_KEYS if key.id == action), None)) is not None:
-            await self._stage.run_action(of_line.does, self._stage.main.line)
+            await self._stage.run_action(of_line.action, self._stage.main.line)
             return
         key = next(key for key in KEYS if key.id == ("leave" if action == "leave_now" else action))
-        await self._act(key.does or key.id, "console")
+        await self._act(key.action, "console")
 
     async def _act(self, action: str, where: Where) -> None:
         """What the key does, where it does it; on the page of the settings nothing is meant before it is there."""
@@ -154,8 +154,7 @@ class Choosing:
             self._send(as_written(skill, {}))
             return
         seen = tuple(dict.fromkeys(thing.name for thing in stage.handle.world().things))
-        keys = strings.FORM_KEYS.format(**stage.shown_keys)
-        await stage.main.cover(Form(skill, blanks(skill, stage.offer, seen), keys))
+        await stage.main.cover(Form(skill, blanks(skill, stage.offer, seen), stage.acting))
 
     def _write(self, text: str) -> None:
         """Into the line, where somebody sends it or not."""

@@ -13,7 +13,6 @@ from msgspec.structs import replace
 
 from engine.errors import ExitCode
 from engine.events import ActionProgress, Body, ErrorRaised, Event, InterruptRaised, ListenLevel, Log, RobotStateView
-from tui.keys.keys import LINE_KEYS, shown
 from tui.messages import Woken
 from tui.rooms.alerting import Alerting
 from tui.rooms.leaving import Leaving
@@ -22,11 +21,11 @@ from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
 from tui.screens.pages import Following
 from tui.shown.model import ConsoleModel
-from tui.shown.readiness import deaf
 from tui.shown.view import RELEASE, Hint, View
 from tui.shown.watchdog import INTERVAL_S, Watchdog, engine_is_back, engine_is_silent, robot_is_back
 from tui.terminal.pacing import Inbox, Pacer
 from tui.words import strings
+from tui.words.hints import hint_line
 
 if TYPE_CHECKING:
     from engine.handle import EngineHandle, PartState, PartStatus
@@ -84,7 +83,8 @@ class Drawing:
         self._inbox: Inbox[tuple[Event, float]] = Inbox(lambda: stage.post_message(Woken()))
         self._lag = float("inf")  # smallest seen difference between our clock and event time
         self._logged = self.model.log  # what the log has been asked to show
-        self._parts: tuple[PartStatus, ...] = ()
+        self.parts: tuple[PartStatus, ...] = ()
+        """How the engine's parts are, as far as is known."""
         self._floor_map: FloorMap | None = None
         self._watchdog = Watchdog(stage.clock())
         self._noticing = Noticing(stage)
@@ -135,7 +135,7 @@ class Drawing:
 
     def nothing_to_stop(self) -> None:
         """The key that stops was pressed while all was still: say so, and which key goes back."""
-        self._stage.remark(strings.NOTHING_TO_STOP.format(**self._stage.shown_keys))
+        self._stage.remark(hint_line(strings.NOTHING_TO_STOP, self._stage.acting))
 
     def log(self, level: Literal["info", "warning", "error"], text: str) -> None:
         """A line in the log that the console itself has to tell."""
@@ -155,10 +155,18 @@ class Drawing:
 
     def browse(self, step: int) -> None:
         """Look at another turn; beyond the newest one, at whichever is the newest."""
+        self.browse_to(self._beside(step))
+
+    def can_browse(self, step: int) -> bool:
+        """There is another turn to look at in this direction."""
+        return self._beside(step) != self.browsed
+
+    def _beside(self, step: int) -> str | None:
+        """The turn so many after the one that is looked at; None: the newest."""
         ids = [turn.id for turn in self.model.turns.kept]
         here = ids.index(self.browsed) if self.browsed in ids else len(ids) - 1 if self.browsed is None else -1
         there = max(0, here + step)
-        self.browse_to(ids[there] if there < len(ids) - 1 else None)
+        return ids[there] if there < len(ids) - 1 else None
 
     def browse_to(self, turn: str | None) -> None:
         """Look at the turn of this id; None: at the newest from now on."""
@@ -233,10 +241,10 @@ class Drawing:
             now=max(model.t, stage.clock() - self._lag),
             started=handle is not None,
             notice=self._notice(),
-            newest=stage.acting("newest") or "",
+            newest=stage.acting("newest") or "" if stage.main.reads_conversation else "",
             session=self._session,
             hints=self._hints(),
-            parts=self._parts,
+            parts=self.parts,
             floor_map=self._floor_map,
             turn=(turn := self._turn_looked_at()),
             fresh=model.turns.count - self._counted if turn is not None else 0,
@@ -282,16 +290,8 @@ class Drawing:
         word = strings.KEY_WORDS[action]
         if action == "interrupt":
             return Hint(action, stage.shown_keys[action], word, model.busy or model.moving)
-        key = next((shown(one.key) for one in LINE_KEYS if one.id == action), None) or stage.acting(action)
-        return Hint(action, key, word, True) if key is not None and self._has_use(action) else None
-
-    def _has_use(self, action: str) -> bool:
-        """Whether there is something for it to act on."""
-        if self.model.ended is not None:  # nobody is there to be told
-            return action not in ("wake", "end_task", "type", "help", "send")
-        if action == "wake" and deaf(self._parts) is not None:
-            return False
-        return self._stage.handle is not None or action not in ("wake", "end_task")
+        key = stage.acting(action)
+        return Hint(action, key, word, True) if key is not None else None
 
     def _draw_log(self) -> bool:
         self._stage.main.show_log(self.model)
@@ -303,14 +303,14 @@ class Drawing:
         assert handle is not None
         parts = handle.status()
         self._noticing.look(parts)
-        if _robot_state(parts) == "ready" and _robot_state(self._parts) == "loading":
+        if _robot_state(parts) == "ready" and _robot_state(self.parts) == "loading":
             self.model = robot_is_back(self.model)
         if self._floor_map is None:
             self._floor_map = handle.floor_map()
         if not any(part.state == "loading" for part in parts):
             self._parts_timer.pause()
-        if parts != self._parts:
-            self._parts = parts
+        if parts != self.parts:
+            self.parts = parts
             self._frames.ask()
 
     def _feel_pulse(self) -> None:
@@ -323,7 +323,8 @@ class Drawing:
             return
         match self._watchdog.look(stage.clock(), stage.handle.pulse()):
             case "silent":
-                self.model = engine_is_silent(self.model, stage.shown_keys)
+                keys = stage.shown_keys
+                self.model = engine_is_silent(self.model, stop=keys["interrupt"], leave=keys["leave_now"])
             case "back":
                 self.model = engine_is_back(self.model)
             case None:

@@ -148,6 +148,7 @@ class Dressing:
         self._history = history
         if history is not None:
             self._stage.main.line.remember(history.earlier, history.in_vain)
+            self._stage.redraw()  # there is something to recall now
         if keys:
             self._use_keys(keys)
 
@@ -234,7 +235,7 @@ class Dressing:
         stage.set_keymap(dict(found.keys))
         self.stop_keys, self.estop_keys = _stopping(found.keys)
         stage.use_keys(found.keys)
-        stage.main.show_keys()
+        stage.main.hint()
         for mistake in found.mistakes:
             action = printable(mistake.action)
             key = stage.shown_keys.get(mistake.action)

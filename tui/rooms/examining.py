@@ -38,7 +38,7 @@ class Examining:
             self._keeping.tell(strings.NOTHING_TO_EXAMINE)
         else:
             stage.come_back()
-            stage.open_page(DoctorScreen(stage.shown_keys, stage.shown, self._examine))
+            stage.open_page(DoctorScreen(stage.acting, stage.shown, self._examine))
 
     def _examine(self, begins: Callable[[str], object]) -> Iterator[Finding]:
         """In a thread of the page."""

@@ -14,6 +14,7 @@ from tui.screens.pages import Copied
 from tui.shown.facts import printable
 from tui.widgets.status import has_room
 from tui.words import strings
+from tui.words.hints import hint_line
 
 if TYPE_CHECKING:
     from textual.timer import Timer
@@ -49,13 +50,13 @@ class Keeping:
             self.tell(strings.COPIED_PAGE.format(lines=_lines(page)) if page else strings.NOTHING_FOUND_YET)
             return
         part = next_part(self._copied) if self._copied is not None else self._in_sight
-        words, key = strings.COPY_PARTS, stage.shown_keys["copy"]
-        named = {"part": words[part], "other": words[next_part(part)], "key": key}
+        words = strings.COPY_PARTS
+        named, other = words[part], words[next_part(part)]
         if text := plain(part, stage.shown):
             stage.copy_to_clipboard(text)
-            self.tell(strings.COPIED.format(lines=_lines(text), **named))
+            self.tell(hint_line(strings.COPIED, stage.acting, lines=_lines(text), part=named, other=other))
         else:
-            self.tell(strings.NOTHING_TO_COPY.format(**named))
+            self.tell(hint_line(strings.NOTHING_TO_COPY, stage.acting, part=named, other=other))
         self._copied = part
 
     def save(self) -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 from engine.events import Log
 from tui.shown.devices import Devices, News
 from tui.words import strings
+from tui.words.hints import hint_line
 
 if TYPE_CHECKING:
     from textual.timer import Timer
@@ -40,10 +41,14 @@ class Noticing:
         """A line of the log."""
         self._tell(self._devices.hear(line, self._stage.clock()))
 
+    def _reaching(self, action: str) -> str | None:
+        """The key that leads to this action, now or after a step back."""
+        return self._stage.reaching(action) if self._stage.possible(action) else None
+
     def _tell(self, news: Sequence[News]) -> None:
         stage = self._stage
         for one in news:
-            words = (strings.DEVICE_BACK if one.there else strings.DEVICE_GONE)[one.device].format(**stage.shown_keys)
+            words = hint_line((strings.DEVICE_BACK if one.there else strings.DEVICE_GONE)[one.device], self._reaching)
             if one.times > 1:
                 words = f"{words} {strings.DEVICE_LOOSE.format(times=one.times)}"
             stage.notify(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from engine import events as ev
 from engine.commands import Drop, Move, Say
 from tui.words import strings
+from tui.words.hints import hint_line
 
 if TYPE_CHECKING:
     from tui.rooms.keeping import Keeping
@@ -52,7 +53,7 @@ class Queueing:
                     self._changing, self._emptied = True, False
                     self._stage.main.type()
                     self._stage.main.line.write(text)
-                    self._keeping.tell(strings.TAKEN_BACK)
+                    self._keeping.tell(hint_line(strings.TAKEN_BACK, self._stage.acting))
             case ev.Ack(do="drop", ok=False) if self._wanted is not None:
                 self._wanted = None
                 self._keeping.tell(strings.TAKEN_BACK_TOO_LATE)

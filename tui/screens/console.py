@@ -5,8 +5,8 @@ The screen owns the arrangement and hands each pane its part of the view. It dec
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from textual import events
 from textual.app import ComposeResult
@@ -40,10 +40,10 @@ from tui.widgets.plan import PlanView
 from tui.widgets.problem import ProblemPanel
 from tui.widgets.queue import ActionQueue
 from tui.widgets.status import StatusLine
-from tui.widgets.text_line import Commands, TextLine
+from tui.widgets.text_line import Commands
 from tui.widgets.timeline import Timeline
 from tui.words import strings
-from tui.words.hints import Acting, fitting
+from tui.words.hints import Acting, hint_line, sentence
 from tui.words.language import told
 
 if TYPE_CHECKING:
@@ -66,28 +66,26 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
     AUTO_FOCUS = ""
     focused: Reactive[Widget | None] = Reactive(None, repaint=False)  # Textual's sends the whole screen each time
 
-    def __init__(self, keys: Mapping[str, str], commands: Commands, acting: Acting, *, one_line: bool = False) -> None:
-        """``keys`` are the keys in use by action id, as they are shown to people; ``commands`` says which keys act in
-        an empty line (``TextLine``), ``acting`` which do where the keyboard is; ``one_line``: all of it stands on one
-        line, and on a second one that is typed in where there are two."""
+    def __init__(self, commands: Commands, acting: Acting, *, one_line: bool = False) -> None:
+        """``commands`` says which keys act in an empty line (``TextLine``), ``acting`` which act now; ``one_line``: all
+        of it stands on one line, and on a second one that is typed in where there are two."""
         super().__init__()
         self._one_line = OneLine() if one_line else None
         self._compositor = WholeCompositor()
-        self._keys = keys
         self._acting = acting
         self._status = StatusLine()
-        self._problem = ProblemPanel()
+        self._problem = ProblemPanel(acting)
         self._conversation = Conversation(classes="pane")
         self._plan = PlanView(classes="pane")
         self._queue = ActionQueue(acting, classes="pane")
-        self._floor = FloorView()
+        self._floor = FloorView(acting)
         self._camera = CameraView()
         self._figures = Figures(classes="pane")
-        self._log_view = LogView(keys, classes="pane")
-        self._timeline = Timeline(strings.BROWSE.format(**keys), classes="pane")
+        self._log_view = LogView(acting, classes="pane")
+        self._timeline = Timeline(acting, classes="pane")
         self._mic = MicStrip()
-        self._ask = AskLine(keys, commands)
-        self._by_hand = ByHand(keys)
+        self._ask = AskLine(acting, commands)
+        self._by_hand = ByHand(acting)
         self._left, self._right = Vertical(id="left"), Vertical(id="right")
         self._map = Vertical(classes="pane", id="map")
         camera = Vertical(classes="pane", id="camera")
@@ -104,6 +102,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
             },
             (self._left, self._right),
         )
+        self._too_small = Static(id="too-small", markup=False)
         self._camera_frame = camera
         self._over: Palette | Form | None = None  # what lies over everything
         self._rest: Widget | None = self.line  # where the keyboard was before something took it for a while
@@ -136,8 +135,8 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         yield self._mic
         yield self._by_hand
         yield self._ask
-        yield Static(id="too-small", markup=False)
-        self.show_keys()
+        yield self._too_small
+        self.hint()
 
     def on_mount(self) -> None:
         self.type()
@@ -154,16 +153,16 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         (:meth:`rest`)."""
         if not self._is_taken:
             self._rest = self.focused
-        typed = isinstance(self.focused, TextLine)
+        before = self.focused
         super().set_focus(widget, scroll_visible, from_app_focus)
-        if isinstance(self.focused, TextLine) is not typed:
-            self._show_pane_keys()
+        if self.focused is not before:
+            self.hint()
 
     @property
     def _is_taken(self) -> bool:
         """The keyboard is where it does not stay; on a tiny terminal it is nowhere."""
         at = self.focused
-        return self._is_hidden or at in (self._floor, self._by_hand) or (at is not None and self._over in at.ancestors)
+        return self.is_hidden or at in (self._floor, self._by_hand) or (at is not None and self._over in at.ancestors)
 
     def rest(self) -> None:
         """Give the keyboard back to where it was before the map, a hand or a panel took it."""
@@ -178,7 +177,8 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
 
     async def back(self) -> bool:
         """One step back: from a panel, from what is told of a failure, from driving by hand, out of the line, from a
-        pane that has all the room or stands in place of others, from a pane. False where there is none."""
+        pane that has all the room or stands in place of others, from a pane. False where there is none
+        (:attr:`is_away`)."""
         if await self.uncover() or self._problem.close():
             return True
         if self.driving_by_hand:
@@ -194,32 +194,40 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         elif self._panes.in_front or self.focused is not None:
             self._panes.front("conversation")
             self.set_focus(None)
-            self._entitle()
+            self.hint()
         else:
             return False
         return True
 
+    @property
+    def is_away(self) -> bool:
+        """There is a step to go back."""
+        if self._is_covered or self._problem.display or self.driving_by_hand:
+            return True
+        if self._one_line is not None:
+            return False
+        return self._panes.zoomed is not None or self._panes.in_front or self.focused is not None
+
     def show(self, view: View) -> None:
         """Bring every pane but the log up to date."""
         model = view.model
+        self.line.wait_for(named(loading(view.parts)))
+        self._ask.tell(busy=model.busy or model.asks or bool(model.waiting), ended=model.ended is not None)
         if self._one_line is not None:
             self._one_line.update_from(view)
+            self.hint()
             return
         self._status.update_from(view)
         self._problem.update_from(model.problem)
-        self._problem.tell(self._keys, typing=isinstance(self.focused, TextLine) and bool(self.focused.value))
         self.set_class(self._problem.display, "-trouble")
         notice, trouble = _microphone(view.parts, view.started)
-        welcome = strings.WELCOME_TYPING if trouble else strings.WELCOME
-        begin = (welcome, *strings.TOUR) if view.touring else (welcome,)
+        begin = [sentence(strings.WELCOME, self._acting) or strings.WELCOME_TYPING]
+        begin += [hint_line(line, self._acting) for line in strings.TOUR] if view.touring else []
         somewhere = (asked_to_go(place.name) for place in list(view.places.values())[:1])
         examples = (*strings.EXAMPLES, *somewhere)
-        begin_with = [line.format(**self._keys) for line in begin]
-        self._conversation.update_from(model, begin_with, examples, view.newest)
+        self._conversation.update_from(model, [line for line in begin if line], examples, view.newest)
         self._plan.update_from(model, named(waited_for(model, view.parts)))
-        self.line.wait_for(named(loading(view.parts)))
-        self._ask.tell(busy=model.busy or model.asks or bool(model.waiting))
-        self._queue.update_from(model, view.now, self._keys)
+        self._queue.update_from(model, view.now)
         self._figures.update_from(view.robot, view.parts, view.world.held if view.world is not None else None)
         self._figures.tell(view.link)
         kept = model.turns.kept
@@ -235,6 +243,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         moving = Moving(view.robot, model.path, trail, things=things, people=people, held=held, now=now)
         self._floor.show_moving(moving, view.scan, view.standstill)
         self._by_hand.tell(view.standstill)
+        self.hint()
 
     def show_log(self, model: ConsoleModel) -> None:
         """Bring the log up to date; it has a slower pace of its own."""
@@ -253,12 +262,12 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
     def toggle_log(self) -> None:
         """Show the log in place of the conversation, where there is no room for both."""
         self._panes.toggle("log")
-        self._entitle()
+        self.hint()
 
     def toggle_timeline(self, on: bool | None = None) -> None:
         """Show the turns in place of the conversation, where there is no room for both."""
         self._panes.toggle("turns", on)
-        self._entitle()
+        self.hint()
 
     @property
     def pane(self) -> PaneName | None:
@@ -270,24 +279,32 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._panes.go_to(name)
         if name == "map":
             self._floor.begin()  # before the next key, which may be there already
-        self._entitle()
+        self.hint()
 
     def zoom(self) -> None:
         """Give all the room between status line and microphone to one pane, or give it back."""
         self._panes.zoom()
-        self._entitle()
+        self.hint()
 
     def unzoom(self) -> bool:
         """Give the room back; False when no pane has it."""
         if self._panes.zoomed is None:
             return False
         self._panes.unzoom()
-        self._entitle()
+        self.hint()
         return True
 
     def share(self, shares: Shares) -> None:
         """Share the room between the panes like this."""
         self._panes.share(shares)
+
+    def can_shift(self, steps: int) -> bool:
+        """There is a border in sight that goes further in this direction."""
+        return self._panes.can_shift(steps)
+
+    def can_toggle(self, name: Literal["log", "turns"]) -> bool:
+        """This pane can be shown in place of others, or those again."""
+        return self._panes.can_toggle(name)
 
     def shift(self, steps: int) -> Shares | None:
         """Move the border in sight by so many steps to the right; None when there is none, or it goes no further."""
@@ -302,25 +319,36 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
             self._panes.unzoom()
             self._panes.front("conversation")
             self.rest()
-            self._entitle()
+            self.hint()
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
         self._panes.remember()
-        self._hint_at_map()
 
     def on_descendant_blur(self, event: events.DescendantBlur) -> None:
         if event.widget is self._floor is not self.focused and self._panes.zoomed != "map":
             self.remove_class("-map")
+
+    def hint(self) -> None:
+        """Name everywhere the keys that act now, and no others."""
+        self.line.prompt()
+        self._ask.offer()
+        if self._one_line is not None:
+            return
+        self._panes.entitle(self._acting)
         self._hint_at_map()
+        self._timeline.hint()
+        self._log_view.entitle()
+        self._queue.hint()
+        self._problem.hint()
+        self._by_hand.hint()
+        if self._over is not None and self._over.is_attached:
+            self._over.hint()
+        self._warn_if_tiny()
 
     def _hint_at_map(self) -> None:
-        """Below the map: the keys that act now."""
-        if isinstance(self.focused, TextLine):
-            words = ""  # they are letters there
-        elif self.focused is not self._floor:
-            words = strings.MAP_KEYS.format(**self._keys)
-        else:
-            words = fitting(strings.MAP_POINTS.format(**self._keys), max(1, self._map.size.width - 2))
+        """Below the map."""
+        hints = strings.MAP_POINTS if self.focused is self._floor else strings.MAP_KEYS
+        words = hint_line(hints, self._acting, max(1, self._map.size.width - 2))
         if str(self._map.border_subtitle or "") != words:  # another one repaints the frame
             self._map.border_subtitle = Content(words)
 
@@ -353,7 +381,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
             self._panes.settle()
         if not shown and self._panes.focused == "camera":
             self.set_focus(None)
-        self._entitle()
+        self.hint()
 
     def show_sight(self, sight: Sight) -> int:
         """Show a picture; gives about how many bytes that sends."""
@@ -381,6 +409,19 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         """Show the newest of this pane, or of the one that is meant, now and from now on."""
         self._text_of(name or self.pane).follow()
 
+    def can_scroll(self, lines: int) -> bool:
+        """There is more in this direction."""
+        return self._scrolled.can_scroll(lines)
+
+    def can_follow(self, name: PaneName | None = None) -> bool:
+        """Somebody has scrolled away from the newest of this pane, or of the one that is meant."""
+        return self._text_of(name or self.pane).is_held
+
+    @property
+    def reads_conversation(self) -> bool:
+        """Keys that scroll, scroll the conversation."""
+        return self._scrolled is self._conversation
+
     @property
     def _scrolled(self) -> Lines[Any]:
         return self._text_of(self.pane)
@@ -391,11 +432,11 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
 
     def type(self) -> None:
         """Put the focus where one types, where that is to be seen."""
-        if not self._is_hidden:
+        if not self.is_hidden:
             self._ask.begin()
 
     @property
-    def _is_hidden(self) -> bool:
+    def is_hidden(self) -> bool:
         """The terminal is too small for anything but saying so."""
         return self.has_class("-tiny") and self._one_line is None
 
@@ -411,40 +452,19 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
 
     def on_by_hand_ended(self) -> None:
         self._ask.display = True
-        if self.focused is None and not self._is_hidden:  # the terminal lost it: it does not come back to a hand
+        if self.focused is None and not self.is_hidden:  # the terminal lost it: it does not come back to a hand
             self.rest()
-
-    def show_keys(self) -> None:
-        """Other keys are in use."""
-        self._show_pane_keys()
-        self.line.prompt()
-        self._log_view.entitle()
-
-    def on_text_line_turned(self) -> None:
-        """Some keys act in an empty line only."""
-        self._show_pane_keys()
-
-    def _show_pane_keys(self) -> None:
-        """Above the panes and below those that have keys of their own, while these are no letters in a line."""
-        typing = isinstance(self.focused, TextLine)
-        self._entitle()
-        self._hint_at_map()
-        self._timeline.tell("" if typing else strings.BROWSE.format(**self._keys))
 
     def reword(self) -> None:
         """Words are in another language now."""
         self._figures.entitle()
-        self.show_keys()
+        self.hint()
         for pane in self.query(Lines):
             pane.redraw()
         for part in (self.line, self._floor, self._problem):
             part.reword()
         self._camera.refresh()
         self._mic.refresh()
-        self._warn_if_tiny()
-
-    def _entitle(self) -> None:
-        self._panes.entitle(self._acting)
 
     @property
     def queue(self) -> ActionQueue:
@@ -472,25 +492,31 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._over = panel
         await self.mount(panel)
         panel.begin()
+        panel.hint()
 
     async def uncover(self) -> bool:
         """Take the panel away; False when there is none."""
         panel = self._over
-        if panel is None or not panel.is_attached:
+        if panel is None or not self._is_covered:
             return False
         self.rest()
         self._over = None
         await panel.remove()
         return True
 
+    @property
+    def _is_covered(self) -> bool:
+        """A panel lies over everything."""
+        return self._over is not None and self._over.is_attached
+
     def on_resize(self, event: events.Resize) -> None:
         if self._over is not None and self._over.is_attached:
             self._over.place()
-        was_hidden = self._is_hidden
+        was_hidden = self.is_hidden
         if self._one_line is None and layout_for(*event.size) == "tiny":
             self.set_focus(None)
         self._lay_out(event.size)
-        if was_hidden and not self._is_hidden:
+        if was_hidden and not self.is_hidden:
             self.rest()
         self._panes.settle()
         self._panes.share()
@@ -509,8 +535,10 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
 
     def _warn_if_tiny(self) -> None:
         if self.has_class("-tiny"):
-            text = too_small(*self.size, stop=self._keys["interrupt"], leave=self._keys["leave"])
-            self.query_one("#too-small", Static).update(text)
+            words = strings.TOO_SMALL_KEYS
+            text = too_small(*self.size, hint_line(words, self._acting))
+            if str(self._too_small.content) != text:
+                self._too_small.update(text)
 
 
 def _titled(pane: Titled, title: str) -> Titled:

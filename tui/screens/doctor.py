@@ -23,7 +23,7 @@ from tui.widgets.page import Row
 from tui.widgets.status import StatusLine
 from tui.widgets.timeline import FromTop
 from tui.words import strings
-from tui.words.hints import EDGES, fitting
+from tui.words.hints import EDGES, Acting, hint_line
 from tui.words.language import told
 from tui.words.widths import left
 
@@ -76,14 +76,14 @@ class DoctorScreen(Screen[None]):
 
     def __init__(
         self,
-        keys: Mapping[str, str],
+        acting: Acting,
         view: View,
         examine: Callable[[Callable[[str], object]], Iterator[Finding]],
     ) -> None:
-        """``keys`` are the keys in use by action id, as they are shown to people. ``examine`` is iterated in a thread,
-        however long that takes, and calls what it is given with the name of what it examines next."""
+        """``acting`` says which keys act now. ``examine`` is iterated in a thread, however long that takes, and calls
+        what it is given with the name of what it examines next."""
         super().__init__()
-        self._keys = keys
+        self._acting = acting
         self._view = view
         self._examine = examine
         self._status = StatusLine()
@@ -92,6 +92,7 @@ class DoctorScreen(Screen[None]):
         self.is_examining = False
         """Something is still looked at."""
         self._examined = ""  # at this moment
+        self._titles = ("", "")
 
     def compose(self) -> ComposeResult:
         yield self._status
@@ -101,6 +102,15 @@ class DoctorScreen(Screen[None]):
         self.show(self._view)
         self._title()
         self.begin()
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        if action == "examine":
+            return not self.is_examining or None
+        return super().check_action(action, parameters)
+
+    def can_scroll(self, direction: int) -> bool:
+        """There is more up (−1) or down (1)."""
+        return self._page.can_scroll(direction)
 
     def action_examine(self) -> None:
         self.begin()
@@ -136,6 +146,7 @@ class DoctorScreen(Screen[None]):
         self._view = view
         if self.is_attached and self._status.is_attached:
             self._status.update_from(view)
+            self._title()
 
     def reword(self) -> None:
         """Words are in another language now."""
@@ -153,9 +164,10 @@ class DoctorScreen(Screen[None]):
         self._page.scroll_lines(direction * max(1, self._page.size.height - 2))
 
     def _title(self) -> None:
-        self._page.border_title = Content(strings.DOCTOR_TITLE)
-        hints = fitting(strings.DOCTOR_KEYS.format(**self._keys), self.size.width - EDGES, last=2)
-        self._page.border_subtitle = Content(hints)
+        hints = hint_line(strings.DOCTOR_KEYS, self._acting, max(1, self.size.width - EDGES), last=2)
+        if (titles := (strings.DOCTOR_TITLE, hints)) != self._titles:  # others repaint the frame
+            self._titles = titles
+            self._page.border_title, self._page.border_subtitle = map(Content, titles)
 
     def on_resize(self) -> None:
         self._title()
@@ -163,6 +175,7 @@ class DoctorScreen(Screen[None]):
     def _draw(self) -> None:
         if self._page.is_attached:
             self._page.show(self._rows(), matters=0)
+            self._title()
 
     def _rows(self) -> list[Row]:
         rows = [row for finding in self._found for row in _rows(finding)]

@@ -4,7 +4,7 @@ fit what is typed."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, ClassVar, Final, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, Final, NamedTuple, Protocol
 
 from rich.cells import cell_len
 from textual.app import ComposeResult
@@ -30,7 +30,7 @@ from tui.keys.keys import (
 from tui.widgets.status import StatusLine
 from tui.widgets.text_line import Commands, TextLine
 from tui.words import strings
-from tui.words.hints import EDGES, JOINT, fitting
+from tui.words.hints import EDGES, hint_line, sentence
 from tui.words.widths import right
 
 if TYPE_CHECKING:
@@ -44,6 +44,23 @@ _WIDEST: Final = 24
 
 _COLUMNS: Final = 80
 """Of the page, at most."""
+
+
+class Keyboard(Protocol):
+    """The keys in use, by action."""
+
+    shown_keys: dict[str, str]
+    """The first key of each."""
+    listed_keys: dict[str, str]
+    """All keys of each."""
+
+    def acting(self, action: str) -> str | None:
+        """The key that acts now."""
+        ...
+
+    def possible(self, action: str) -> bool:
+        """Whether any key of it could ever act."""
+        ...
 
 
 class Row(NamedTuple):
@@ -73,19 +90,17 @@ class HelpScreen(Screen[None]):
         Binding("down", "scroll(1)", show=False),
     ]
 
-    def __init__(self, keys: Mapping[str, str], listed: Mapping[str, str], commands: Commands, place: str = "") -> None:
-        """The keys in use by action id, as they are shown to people: ``keys`` in hints, ``listed`` in a list.
-        ``commands`` as in ``TextLine``. ``place`` is where one was: the name of a pane, ``line``, ``hand``, ``turn`` or
-        ``settings``; empty: nowhere in particular."""
+    def __init__(self, keyboard: Keyboard, commands: Commands, place: str = "") -> None:
+        """``commands`` as in ``TextLine``. ``place`` is where one was: the name of a pane, ``line``, ``hand``, ``turn``
+        or ``settings``; empty: nowhere in particular."""
         super().__init__()
-        self._keys = keys
-        self._listed_keys = listed
+        self._keyboard = keyboard
         self._commands = commands
         self._place = place
         self._typed = ""
         self._status = StatusLine()
         self._view: View | None = None
-        self._width = min(_WIDEST, max(map(cell_len, listed.values())))  # of the column of keys
+        self._width = min(_WIDEST, max(map(cell_len, keyboard.listed_keys.values())))  # of the column of keys
         self._shown: list[tuple[Static, Static, Row | None]] = []  # None: the title of a section, or a row below it
 
     def show(self, view: View) -> None:
@@ -93,6 +108,7 @@ class HelpScreen(Screen[None]):
         self._view = view
         if self._status.is_attached:
             self._status.update_from(view)
+            self._hint()
 
     def on_mount(self) -> None:
         self._begin()
@@ -153,8 +169,9 @@ class HelpScreen(Screen[None]):
             yield Section(title, (*self._rows(keys), *self._rows(first)))
         elif first:
             yield Section(strings.HELP_PANE.format(strings.PANES[self._place]), self._rows(first))
-        welcome = (strings.WELCOME, *strings.TOUR)
-        yield Section(strings.HELP_BEGIN, tuple(Row("", line.format(**self._keys)) for line in welcome))
+        welcome = sentence(strings.WELCOME, self._possible) or strings.WELCOME_TYPING
+        tour = (hint_line(line, self._possible) for line in strings.TOUR)
+        yield Section(strings.HELP_BEGIN, tuple(Row("", line) for line in (welcome, *tour)))
         yield Section(strings.HELP_REST, self._rows([key for key in KEYS if key not in first]))
         if self._place != "line":
             yield Section(strings.HELP_LINE, line)
@@ -163,8 +180,13 @@ class HelpScreen(Screen[None]):
                 yield Section(title, self._rows(keys))
         yield Section(strings.HELP_SIGNS, tuple(Row(*pair) for pair in strings.SIGN_WORDS))
 
+    def _possible(self, action: str) -> str | None:
+        """The key of an action that can act, if not now and here."""
+        return self._keyboard.shown_keys[action] if self._keyboard.possible(action) else None
+
     def _rows(self, keys: Sequence[Key]) -> tuple[Row, ...]:
-        return tuple(Row(self._listed_keys[key.id], key.about, f"{key.id} {key.word}") for key in keys)
+        listed, there = self._keyboard.listed_keys, (key for key in keys if self._keyboard.possible(key.id))
+        return tuple(Row(listed[key.id], key.about, f"{key.id} {key.word}") for key in there)
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Show what fits what is typed, each below the title of its section."""
@@ -187,11 +209,15 @@ class HelpScreen(Screen[None]):
 
     def _hint(self) -> None:
         page = self.query_one("#page", VerticalScroll)
-        hints = strings.HELP_TYPING if self._typed else strings.HELP_LEAVE
-        if not page.max_scroll_y:  # all of it is in sight
-            hints = hints.partition(JOINT)[2]
-        words = fitting(hints.format(**self._keys), min(self.size.width, _COLUMNS) - EDGES, last=2)
-        page.border_subtitle = Content(words)
+        room = min(self.size.width, _COLUMNS) - EDGES
+        words = hint_line(strings.HELP_LEAVE, self._keyboard.acting, room, last=2)
+        if str(page.border_subtitle or "") != words:  # another one repaints the frame
+            page.border_subtitle = Content(words)
+
+    def can_scroll(self, direction: int) -> bool:
+        """There is more up (−1) or down (1)."""
+        page = self.query_one("#page", VerticalScroll)
+        return page.scroll_y > 0 if direction < 0 else page.scroll_y < page.max_scroll_y
 
     def reword(self) -> None:
         """Words are in another language now."""

@@ -25,6 +25,10 @@ class Paged(Protocol):
         """A screenful up (−1) or down (1)."""
         ...
 
+    def can_scroll(self, direction: int) -> bool:
+        """There is more up (−1) or down (1)."""
+        ...
+
 
 @runtime_checkable
 class Placed(Protocol):

@@ -30,6 +30,7 @@ _IN_FRONT: Final[Mapping[str, tuple[PaneName, ...]]] = {
     "-aside": ("map", "camera"),
 }
 """The classes that bring a pane to the front."""
+_TOGGLED: Final = {"log": "-log", "turns": "-timeline"}
 _EDGES: Final = 4
 """Columns of a pane that its border takes."""
 _PARTED: Final = ".pane, #main, #left, #right, #below"
@@ -142,10 +143,14 @@ class Panes:
         if self.focused not in (None, name):
             self._screen.set_focus(None)  # a pane that is hidden would pass it on to any other
 
+    def can_toggle(self, name: Literal["log", "turns"]) -> bool:
+        """There is no room for all of them, so that one can be brought to the front or back."""
+        return self._zoomed is not None or _TOGGLED[name] in self._lacking
+
     def toggle(self, name: Literal["log", "turns"], on: bool | None = None) -> None:
         """Bring a pane to the front, or the conversation in its place."""
         if on is None:
-            its_class = "-log" if name == "log" else "-timeline"
+            its_class = _TOGGLED[name]
             on = not (self._zoomed == name if self._zoomed is not None else self._screen.has_class(its_class))
         there: PaneName = name if on else "conversation"
         if self._zoomed is not None:
@@ -194,11 +199,19 @@ class Panes:
     def shift(self, steps: int) -> Shares | None:
         """Move the border between the columns to the right, or that between log and turns where one of them has the
         keyboard; gives the new shares, or None when nothing can be moved."""
+        if (shares := self._shifted(steps)) is not None:
+            self.share(shares)
+        return shares
+
+    def can_shift(self, steps: int) -> bool:
+        """Whether there is anything that :meth:`shift` would move."""
+        return self._shifted(steps) is not None
+
+    def _shifted(self, steps: int) -> Shares | None:
         split = self._split
         if split is None or (share := shifted(self._shares[split], steps)) == self._shares[split]:
             return None
-        self.share({**self._shares, split: share})
-        return self._shares
+        return {**self._shares, split: share}
 
     @property
     def _split(self) -> Split | None:

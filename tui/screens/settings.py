@@ -6,12 +6,12 @@ The page shows what it is told and asks for changes; reading, testing and writin
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol
 
 from rich.cells import cell_len
 from textual.app import ComposeResult
-from textual.binding import Binding, BindingType
+from textual.binding import BindingType
 from textual.content import Content
 from textual.screen import Screen
 from textual.widgets import Input, Static
@@ -23,7 +23,7 @@ from tui.widgets.lines import Drawn, Lines
 from tui.widgets.status import StatusLine
 from tui.widgets.text_line import TextLine
 from tui.words import strings
-from tui.words.hints import EDGES, fitting
+from tui.words.hints import EDGES, Acting, hint_line
 from tui.words.links import marked_up
 from tui.words.widths import left
 
@@ -82,15 +82,6 @@ def _end_of(text: str, columns: int) -> str:
     return f"…{text}" if columns > 0 else ""
 
 
-class Line(TextLine):
-    """Where a value is written that is none of a list."""
-
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("up", "screen.step(-1)", show=False),
-        Binding("down", "screen.step(1)", show=False),
-    ]
-
-
 class SettingsScreen(Screen[None]):
     """Not modal, so that every key of the console works here too: above all the one that stops the robot."""
 
@@ -99,17 +90,18 @@ class SettingsScreen(Screen[None]):
     place: ClassVar[str] = "settings"
     BINDINGS: ClassVar[list[BindingType]] = SETTING_BINDINGS
 
-    def __init__(self, keys: Mapping[str, str], wardrobe: Wardrobe, view: View, at: str = "") -> None:
-        """``keys`` are the keys in use by action id, as they are shown to people; ``at`` is the setting, by its dotted
-        name, that is meant to begin with."""
+    def __init__(self, acting: Acting, wardrobe: Wardrobe, view: View, at: str = "") -> None:
+        """``acting`` says which keys act now; ``at`` is the setting, by its dotted name, that is meant to begin
+        with."""
         super().__init__()
-        self._keys = keys
+        self._acting = acting
+        self._titles = ("", "")
         self._wardrobe = wardrobe
         self._view = view
         self._status = StatusLine()
         self._list = OptionList(classes="pane", id="options")
         self._about = Static(id="about", markup=False)
-        self._line = Line(id="line", max_length=500)
+        self._line = TextLine(id="line", max_length=500)
         self._every: tuple[Option, ...] = ()
         self._options: tuple[Option, ...] = ()  # of these, the ones that are shown
         self._finding = False  # the line is where one searches
@@ -140,6 +132,7 @@ class SettingsScreen(Screen[None]):
         self._view = view
         if self._status.is_attached:
             self._status.update_from(view)
+            self._hint()
 
     def settled(self, message: Settled) -> None:
         """Settings were read, or one of them was set, or could not be."""
@@ -170,6 +163,10 @@ class SettingsScreen(Screen[None]):
         """As many settings further as there is room for."""
         self.action_step(direction * max(1, self._list.size.height - 2))
 
+    def can_scroll(self, direction: int) -> bool:
+        """There are more settings up (−1) or down (1)."""
+        return 0 <= self._at + direction < len(self._options)
+
     def step_back(self) -> bool:
         """Out of the line, where something was being written."""
         writing = self._line.display
@@ -181,6 +178,22 @@ class SettingsScreen(Screen[None]):
     def meant(self) -> Option | None:
         """The setting that keys act on."""
         return self._options[self._at] if self._at < len(self._options) else None
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Whether there is another setting, another value, or anything to keep."""
+        option = self.meant
+        match action, parameters:
+            case "step", (int(step),):
+                return self.can_scroll(step) or None
+            case "turn", (int(step),):
+                return (option is not None and self._beside(option, step) not in ("", self._tried)) or None
+            case "take", _:
+                return option is not None or None
+            case "default", _:
+                return (option is not None and bool(option.origin or self._tried)) or None
+            case "find", _:
+                return bool(self._every) or None
+        return super().check_action(action, parameters)
 
     def action_step(self, step: int) -> None:
         """To another setting; what was only tried or half written is let go."""
@@ -268,10 +281,6 @@ class SettingsScreen(Screen[None]):
         self.set_focus(None)
 
     def _draw(self) -> None:
-        title = f"{strings.NAME} · {strings.SETTINGS_TITLE}{f' · {self._typed}' if self._typed else ''}"
-        self._list.border_title = Content(title)
-        hints = fitting(strings.SETTINGS_KEYS.format(**self._keys), self.size.width - EDGES, last=2)
-        self._list.border_subtitle = Content(hints)
         rows: list[Row | str] = []
         matters = 0
         for number, option in enumerate(self._options):
@@ -283,6 +292,15 @@ class SettingsScreen(Screen[None]):
             rows.append(strings.NOTHING_FITS)
         self._list.show(rows, matters=matters)
         self._about.update(Content("\n").join(self._explained()))
+        self._hint()
+
+    def _hint(self) -> None:
+        """Write into the frame what is searched for, and the keys that act now."""
+        title = f"{strings.NAME} · {strings.SETTINGS_TITLE}{f' · {self._typed}' if self._typed else ''}"
+        hints = hint_line(strings.SETTINGS_KEYS, self._acting, max(1, self.size.width - EDGES), last=2)
+        if (titles := (title, hints)) != self._titles:  # others repaint the frame
+            self._titles = titles
+            self._list.border_title, self._list.border_subtitle = map(Content, titles)
 
     def _row(self, number: int, option: Option) -> Row:
         meant = number == self._at
@@ -305,7 +323,7 @@ class SettingsScreen(Screen[None]):
             yield self._told
         if self._line.display:
             words = strings.SETTINGS_FIND if self._finding else strings.SETTINGS_LINE
-            yield Content.styled(words.format(**self._keys), _DIM)
+            yield Content.styled(hint_line(words, self._acting), _DIM)
 
     def _outcome(self, message: Settled) -> Iterator[Any]:
         if not message.key:

@@ -6,7 +6,7 @@ recording shows what the session showed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from textual.app import ComposeResult
@@ -25,7 +25,7 @@ from tui.widgets.sound import Wave, drawn_wave, wave
 from tui.widgets.status import StatusLine
 from tui.widgets.timeline import RESULTS, FromTop, Total, asked, drawn_bar, drawn_total, milliseconds, totals
 from tui.words import strings
-from tui.words.hints import EDGES, fitting
+from tui.words.hints import EDGES, Acting, hint_line
 from tui.words.language import told
 
 if TYPE_CHECKING:
@@ -66,10 +66,11 @@ class TurnScreen(Screen[None]):
     place: ClassVar[str] = "turn"
     BINDINGS: ClassVar[list[BindingType]] = TURN_BINDINGS
 
-    def __init__(self, keys: Mapping[str, str], view: View) -> None:
-        """``keys`` are the keys in use by action id, as they are shown to people; ``view`` is shown to begin with."""
+    def __init__(self, acting: Acting, view: View) -> None:
+        """``acting`` says which keys act now; ``view`` is shown to begin with."""
         super().__init__()
-        self._keys = keys
+        self._acting = acting
+        self._turn: Turn | None = None  # that is shown
         self._status = StatusLine()
         self._page = TurnPage(classes="pane")
         self._unfolded = False
@@ -92,6 +93,7 @@ class TurnScreen(Screen[None]):
         model, kept = view.model, view.model.turns.kept
         self._status.update_from(view)
         turn = view.turn or (kept[-1] if kept else None)
+        self._turn = turn
         number = turn.number if turn is not None else 0
         if number != self._number:
             self._page.follow()
@@ -103,13 +105,13 @@ class TurnScreen(Screen[None]):
             self._page.show(nothing, matters=0)
             return
         first, *others = rows(turn, view.now, unfolded=self._unfolded)
-        self._page.show([first, *_offers(model, turn, self._keys), *others], matters=0)
+        self._page.show([first, *_offers(model, turn, self._acting), *others], matters=0)
 
     def _title(self, title: str) -> None:
         """The border draws itself anew whenever it is told a title, and all the page with it."""
         fold = strings.FOLD if self._unfolded else strings.UNFOLD
-        keys = {name: self._keys[name] for name in ("turn_back", "turn_on", "back", "interrupt", "unfold")}
-        titles = title, fitting(strings.TURN_KEYS.format(**keys, fold=fold), self.size.width - EDGES, last=2)
+        room = max(1, self.size.width - EDGES)
+        titles = title, hint_line(strings.TURN_KEYS, self._acting, room, last=2, fold=fold)
         if titles != self._titles:
             self._titles = titles
             self._page.border_title, self._page.border_subtitle = map(Content, titles)
@@ -121,6 +123,18 @@ class TurnScreen(Screen[None]):
         """Words are in another language now."""
         self._page.redraw()
         self.show(self._view)
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        match action:
+            case "unfold":
+                return (self._turn is not None and any(map(_folds, self._turn.thoughts))) or None
+            case "lines_up" | "lines_down":
+                return self._page.can_scroll(-1 if action == "lines_up" else 1) or None
+        return super().check_action(action, parameters)
+
+    def can_scroll(self, direction: int) -> bool:
+        """There is more up (−1) or down (1)."""
+        return self._page.can_scroll(direction)
 
     def action_unfold(self) -> None:
         self._unfolded = not self._unfolded
@@ -156,9 +170,14 @@ def rows(turn: Turn, now: float, *, unfolded: bool) -> Iterator[Item]:
     yield from _parts(strings.PART_REMARKS, (Row("", ((told(remark), _DIM),)) for remark in turn.remarks))
 
 
-def _offers(model: ConsoleModel, turn: Turn, keys: Mapping[str, str]) -> Iterator[Row]:
+def _folds(thought: Thought | Asked) -> bool:
+    """There is more of it than one sees while it is folded."""
+    return isinstance(thought, Asked) or bool(thought.written)
+
+
+def _offers(model: ConsoleModel, turn: Turn, acting: Acting) -> Iterator[Row]:
     """What may be asked about the turn in a word; and why it cannot be undone, where it cannot."""
-    if pieces := in_pieces(offered(model, turn.id), keys.get):
+    if pieces := in_pieces(offered(model, turn.id), acting):
         yield Row("", pieces)
     if turn.id == model.offers.acted and model.offers.no_undo:
         yield Row("", ((strings.NO_UNDO.format(why=told(model.offers.no_undo)), _DIM),))

@@ -6,7 +6,6 @@ meanwhile is not the console's doing: it halts by itself when its engine is sile
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Final, Literal
 
 from msgspec.structs import replace
@@ -38,12 +37,12 @@ class Watchdog:
         return "silent" if silent else "back"
 
 
-def engine_is_silent(model: ConsoleModel, keys: Mapping[str, str]) -> ConsoleModel:
-    """Say that the engine does not answer; ``keys`` are those in use by action."""
+def engine_is_silent(model: ConsoleModel, *, stop: str, leave: str) -> ConsoleModel:
+    """Say that the engine does not answer; ``stop`` and ``leave`` are the keys that work all the same."""
     model = model.with_log("error", "console", strings.ENGINE_SILENT)
     if model.problem is not None and model.problem.fatal:
         return model
-    hint = strings.HINT_SILENT.format(stop=keys["interrupt"], leave=keys["leave"])
+    hint = strings.HINT_SILENT.format(stop=stop, leave=leave)
     return replace(model, problem=Problem(strings.ABOUT_SILENT, hint, strings.ENGINE_SILENT, code="engine_silent"))
 
 

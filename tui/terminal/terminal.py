@@ -32,12 +32,12 @@ def layout_for(columns: int, rows: int) -> Layout:
     return "wide" if columns >= WIDE_COLUMNS and rows >= WIDE_ROWS else "compact"
 
 
-def too_small(columns: int, rows: int, *, stop: str, leave: str) -> str:
-    """What to say on a terminal that is too small; shorter where not even that fits."""
+def too_small(columns: int, rows: int, keys: str) -> str:
+    """What to say on a terminal that is too small, with the ``keys`` that act; shorter where not even that fits."""
     if columns < 24 or rows < 6:
         return strings.TOO_SMALL_SHORT.format(columns=columns, rows=rows)
     need = strings.TOO_SMALL.format(min_columns=MIN_COLUMNS, min_rows=MIN_ROWS, columns=columns, rows=rows)
-    return f"{need}\n\n{strings.TOO_SMALL_KEYS.format(stop=stop, quit=leave)}"
+    return f"{need}\n\n{keys}"
 
 
 def cell_here() -> Cell | None:

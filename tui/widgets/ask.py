@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import ClassVar, Final
 
 from textual import events
@@ -16,7 +16,7 @@ from textual.widgets import Input, Static
 from tui.widgets.completion import Completion
 from tui.widgets.text_line import Commands, TextLine
 from tui.words import strings
-from tui.words.hints import fitting
+from tui.words.hints import Acting, hint_line, sentence
 
 _MAX_HISTORY = 200
 _MAX_LENGTH: Final = 20_000
@@ -40,7 +40,7 @@ class Ask(TextLine):
     no request begins with does what it does outside. Of what is pasted, each line is a request of its own."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("up", "recall(-1)", show=False),
+        Binding("up", "recall(-1)", show=False, id="earlier"),
         Binding("down", "recall(1)", show=False),
         Binding("tab", "complete(1)", show=False),
         Binding("shift+tab", "complete(-1)", show=False),
@@ -57,16 +57,17 @@ class Ask(TextLine):
             self.requests = requests_of(text)
             self.waits = waits
 
-    def __init__(self, keys: Mapping[str, str], commands: Commands) -> None:
-        """``keys`` are the keys in use by action id, as they are shown to people; ``commands`` as in ``TextLine``."""
+    def __init__(self, acting: Acting, commands: Commands) -> None:
+        """``acting`` says which keys act now; ``commands`` as in ``TextLine``."""
         super().__init__(
-            placeholder=strings.PLACEHOLDER.format(**keys),
             commands=commands,
             select_on_focus=False,  # a draft that one comes back to is not typed over
             max_length=_MAX_LENGTH,
             suggester=Guess(lambda text: self._completion.rest(text, self.offered)),
         )
-        self._keys = keys
+        self.ended = False
+        """The session is over: nothing is sent any more."""
+        self._acting = acting
         self._early = ""  # what has to be loaded before a request is begun
         self._history: list[str] = []
         self._in_vain: set[str] = set()  # of these, those of which nothing was made
@@ -114,16 +115,14 @@ class Ask(TextLine):
             self._early = parts
             self.prompt()
 
-    def prompt(self, *, typing: bool | None = None) -> None:
-        """Say in the empty line what it is for; while somebody is in it (``typing``), what its keys do."""
-        if self.has_focus if typing is None else typing:
+    def prompt(self) -> None:
+        """Say in the empty line what it is for, and which keys act; elsewhere, which key leads to it."""
+        if self.app.focused is self:
             words = strings.PLACEHOLDER_TYPING_EARLY if self._early else strings.PLACEHOLDER_TYPING
-            words = words.format(**self._keys, parts=self._early)
-            self.placeholder = fitting(words, self.size.width - 1, last=2)
-        elif self._early:
-            self.placeholder = strings.PLACEHOLDER_EARLY.format(**self._keys, parts=self._early)
-        else:
-            self.placeholder = strings.PLACEHOLDER.format(**self._keys)
+            self.placeholder = hint_line(words, self._acting, max(1, self.size.width - 1), last=2, parts=self._early)
+            return
+        words = strings.PLACEHOLDER_EARLY if self._early else strings.PLACEHOLDER
+        self.placeholder = sentence(words, self._acting, parts=self._early) or strings.WELCOME_TYPING
 
     def on_resize(self) -> None:
         self.prompt()
@@ -163,19 +162,30 @@ class Ask(TextLine):
         self.send(written)
         self.insert_text_at_cursor(rest)
 
-    async def action_complete(self, step: int) -> None:
-        """Take what is suggested; the empty line is left for the panes."""
-        if not self.value:
-            await self.app.run_action(f"app.next_pane({step})")
-        elif self.cursor_at_end and self._suggestion:
+    @property
+    def sends(self) -> bool:
+        """There is something to send, and somebody to send it to."""
+        return not self.ended and bool(requests_of(self.value))
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """In the empty line, the keys of the text are the console's: they go to the panes, or to the newest line."""
+        match action, parameters:
+            case "submit", _:
+                return self.sends or None
+            case "recall", (int(step),):
+                return 0 <= self._at + step <= len(self._history) or None
+            case (("complete" | "newest"), _):
+                return bool(self.value)
+        return super().check_action(action, parameters)
+
+    def action_complete(self, step: int) -> None:
+        """Take what is suggested."""
+        if self.cursor_at_end and self._suggestion:
             self.action_cursor_right()
 
-    async def action_newest(self) -> None:
-        """To the end of the text; from the empty line, to that of the conversation."""
-        if self.value:
-            self.action_end()
-        else:
-            await self.app.run_action("app.newest")
+    def action_newest(self) -> None:
+        """To the end of the text."""
+        self.action_end()
 
     async def action_submit(self) -> None:
         self.submit()
@@ -204,14 +214,6 @@ class Ask(TextLine):
         self.value = self._draft if self._at == len(self._history) else self._history[self._at]
         self.cursor_position = len(self.value)
 
-    def _on_focus(self, event: events.Focus) -> None:
-        super()._on_focus(event)
-        self.prompt(typing=True)
-
-    def _on_blur(self, event: events.Blur) -> None:
-        super()._on_blur(event)
-        self.prompt(typing=False)
-
 
 class Guess(Suggester):
     """Suggests how a line goes on, written behind it in grey."""
@@ -233,38 +235,38 @@ _ROOM_FOR_KEY: Final = 50
 class AskLine(Horizontal):
     """The prompt sign, the line, and while something runs and the line has text the key that adds it to what waits."""
 
-    def __init__(self, keys: Mapping[str, str], commands: Commands) -> None:
+    def __init__(self, acting: Acting, commands: Commands) -> None:
         super().__init__()
-        self._keys = keys
-        self._ask = Ask(keys, commands)
+        self._acting = acting
+        self._ask = Ask(acting, commands)
         self._adds = Static(id="adds", markup=False)
+        self._prompt = Static(_PROMPT, id="prompt", markup=False)
         self._adds.display = self._busy = False
 
     def compose(self) -> ComposeResult:
-        yield Static(_PROMPT, id="prompt", markup=False)
+        yield self._prompt
         yield self._ask
         yield self._adds
 
-    def tell(self, *, busy: bool) -> None:
-        """Whether something runs or waits."""
-        if busy is not self._busy:
-            self._busy = busy
-            self._offer()
+    def tell(self, *, busy: bool, ended: bool) -> None:
+        """Whether something runs or waits, and whether the session is over."""
+        self._busy, self._ask.ended = busy, ended
 
     def on_resize(self) -> None:
-        self._offer()
+        self.offer()
 
-    def _offer(self) -> None:
-        offered = self._busy and bool(self._ask.value) and self.size.width >= _ROOM_FOR_KEY
-        if offered:
-            self._adds.update(strings.ADDS.format(**self._keys))
-        self._adds.display = offered
+    def offer(self) -> None:
+        """Name the key that adds what is written to what waits, where that makes a difference."""
+        words = hint_line(strings.ADDS, self._acting) if self._busy and self.size.width >= _ROOM_FOR_KEY else ""
+        if words and str(self._adds.content) != f" {words} ":
+            self._adds.update(f" {words} ")
+        self._adds.display = bool(words)
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Say before the line how many requests it holds, where they are several."""
         number = len(requests_of(event.value))
-        self.query_one("#prompt", Static).update(f"{min(number, 99):>2}›" if number > 1 else _PROMPT)
-        self._offer()
+        self._prompt.update(f"{min(number, 99):>2}›" if number > 1 else _PROMPT)
+        self.offer()
 
     @property
     def line(self) -> Ask:

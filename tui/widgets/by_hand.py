@@ -6,7 +6,6 @@ told to drive for a fifth of a second; a key that was let go sends no more, and 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from textual import events
@@ -16,7 +15,7 @@ from textual.widgets import Static
 from tui.keys.bindings import HAND_BINDINGS
 from tui.keys.speeds import SPEEDS, TURN
 from tui.words import strings
-from tui.words.hints import fitting
+from tui.words.hints import Acting, hint_line
 
 
 class ByHand(Static):
@@ -35,10 +34,11 @@ class ByHand(Static):
     class Ended(Message):
         """It is driven by hand no more."""
 
-    def __init__(self, keys: Mapping[str, str], **more: Any) -> None:
-        """``keys`` are the keys in use by action id, as they are shown to people."""
+    def __init__(self, acting: Acting, **more: Any) -> None:
+        """``acting`` says which keys act now."""
         super().__init__(id="by-hand", markup=False, **more)
-        self._keys = keys
+        self._acting = acting
+        self._shown = ""
         self._step = 1
         self._standstill = ""
         self.display = False
@@ -50,14 +50,14 @@ class ByHand(Static):
     def begin(self) -> None:
         """Take the keyboard."""
         self.display = True
-        self._tell()
         self.screen.set_focus(self)
+        self.hint()
 
     def tell(self, standstill: str) -> None:
         """``standstill`` says why nothing can move the robot, where that is so; the line says it then."""
         if standstill != self._standstill:
             self._standstill = standstill
-            self._tell()
+            self.hint()
 
     def on_blur(self, event: events.Blur) -> None:
         self.display = False
@@ -73,14 +73,25 @@ class ByHand(Static):
     def action_hand_speed(self, steps: int) -> None:
         """Choose another speed."""
         self._step = max(0, min(len(SPEEDS) - 1, self._step + steps))
-        self._tell()
+        self.hint()
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        if action == "hand":
+            return not self._standstill or None
+        if action == "hand_speed" and isinstance(steps := parameters[0], int):
+            return 0 <= self._step + steps < len(SPEEDS) or None
+        return super().check_action(action, parameters)
 
     def on_resize(self) -> None:
-        self._tell()
+        self.hint()
 
-    def _tell(self) -> None:
-        if self._standstill:
-            words = strings.BY_HAND_STANDS.format(why=self._standstill, **self._keys)
-        else:
-            words = strings.BY_HAND.format(speed=SPEEDS[self._step], **self._keys)
-        self.update(f" {fitting(words, self.size.width - 2, last=2)}")
+    def hint(self) -> None:
+        """Say how fast it drives, and by which keys; or why it cannot."""
+        if not self.display:
+            return
+        hints = strings.BY_HAND_STANDS if self._standstill else strings.BY_HAND
+        speed, room = SPEEDS[self._step], max(1, self.size.width - 2)
+        words = f" {hint_line(hints, self._acting, room, last=2, speed=speed, why=self._standstill)}"
+        if words != self._shown:
+            self._shown = words
+            self.update(words)

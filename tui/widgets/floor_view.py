@@ -30,6 +30,7 @@ from tui.plan.legend import Row, legend
 from tui.plan.targets import Target, pointed_at, targets
 from tui.plan.viewport import Viewport
 from tui.words import strings
+from tui.words.hints import JOINT, Acting, hint_line
 from tui.words.widths import centred
 
 if TYPE_CHECKING:
@@ -86,8 +87,10 @@ class FloorView(Widget, can_focus=True):
             super().__init__()
             self.request = request
 
-    def __init__(self) -> None:
+    def __init__(self, acting: Acting) -> None:
+        """``acting`` says which keys act now."""
         super().__init__()
+        self._acting = acting
         self._map: FloorMap | None = None
         self._places: Mapping[str, Place] = {}
         self._moving = Moving()
@@ -229,12 +232,16 @@ class FloorView(Widget, can_focus=True):
         kind, text = "caption", ""
         if self._asked is not None:
             request = self._asked.request
-            kind, text = "question", strings.GO_THERE.format(f"{request[:1].upper()}{request[1:]}")
+            asked = f"{request[:1].upper()}{request[1:]}"
+            kind, text = "question", hint_line(strings.GO_THERE, self._acting, last=0, asked=asked)
         elif (target := self.pointed) is not None and self._standstill:
             kind, text = "question", f"{target.about}  · {self._standstill}"
         elif target is not None:
-            there = strings.ENTER_GOES if target.goal is None else strings.ENTER_GOES_TO.format(target.goal[2])
-            text = f"{target.about}  {there if target.name else strings.NO_WAY_TO_SAY}"
+            words = strings.NO_WAY_TO_SAY
+            if target.name:
+                words = strings.ENTER_GOES if target.goal is None else strings.ENTER_GOES_TO
+            goal = target.goal[2] if target.goal is not None else ""
+            text = f" {JOINT}".join(filter(None, (target.about, hint_line(words, self._acting, goal=goal))))
         style = self.get_component_rich_style(f"floor--{kind}")
         return Strip([Segment(Content(f" {text}").truncate(width, ellipsis=True, pad=True).plain, style)], width)
 
@@ -345,22 +352,60 @@ class FloorView(Widget, can_focus=True):
         if self._answering is not None:
             self._refresh_caption()
 
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Whether it would change what is shown, or ask or tell something. While a question stands, any key but the
+        answer is a no: what else it does is not named then."""
+        if not action.startswith("map_"):
+            return super().check_action(action, parameters)
+        if self._asked is not None:
+            return action == "map_go" or None
+        return self._would(action, parameters) or None
+
+    def _would(self, action: str, parameters: tuple[object, ...]) -> bool:
+        match action, parameters:
+            case "map_cursor", (int(right), int(up)):
+                return self._beside_cursor(right, up) is not None
+            case "map_next", (int(step),):
+                return self._following(step) not in (None, self._cursor)
+            case "map_go", _:
+                if self._standstill:
+                    return False
+                return self._answering is not None or ((target := self.pointed) is not None and bool(target.name))
+            case "map_here", _:
+                return self._moving.robot is not None and self._cursor is not None
+            case "map_zoom", (int(steps),):
+                return self._zoomed(steps) != self._viewport
+            case "map_pan", (int(right), int(up)):
+                return self._whole is not None and self._viewport.shifted(right, up, self._whole) != self._viewport
+            case "map_whole", _:
+                return self._viewport != Viewport()
+        return self._map is not None
+
     def action_map_cursor(self, right: int, up: int) -> None:
         """Move the cursor by so many cells; it stays on the map."""
+        if (spot := self._beside_cursor(right, up)) is not None:
+            self._point(spot)
+
+    def _beside_cursor(self, right: int, up: int) -> Spot | None:
+        """So many cells from the cursor; None beside the map."""
         if self._cursor is None or self._frame is None or self._whole is None:
-            return
+            return None
         x, y = self._cursor[0] + right * self._frame.cell_width, self._cursor[1] + up * self._frame.cell_height
-        if self._whole.cell(x, y) is not None:
-            self._point((x, y))
+        return (x, y) if self._whole.cell(x, y) is not None else None
 
     def action_map_next(self, step: int) -> None:
         """Point at the next place or thing, or at the one before."""
+        if (spot := self._following(step)) is not None:
+            self._point(spot)
+
+    def _following(self, step: int) -> Spot | None:
+        """So many places and things further than the cursor."""
         known = self._known
         if not known or self._cursor is None:
-            return
+            return None
         at = next((n for n, target in enumerate(known) if (target.x, target.y) == self._cursor), None)
         following = (0 if step > 0 else len(known) - 1) if at is None else (at + step) % len(known)
-        self._point((known[following].x, known[following].y))
+        return known[following].x, known[following].y
 
     def action_map_go(self) -> None:
         """Ask whether to go where the cursor is; asked, go."""
@@ -382,8 +427,11 @@ class FloorView(Widget, can_focus=True):
 
     def action_map_zoom(self, steps: int) -> None:
         """Look closer, or from farther away: at the cursor, or at the robot where that is followed."""
+        self._look(self._zoomed(steps))
+
+    def _zoomed(self, steps: int) -> Viewport:
         about = self._robot_spot if self._viewport.follows else self._cursor
-        self._look(self._viewport.nearer(steps, about))
+        return self._viewport.nearer(steps, about)
 
     def action_map_pan(self, right: int, up: int) -> None:
         """Shift what is shown."""

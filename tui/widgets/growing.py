@@ -54,7 +54,7 @@ class Growing(Lines[Item]):
 
 def mark(words: str, pane: str, key: str = "") -> Content:
     """``words`` that say how many are new in this pane: a click on them leads there, and so does the ``key``."""
-    told = JOINT.join(filter(None, (words, key and strings.SHOWS_NEW.format(key))))
+    told = JOINT.join(filter(None, (words, key and strings.SHOWS_NEW.format(newest=key))))
     return Content.styled(told, f"bold $text-warning @click=app.newest('{pane}')")
 
 

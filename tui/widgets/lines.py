@@ -63,6 +63,15 @@ class Lines(Widget, Generic[Item], can_focus=False):
             self._items, self._matters = items, matters
             self._update(first)
 
+    @property
+    def is_held(self) -> bool:
+        """Somebody has scrolled away from what matters."""
+        return self._held
+
+    def can_scroll(self, lines: int) -> bool:
+        """There is more up (negative) or down (positive)."""
+        return 0 <= self._top + (-1 if lines < 0 else 1) <= self._last_top
+
     def scroll_lines(self, lines: int) -> None:
         """Scroll by that many lines, down when positive."""
         top = max(0, min(self._top + lines, self._last_top))

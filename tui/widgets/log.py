@@ -3,7 +3,7 @@ one level or part of it on demand, and leads from a line to the turn in which it
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import ClassVar, Final, Literal, NamedTuple
 
 from textual import events
@@ -17,7 +17,7 @@ from tui.shown.model import ConsoleModel
 from tui.widgets.growing import Growing, mark
 from tui.widgets.lines import Drawn
 from tui.words import strings
-from tui.words.hints import JOINT, fitting
+from tui.words.hints import JOINT, Acting, hint_line
 from tui.words.language import told
 
 Level = Literal["debug", "info", "warning", "error"]
@@ -54,19 +54,21 @@ class LogView(Growing[Shown | str]):
     class Wanted(Message):
         """Somebody wants to search the log."""
 
-    def __init__(self, keys: Mapping[str, str], *, classes: str | None = None) -> None:
-        """``keys`` are those in use by action id, as they are shown to people."""
+    def __init__(self, acting: Acting, *, classes: str | None = None) -> None:
+        """``acting`` says which keys act now."""
         super().__init__(classes=classes)
-        self._keys = keys
+        self._acting = acting
         self.known: tuple[LogLine, ...] = ()
         """All lines that there are, whatever is shown of them."""
         self._least: Level = "debug"
         self._part: str | None = None
         self._marked: LogLine | None = None
+        self._turns: frozenset[str] = frozenset()  # the ids of those that are kept
 
     def update_from(self, model: ConsoleModel) -> None:
         self.count(self.known, model.log, self._fits)
         self.known = model.log
+        self._turns = frozenset(turn.id for turn in model.turns.kept)
         self._look()
 
     def drawn(self, item: Shown | str) -> Drawn:
@@ -94,16 +96,31 @@ class LogView(Growing[Shown | str]):
         """Below the pane: how many lines are new, what is left out, and the keys while it has the keyboard."""
         fresh = mark(strings.NEW_LINES.format(self._fresh), "log") if self._fresh else Content("")
         parts = [strings.LOG_LEVELS[self._least]] if self._least != "debug" else []
-        parts += [strings.SOURCES.get(self._part, self._part)] if self._part is not None else []
+        parts += ["{part}"] if self._part is not None else []
         if self.is_attached and self.screen.focused is self:  # has_focus is not true yet when the keyboard comes
-            parts += [strings.LOG_ALL.format(**self._keys)] if parts else []
-            parts += strings.LOG_KEYS.format(**self._keys).split(JOINT)
+            parts += [strings.LOG_ALL, strings.LOG_KEYS]
         room = max(1, self.size.width - 2 - (fresh.cell_length + len(JOINT) if fresh else 0))
-        words = Content(fitting(JOINT.join(parts), room, last=0)) if parts else Content("")
+        part = strings.SOURCES.get(self._part or "", self._part)
+        words = Content(hint_line(JOINT.join(parts), self._acting, room, last=0, part=part))
         whole = Content(JOINT).join([part for part in (fresh, words) if part])
         self.write_foot(whole)
 
     # Actions
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Whether it would lead to anything else than what is shown."""
+        match action, parameters:
+            case (("log_level" | "log_part" | "log_find"), _):
+                return bool(self.known) or None
+            case "log_all", _:
+                return self._least != "debug" or self._part is not None or None
+            case "log_trouble", (int(step),):
+                return self._trouble(step) is not None or None
+            case "log_turn", _:
+                return self._turn in self._turns or None
+            case "log_follow", _:
+                return self._held or self._marked is not None or None
+        return super().check_action(action, parameters)
 
     def action_log_level(self) -> None:
         """From which level on lines are shown: the next more serious one."""
@@ -127,11 +144,14 @@ class LogView(Growing[Shown | str]):
 
     def action_log_trouble(self, step: int) -> None:
         """To the next warning or error, or the one before; from the newest one backwards where none is marked."""
+        if (found := self._trouble(step)) is not None:
+            self._mark(found)
+
+    def _trouble(self, step: int) -> LogLine | None:
         lines = self.lines
         at = _index(self._marked, lines, len(lines) if step < 0 else -1)
         ahead = lines[at + 1 :] if step > 0 else lines[:at][::-1]
-        if (found := next((line for line in ahead if line.level in _SERIOUS), None)) is not None:
-            self._mark(found)
+        return next((line for line in ahead if line.level in _SERIOUS), None)
 
     def action_log_follow(self) -> None:
         """Show the newest line, and each that comes."""
@@ -141,9 +161,13 @@ class LogView(Growing[Shown | str]):
 
     def action_log_turn(self) -> None:
         """The turn of the marked line, or of the newest warning or error that is shown."""
+        self.post_message(self.Opened(self._turn))
+
+    @property
+    def _turn(self) -> str | None:
         newest = next((line for line in reversed(self.lines) if line.level in _SERIOUS and line.turn), None)
         line = self._marked or newest
-        self.post_message(self.Opened(line.turn if line is not None else None))
+        return line.turn if line is not None else None
 
     # Mouse and keyboard
 
@@ -158,12 +182,6 @@ class LogView(Growing[Shown | str]):
         else:
             self._mark(item.line, scroll=False)
 
-    def on_focus(self) -> None:
-        self.entitle()
-
-    def on_blur(self) -> None:
-        self.entitle()
-
     def on_resize(self, event: events.Resize) -> None:
         super().on_resize(event)
         self.entitle()
@@ -176,7 +194,7 @@ class LogView(Growing[Shown | str]):
 
     def _look(self) -> None:
         shown = [Shown(line, line is self._marked) for line in self.known if self._fits(line)]
-        self.show(shown or ([strings.LOG_NOTHING_FITS.format(**self._keys)] if self.known else []))
+        self.show(shown or ([hint_line(strings.LOG_NOTHING_FITS, self._acting)] if self.known else []))
         self.entitle()
 
     def _mark(self, line: LogLine, *, scroll: bool = True) -> None:

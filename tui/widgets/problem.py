@@ -3,13 +3,12 @@ goes back from it or clicks on it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from textual.content import Content
 from textual.widgets import Static
 
 from tui.shown.facts import Problem
 from tui.words import strings
+from tui.words.hints import Acting, hint_line
 from tui.words.language import told
 
 
@@ -18,15 +17,16 @@ class ProblemPanel(Static):
 
     ALLOW_SELECT = True
 
-    def __init__(self) -> None:
+    def __init__(self, acting: Acting) -> None:
+        """``acting`` says which keys act now."""
         super().__init__(markup=False)
+        self._acting = acting
         self._problem: Problem | None = None
         self.display = False
 
-    def tell(self, keys: Mapping[str, str], *, typing: bool) -> None:
-        """Say below it how to go back; ``typing``: words stand in the line, which one of the keys takes away."""
-        back = keys["back_typing" if typing else "back"]
-        words = strings.PROBLEM_KEYS.format(back=back, interrupt=keys["interrupt"])
+    def hint(self) -> None:
+        """Say below it how to go back."""
+        words = hint_line(strings.PROBLEM_KEYS, self._acting)
         if str(self.border_subtitle or "") != words:  # another one repaints the frame
             self.border_subtitle = Content(words)
 

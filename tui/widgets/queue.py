@@ -3,7 +3,6 @@ requests that wait, which are chosen, dropped, moved and taken back here."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import ClassVar, Final, NamedTuple
 
 from textual import events
@@ -17,7 +16,7 @@ from tui.shown.model import ConsoleModel
 from tui.shown.offers import in_pieces, offered
 from tui.widgets.lines import Drawn, Lines
 from tui.words import strings
-from tui.words.hints import EDGES, Acting, fitting
+from tui.words.hints import EDGES, JOINT, Acting, hint_line
 from tui.words.language import told
 
 SIGNS: Final[dict[Phase, tuple[str, str]]] = {
@@ -84,7 +83,7 @@ class ActionQueue(Lines[Shown | Waits]):
             self.request, self.before = request, before
 
     _summary = Content("")
-    _known: tuple[ConsoleModel, float, Mapping[str, str]] | None = None  # what it was told to show
+    _known: tuple[ConsoleModel, float] | None = None  # what it was told to show
     _waiting: tuple[Waiting, ...] = ()
     _chosen = ""  # the id of a request
     _place = 0  # where that stood
@@ -93,14 +92,12 @@ class ActionQueue(Lines[Shown | Waits]):
         super().__init__(classes=classes)
         self._acting = acting
 
-    def update_from(self, model: ConsoleModel, now: float, keys: Mapping[str, str]) -> None:
-        """Show the queue with durations as of event time ``now``; ``keys`` are those in use by action id."""
-        self._known = model, now, keys
+    def update_from(self, model: ConsoleModel, now: float) -> None:
+        """Show the queue with durations as of event time ``now``."""
+        self._known = model, now
         running = next((number for number, row in enumerate(model.queue) if row.phase == "running"), None)
         self._know(tuple(request for request in model.waiting if request.id))
-        summary = self._summed_up(model, keys, acts=running is not None)
-        if not summary.is_same(self._summary):  # another one repaints the pane
-            self._summary = self.border_subtitle = summary
+        self.hint()
         roomy = self.size.height >= _ROOM_FOR_WORDS
         rows = [
             _shown(row, now, roomy if row.phase == "running" else running is None and row.phase not in ("queued", "ok"))
@@ -126,18 +123,31 @@ class ActionQueue(Lines[Shown | Waits]):
             self._held = False
         self._place = next((at for at, request in enumerate(waiting) if request.id == self._chosen), 0)
 
-    def _summed_up(self, model: ConsoleModel, keys: Mapping[str, str], *, acts: bool) -> Content:
+    def hint(self) -> None:
+        """Write into the frame what belongs there now."""
+        if self._known is None:
+            return
+        summary = self._summed_up(self._known[0])
+        if not summary.is_same(self._summary):  # another one repaints the pane
+            self._summary = self.border_subtitle = summary
+
+    def _summed_up(self, model: ConsoleModel) -> Content:
         """What stands in the frame: what the keys do, or how it goes; when all is over, what is offered."""
         if self._waiting and self.has_focus:
-            return Content(fitting(strings.QUEUE_KEYS.format(**keys), self.size.width - EDGES))
-        if acts or model.waiting:
-            return Content(_summary(model, keys["interrupt"]))
+            return Content(hint_line(strings.QUEUE_KEYS, self._acting, self.size.width - EDGES))
+        if model.waiting or any(row.phase == "running" for row in model.queue):
+            return Content(_summary(model, self._acting))
         return Content.assemble(*in_pieces(offered(model), self._acting) if model.queue else ())
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Where no request waits, these keys do what they do everywhere."""
-        own = action in ("choose", "drop", "move", "change")
-        return bool(self._waiting) if own else super().check_action(action, parameters)
+        if action not in ("choose", "drop", "move", "change"):
+            return super().check_action(action, parameters)
+        if not self._waiting:
+            return False
+        if action in ("choose", "move") and isinstance(step := parameters[0], int):
+            return 0 <= self._place + step < len(self._waiting) or None
+        return True
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
         """A request that is clicked on is chosen, and nothing scrolls below the hand."""
@@ -211,7 +221,7 @@ def _shown(row: Row, now: float, whole: bool) -> Shown:
     return Shown(row.phase, row.index, told(row.call), told(row.message), seconds, filled, whole)
 
 
-def _summary(model: ConsoleModel, stop: str) -> str:
+def _summary(model: ConsoleModel, acting: Acting) -> str:
     """How far the plan is, how many requests wait behind it, and what stops all that."""
     ended = sum(row.phase not in ("queued", "running") for row in model.queue)
     failed = sum(row.phase == "failed" for row in model.queue)
@@ -219,7 +229,7 @@ def _summary(model: ConsoleModel, stop: str) -> str:
     parts += [strings.STEPS_FAILED.format(failed)] if failed else []
     parts += [strings.REQUESTS_WAIT.format(len(model.waiting))] if model.waiting else []
     parts += [strings.ANSWER_FIRST] if model.held else []
-    return " · ".join((*parts, strings.KEY_STOPS.format(stop)))
+    return JOINT.join((*parts, hint_line(strings.KEY_STOPS, acting)))
 
 
 def _bar(filled: int) -> Content:

@@ -17,7 +17,7 @@ from textual.keys import key_to_character
 from textual.message import Message
 from textual.widgets import Input
 
-from tui.keys.keys import EDITING, PUNCTUATION
+from tui.keys.keys import PUNCTUATION
 from tui.words import strings
 
 RUN_S: Final = 0.7
@@ -43,7 +43,10 @@ def is_text(key: str) -> bool:
 class TextLine(Input):
     """``commands`` says which keys act while nothing is written; usually none does."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("backspace", "backspace", show=False)]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("backspace", "backspace", show=False),
+        Binding("enter", "submit", show=False, id="send"),
+    ]
 
     class Commanded(Message):
         """A key in the empty line does this action of the console."""
@@ -62,11 +65,13 @@ class TextLine(Input):
         self._was_empty = not value
         self._erased = -math.inf  # when the newest backspace came of a run that had something to take away, s
 
-    def acts(self, key: str) -> bool:
-        """Whether this key does now what it does outside."""
-        if is_text(key):
-            return not self.value and bool(self._commands(key))
-        return not self.value or key not in EDITING
+    def command(self, key: str) -> str:
+        """The action of the console that this key does here; empty: none, it is text."""
+        return "" if self.value else self._commands(key)
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Textual would scroll by keys that others have: one line has nothing to scroll."""
+        return action not in ("scroll_up", "scroll_down") and super().check_action(action, parameters)
 
     def check_consume_key(self, key: str, character: str | None) -> bool:
         """As if it took none. Textual would leave actions out by their usual keys, also where somebody chose a key that
@@ -77,7 +82,7 @@ class TextLine(Input):
         """As Textual's, which sees a key before anything that is bound to it."""
         if event.key != "backspace":
             self._erased = -math.inf
-        if not self.value and (action := self._commands(event.key)):
+        if action := self.command(event.key):
             event.stop()
             event.prevent_default()
             self.app.post_message(self.Commanded(action))  # which may take this line away: nobody waits for that here

@@ -18,7 +18,7 @@ from tui.widgets.lines import Drawn, Item, Lines
 from tui.widgets.page import Piece
 from tui.widgets.queue import SIGNS
 from tui.words import strings
-from tui.words.hints import JOINT
+from tui.words.hints import JOINT, Acting, hint_line
 from tui.words.widths import right
 
 _LEAST_ROWS: Final = 10
@@ -90,10 +90,11 @@ class Timeline(FromTop[Head | Bar | Offered | str]):
             super().__init__()
             self.number = number
 
-    def __init__(self, hint: str, *, classes: str | None = None) -> None:
-        """``hint`` says how one looks at turns, once there are some."""
+    def __init__(self, acting: Acting, *, classes: str | None = None) -> None:
+        """``acting`` says which keys act now."""
         super().__init__(classes=classes)
-        self._hint = hint
+        self._acting = acting
+        self._foot = Content("")
         self._known: tuple[Sequence[Turn], Turn | None, float] = ((), None, 0.0)  # what it was told to show
         self._fresh = 0
         self._offers: Mapping[str, tuple[Piece, ...]] = {}
@@ -102,20 +103,19 @@ class Timeline(FromTop[Head | Bar | Offered | str]):
         """What may be asked about turns, by their ids; to be shown with the next news."""
         self._offers = offers
 
-    def tell(self, hint: str) -> None:
-        """Other keys are in use."""
-        self._hint = hint
-        if self._known[0]:
-            self._entitle()
-
-    def _entitle(self) -> None:
+    def hint(self) -> None:
+        """Write below the pane how many turns are new, and how one looks at others, once there are some."""
+        if not self._known[0]:
+            return
         fresh = mark(strings.NEW_TURNS.format(self._fresh), "turns") if self._fresh else Content("")
-        self.border_subtitle = Content(JOINT).join([part for part in (fresh, Content(self._hint)) if part])
+        keys = Content(hint_line(strings.BROWSE, self._acting))
+        foot = Content(JOINT).join([part for part in (fresh, keys) if part])
+        if not foot.is_same(self._foot):  # another one repaints the pane
+            self._foot = self.border_subtitle = foot
 
     def update_from(self, turns: Sequence[Turn], browsed: Turn | None, now: float, fresh: int = 0) -> None:
         """Show the turns as of event time ``now``; ``browsed`` is the one that the user looks at, and ``fresh`` have
         begun since."""
-        began = bool(turns) and not self._known[0]
         self._known = turns, browsed, now
         if browsed is not None and browsed not in turns:  # so old that others forget it
             turns = (browsed, *turns)
@@ -132,9 +132,8 @@ class Timeline(FromTop[Head | Bar | Offered | str]):
                 items.append(Offered(pieces))
             if len(items) - matters > 2 * max(_LEAST_ROWS, self.size.height):
                 break
-        if items and (began or fresh != self._fresh):
-            self._fresh = fresh
-            self._entitle()
+        self._fresh = fresh
+        self.hint()
         self.show(items or [strings.NO_TURNS], matters=matters)
 
     def on_resize(self, event: events.Resize) -> None:

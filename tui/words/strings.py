@@ -59,7 +59,7 @@ ABOUT_KEYS: Final = {
     "back": "Go back one step, and stop nothing: from a page, a panel, a pane, the map, a hand or the line.",
     "wake": "Listen now. A robot that speaks or acts stops first.",
     "end_task": "Stop, reset arm and history, and begin a new task.",
-    "type": "Go to the line, and type a request. Up and down recall earlier ones.",
+    "type": "Go to the line, and type a request.",
     "add": "Send what is in the line to be done after all that runs and waits: it interrupts nothing.",
     "estop": "The emergency stop: nothing moves until it is released.",
     "release": "Release the emergency stop.",
@@ -73,10 +73,7 @@ ABOUT_KEYS: Final = {
     "leave": "Leave a page; on the main screen quit, which asks once more while a task is running.",
     "leave_now": "Quit at once; the robot stops.",
     "log": "Show the log instead (small terminals).",
-    "map": (
-        "Point at something on the map: arrows or tab, enter goes there (asks first). + − zoom, 0 whole, f follows the "
-        "robot, shift and arrows or hjkl shift."
-    ),
+    "map": "Point at something on the map, look closer, and send the robot there, which asks first; or no longer.",
     "camera": "Show what the camera sees, or no longer.",
     "timeline": "Show the turns instead (small terminals).",
     "turn_back": "Look at the turn before.",
@@ -186,7 +183,7 @@ QUEUE_KEYS: Final = (
     "{queue_drop} drop · {queue_earlier} {queue_later} move · {queue_change} change · "
     "{queue_up}{queue_down} choose · {interrupt} stops"
 )
-TAKEN_BACK: Final = "Enter puts it back into its place; empty the line to leave it out."
+TAKEN_BACK: Final = "{send} puts it back into its place · empty the line to leave it out"
 TAKEN_BACK_TOO_LATE: Final = "It has begun already, or ended."
 FOLLOW_UPS: Final = {"resume": "continue", "undo": "undo", "again": "again"}
 """What is offered after a turn: the words for it, as they are asked for."""
@@ -198,7 +195,7 @@ NOT_OFFERED: Final = {
 NOT_NOW: Final = "The robot is at something: {interrupt} stops it."
 NOT_WHILE_PRESSED: Final = "The emergency stop is pressed: {release} releases it."
 NO_UNDO: Final = "No undo: {why}"
-KEY_STOPS: Final = "{} stops"
+KEY_STOPS: Final = "{interrupt} stops"
 
 # Camera
 NO_PICTURE: Final = "waiting for a picture…"
@@ -223,10 +220,10 @@ MAP_SIGNS: Final = {
 GO_TO: Final = "go to the {}"
 GO_TO_NAMED: Final = "go to {}"  # somebody
 GO_TO_HAN: Final = "去{}"  # of a name that is written in Chinese
-GO_THERE: Final = "{}? enter: yes · any other key: no"
-ENTER_GOES: Final = "· enter goes there"
-ENTER_GOES_TO: Final = "· enter goes to {}"
-NO_WAY_TO_SAY: Final = "· no named place here; tab chooses one"
+GO_THERE: Final = "{asked}? {map_go}: yes · any other key: no"
+ENTER_GOES: Final = "{map_go} goes there"
+ENTER_GOES_TO: Final = "{map_go} goes to {goal}"
+NO_WAY_TO_SAY: Final = "no named place here · {map_next} chooses one"
 SEEN_AGO: Final = "seen {}"
 JUST_NOW: Final = "just now"
 SECONDS_AGO: Final = "{} s ago"
@@ -241,9 +238,9 @@ CUT_OFF: Final = "cut off"
 WELCOME: Final = "Press {wake} and speak, or type what the robot should do."
 WELCOME_TYPING: Final = "Type what the robot should do."
 TOUR: Final = (
-    "{interrupt} stops the robot at once, on every page; {back} goes back.",
-    "{help} shows all keys, {palette} finds everything that can be done.",
-    "{pane_next} goes to the panes, where single letters are keys; {type} comes back.",
+    "{interrupt} stops the robot at once, on every page · {back} goes back",
+    "{help} shows all keys · {palette} finds everything that can be done",
+    "{pane_next} goes to the panes, where single letters are keys · {type} goes to the line",
 )
 """Below the welcome until the first request was made."""
 EXAMPLES: Final = ("turn left 90 degrees", "where are you?")
@@ -476,11 +473,11 @@ RULE_QUIET: Final = "┄"
 PLACEHOLDER: Final = "Press {type} and type what the robot should do"
 PLACEHOLDER_EARLY: Final = "Press {type} and type; it waits for {parts} to load"
 PLACEHOLDER_TYPING: Final = (
-    "Type what the robot should do · up recalls · {recall} searches · {back} back · {interrupt} stops"
+    "Type what the robot should do · {earlier} recalls · {recall} searches · {back} back · {interrupt} stops"
 )
 PLACEHOLDER_TYPING_EARLY: Final = "Type; it waits for {parts} to load · {back} back · {interrupt} stops"
 PASTED_TOO_LONG: Final = "Too long to be pasted: the line holds {} characters. Nothing of it was taken."
-ADDS: Final = " {add} afterwards "
+ADDS: Final = "{add} afterwards"
 """Behind the line, while something runs: the key that adds what is written to what waits."""
 NOTHING_TO_ADD: Final = "Nothing is written to be done afterwards"
 PHRASES: Final = (
@@ -519,22 +516,22 @@ LOG_KEYS: Final = (
     "{log_level} level · {log_part} part · {log_find} search · {log_trouble_before} errors · {log_turn} turn"
 )
 LOG_ALL: Final = "{log_all} all"
-LOG_NOTHING_FITS: Final = "No matches; {log_all} shows all lines"
+LOG_NOTHING_FITS: Final = "No matches · {log_all} shows all lines"
 NEW_LINES: Final = "{} new"
-SHOWS_NEW: Final = "{} shows them"
+SHOWS_NEW: Final = "{newest} shows them"
 LINE_OF_NO_TURN: Final = "This line belongs to no turn."
 
 # Quitting and failing
-NOTHING_TO_STOP: Final = "Nothing to stop; {back} goes back"
+NOTHING_TO_STOP: Final = "Nothing to stop · {back} goes back"
 WITHDRAWN: Final = "Question withdrawn"
 WAITING_DROPPED: Final = {False: "{} waiting requests dropped", True: "{} waiting request dropped"}
 """By whether it is one."""
-NOTHING_BACK: Final = "Nothing to go back from; {type} goes to the line"
+NOTHING_BACK: Final = "Nothing to go back from · {type} goes to the line"
 NOT_STARTED: Final = "not started"
-QUIT_QUESTION: Final = "A task is running: {key} again quits, {stop} stops it"
+QUIT_QUESTION: Final = "A task is running: {leave} again quits, {interrupt} stops it"
 ENGINE_STARTING: Final = "The engine is starting…"
 ENGINE_FAILED: Final = "The engine did not start"
-SESSION_ENDED: Final = "{key} quits; session ended: {reason}"
+SESSION_ENDED: Final = "{leave} quits; session ended: {reason}"
 ENGINE_SILENT: Final = "The engine is not responding"
 ABOUT_SILENT: Final = "It hangs or was paused. The robot has stopped by itself, as it does without an engine."
 HINT_SILENT: Final = "{stop} still stops the robot, {leave} quits at once. Other keys wait for the engine."
@@ -559,7 +556,6 @@ HELP_SEARCH: Final = "Type to search: a key, or a part of what it does"
 HELP_REST: Final = "Outside the line"
 HELP_PANE: Final = "In this pane: {}"
 HELP_LINE: Final = "In the line"
-HELP_TYPING: Final = "{newer} {older} more · {back_typing} back · {interrupt} stops"
 ABOUT_LINE_KEYS: Final = {
     "enter": "Send the request; each line that was pasted is one of its own.",
     "up,down": "Recall earlier requests.",
@@ -591,7 +587,7 @@ TOO_SMALL: Final = (
 ONE_LINE: Final = "Type what the robot should do."
 """On the only line, before anything was asked for."""
 NO_ROOM_IN_LINE: Final = "That needs the whole console."
-TOO_SMALL_KEYS: Final = "{stop} still stops the robot, {quit} quits."
+TOO_SMALL_KEYS: Final = "{interrupt} still stops the robot · {leave_now} quits"
 TOO_SMALL_SHORT: Final = "{columns}×{rows} is too small"
 STREAMS: Final = ("standard input", "standard output", "standard error")
 NOT_A_TERMINAL: Final = (
@@ -638,8 +634,8 @@ PALETTE: Final = "Everything that can be done"
 PALETTE_RECENT: Final = "What was asked for before"
 PALETTE_LOG: Final = "Log"
 PALETTE_PROMPT: Final = "a part of its name"
-PALETTE_KEYS: Final = "enter does it · {back_typing} back · {interrupt} stops"
-PALETTE_KEYS_FILL: Final = "enter fills the line · {back_typing} back · {interrupt} stops"
+PALETTE_KEYS: Final = "{send} does it · {back} back · {interrupt} stops"
+PALETTE_KEYS_FILL: Final = "{send} fills the line · {back} back · {interrupt} stops"
 PASTED_LINES: Final = "Several lines were pasted, and one fits here. Nothing of it was taken."
 NOTHING_FITS: Final = "No matches"
 NEAREST: Final = "No matches; the nearest:"
@@ -660,7 +656,7 @@ VALUE_ENTRY: Final = "Setting: {} → {}"
 KIND_FILE: Final = "file"
 SETTINGS_FILE: Final = "Settings are in {}"
 SETTINGS_ARE_IN: Final = "Settings are written in {}; `sayso config show` lists them, `sayso config check` tests them."
-FORM_KEYS: Final = "enter: next, at the end: does it · {back_typing} back · {interrupt} stops"
+FORM_KEYS: Final = "{send}: next, at the end: does it · {back} back · {interrupt} stops"
 FORM_NUMBER: Final = "{low:g} to {high:g}"
 FORM_WORDS: Final = "words"
 FORM_NO_NUMBER: Final = "{name} must be a number, such as 1.5"
@@ -672,8 +668,8 @@ NOT_KEPT: Final = "Your requests are not saved for later sessions: {}"
 # Copying and saving
 LINES: Final = ("{} line", "{} lines")
 """So many: one, and any other number."""
-COPIED: Final = "{part} copied · {lines} · {key} again: {other}"
-NOTHING_TO_COPY: Final = "no {part} to copy · {key} again: {other}"
+COPIED: Final = "{part} copied · {lines} · {copy} again: {other}"
+NOTHING_TO_COPY: Final = "no {part} to copy · {copy} again: {other}"
 COPY_PARTS: Final = {
     "turn": "turn",
     "conversation": "conversation",
@@ -725,8 +721,8 @@ DEVICE_GONE: Final = {
     "camera": "The camera is not connected. Driving still works; finding and grasping do not.",
     "model": "The local model has stopped. Plain commands still work.",
     "service": "A model does not answer. Another one is asked, which may take longer.",
-    "wake": "The wake module is not connected. The key {wake} still wakes.",
-    "wake words": "Wake words are not heard now. The key {wake} still wakes.",
+    "wake": "The wake module is not connected · {wake} still wakes",
+    "wake words": "Wake words are not heard now · {wake} still wakes",
     "ros": "The ROS graph cannot be reached. Everything else works.",
 }
 DEVICE_BACK: Final = {
@@ -754,8 +750,8 @@ SETTINGS_KEYS: Final = (
     "{setting_up}{setting_down} {setting_before}{setting_after} look · {setting_default} default · "
     "{back} back · {interrupt} stops"
 )
-SETTINGS_LINE: Final = "enter keeps what is written · {back_typing} back · {interrupt} stops"
-SETTINGS_FIND: Final = "a part of a name or of what it means · enter: to the list"
+SETTINGS_LINE: Final = "{send} keeps what is written · {back} back · {interrupt} stops"
+SETTINGS_FIND: Final = "a part of a name or of what it means · {send}: to the list"
 SETTING_GROUPS: Final = {
     "usual": "Usual settings",
     "console": "Console",

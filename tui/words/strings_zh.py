@@ -68,7 +68,7 @@ ABOUT_KEYS: Final = {
     "queue_change": "把它拿回输入行修改。",
     "speed_down": "降低机器人的限速：快、较快、中、慢。",
     "speed_up": "提高机器人的限速。",
-    "type": "转到输入行，输入请求。上下方向键可找回以前的请求。",
+    "type": "转到输入行，输入请求。",
     "add": "把这一行的请求排到正在做和等待的事之后，不打断任何事。",
     "estop": "急停：解除之前机器人不会动。",
     "release": "解除急停。",
@@ -77,10 +77,7 @@ ABOUT_KEYS: Final = {
     "leave": "离开页面；在主屏幕上则退出，任务进行中时会再问一次。",
     "leave_now": "立即退出；机器人会停下。",
     "log": "改为显示日志（小终端）。",
-    "map": (
-        "在地图上指一处：方向键或 tab，回车前往（会先问）。+ − 缩放，0 看全图，f 跟随机器人，"
-        "shift 加方向键或 hjkl 平移。"
-    ),
+    "map": "在地图上指一处、放大，或让机器人前往那里（会先问）；再按一次结束。",
     "camera": "显示或隐藏相机画面。",
     "timeline": "改为显示各轮对话（小终端）。",
     "turn_back": "看上一轮。",
@@ -183,7 +180,7 @@ QUEUE_KEYS: Final = (
     "{queue_drop} 取消 · {queue_earlier} {queue_later} 移动 · {queue_change} 修改 · "
     "{queue_up}{queue_down} 选择 · {interrupt} 停止"
 )
-TAKEN_BACK: Final = "回车把它放回原处；清空这一行就不做了。"
+TAKEN_BACK: Final = "{send}把它放回原处 · 清空这一行就不做了"
 TAKEN_BACK_TOO_LATE: Final = "它已经开始或结束了。"
 FOLLOW_UPS: Final = {"resume": "继续", "undo": "撤销", "again": "再来一次"}
 NOT_OFFERED: Final = {
@@ -194,7 +191,7 @@ NOT_OFFERED: Final = {
 NOT_NOW: Final = "机器人正在做事：{interrupt} 停止它。"
 NOT_WHILE_PRESSED: Final = "急停按下了：{release}解除。"
 NO_UNDO: Final = "不能撤销：{why}"
-KEY_STOPS: Final = "{} 停止"
+KEY_STOPS: Final = "{interrupt} 停止"
 
 # Camera
 NO_PICTURE: Final = "等待画面…"
@@ -216,10 +213,10 @@ MAP_SIGNS: Final = {
     "hand": "手",
     "held": "手里拿着东西",
 }
-GO_THERE: Final = "{}吗？回车：是 · 其他键：否"
-ENTER_GOES: Final = "· 回车前往"
-ENTER_GOES_TO: Final = "· 回车前往 {}"
-NO_WAY_TO_SAY: Final = "· 这里没有地名；tab 选一个"
+GO_THERE: Final = "{asked}吗？{map_go}：是 · 其他键：否"
+ENTER_GOES: Final = "{map_go}前往"
+ENTER_GOES_TO: Final = "{map_go}前往 {goal}"
+NO_WAY_TO_SAY: Final = "这里没有地名 · {map_next} 选一个"
 SEEN_AGO: Final = "{}看到"
 JUST_NOW: Final = "刚刚"
 SECONDS_AGO: Final = "{} 秒前"
@@ -234,9 +231,9 @@ CUT_OFF: Final = "被打断"
 WELCOME: Final = "按{wake}键说话，或直接输入机器人要做的事。"
 WELCOME_TYPING: Final = "输入机器人要做的事。"
 TOUR: Final = (
-    "{interrupt} 随时立即停止机器人，在任何页面都有效；{back} 返回。",
-    "{help} 显示所有按键，{palette} 查找所有能做的事。",
-    "{pane_next} 转到窗格，在那里单个字母是按键；{type} 回到输入行。",
+    "{interrupt} 随时立即停止机器人，在任何页面都有效 · {back} 返回",
+    "{help} 显示所有按键 · {palette} 查找所有能做的事",
+    "{pane_next} 转到窗格，在那里单个字母是按键 · {type} 转到输入行",
 )
 EXAMPLES: Final = ("向左转90度", "你在哪里？")
 TRY: Final = "试试："
@@ -461,10 +458,10 @@ SOUND_FIGURES: Final = "聆听 {listened:.1f} 秒 · 人声 {speech:.1f} 秒 · 
 # Input
 PLACEHOLDER: Final = "按 {type} 输入机器人要做的事"
 PLACEHOLDER_EARLY: Final = "按 {type} 输入；载入后才会执行：{parts}"
-PLACEHOLDER_TYPING: Final = "输入机器人要做的事 · 上键找回 · {recall} 搜索 · {back} 返回 · {interrupt} 停止"
+PLACEHOLDER_TYPING: Final = "输入机器人要做的事 · {earlier} 找回 · {recall} 搜索 · {back} 返回 · {interrupt} 停止"
 PLACEHOLDER_TYPING_EARLY: Final = "输入；载入后才会执行：{parts} · {back} 返回 · {interrupt} 停止"
 PASTED_TOO_LONG: Final = "粘贴的内容太长：输入行最多 {} 个字符，没有接受任何内容。"
-ADDS: Final = " {add} 排在后面 "
+ADDS: Final = "{add} 排在后面"
 NOTHING_TO_ADD: Final = "这一行是空的，没有可排的请求"
 PHRASES: Final = (
     "去", "向左转90度", "向右转90度", "转身", "前进1米", "后退1米", "你在哪里？", "你会做什么？", "你看到什么？",
@@ -497,21 +494,21 @@ SOURCES: Final = {
 LOG_LEVELS: Final = {"debug": "全部", "info": "信息以上", "warning": "警告以上", "error": "只看错误"}
 LOG_KEYS: Final = "{log_level} 级别 · {log_part} 部分 · {log_find} 搜索 · {log_trouble_before} 错误 · {log_turn} 该轮"
 LOG_ALL: Final = "{log_all} 全部"
-LOG_NOTHING_FITS: Final = "没有符合的；{log_all} 显示全部"
+LOG_NOTHING_FITS: Final = "没有符合的 · {log_all} 显示全部"
 NEW_LINES: Final = "{} 条新的"
-SHOWS_NEW: Final = "{} 查看"
+SHOWS_NEW: Final = "{newest} 查看"
 LINE_OF_NO_TURN: Final = "这一行不属于任何一轮。"
 
 # Quitting and failing
-NOTHING_TO_STOP: Final = "没有什么要停止；{back} 返回"
+NOTHING_TO_STOP: Final = "没有什么要停止 · {back} 返回"
 WITHDRAWN: Final = "问题已撤回"
 WAITING_DROPPED: Final = {False: "取消了 {} 个等待的请求", True: "取消了 {} 个等待的请求"}
-NOTHING_BACK: Final = "无处可返回；{type} 转到输入行"
+NOTHING_BACK: Final = "无处可返回 · {type} 转到输入行"
 NOT_STARTED: Final = "未开始"
-QUIT_QUESTION: Final = "任务进行中：再按 {key} 退出，{stop} 停止任务"
+QUIT_QUESTION: Final = "任务进行中：再按 {leave} 退出，{interrupt} 停止任务"
 ENGINE_STARTING: Final = "引擎启动中…"
 ENGINE_FAILED: Final = "引擎没有启动"
-SESSION_ENDED: Final = "{key} 退出；会话已结束：{reason}"
+SESSION_ENDED: Final = "{leave} 退出；会话已结束：{reason}"
 ENGINE_SILENT: Final = "引擎没有响应"
 ABOUT_SILENT: Final = "它卡住了或被暂停。机器人没有引擎时会自己停下，现在已经停下。"
 HINT_SILENT: Final = "{stop} 仍能停止机器人，{leave} 立即退出。其他键要等引擎恢复。"
@@ -534,7 +531,6 @@ HELP_SEARCH: Final = "输入以搜索：按键，或其作用中的几个字"
 HELP_REST: Final = "在输入行之外"
 HELP_PANE: Final = "在此窗格：{}"
 HELP_LINE: Final = "在输入行"
-HELP_TYPING: Final = "{newer} {older} 翻页 · {back_typing} 返回 · {interrupt} 停止"
 ABOUT_LINE_KEYS: Final = {
     "enter": "发送请求；粘贴的每一行是一条单独的请求。",
     "up,down": "找回以前的请求。",
@@ -562,7 +558,7 @@ SIGN_WORDS: Final = (
 TOO_SMALL: Final = "sayso 至少需要 {min_columns}×{min_rows} 个字符（本终端为 {columns}×{rows}）。请放大终端。"
 ONE_LINE: Final = "输入机器人要做的事。"
 NO_ROOM_IN_LINE: Final = "这需要完整的控制台。"
-TOO_SMALL_KEYS: Final = "{stop} 仍能停止机器人，{quit} 退出。"
+TOO_SMALL_KEYS: Final = "{interrupt} 仍能停止机器人 · {leave_now} 退出"
 TOO_SMALL_SHORT: Final = "{columns}×{rows} 太小"
 STREAMS: Final = ("标准输入", "标准输出", "标准错误")
 NOT_A_TERMINAL: Final = "控制台需要终端，而{stream}不是。程序请用 `sayso engine`，或用 `sayso ask TEXT`。"
@@ -599,8 +595,8 @@ PALETTE: Final = "所有能做的事"
 PALETTE_RECENT: Final = "以前提过的请求"
 PALETTE_LOG: Final = "日志"
 PALETTE_PROMPT: Final = "名称中的几个字"
-PALETTE_KEYS: Final = "回车执行 · {back_typing} 返回 · {interrupt} 停止"
-PALETTE_KEYS_FILL: Final = "回车放进输入行 · {back_typing} 返回 · {interrupt} 停止"
+PALETTE_KEYS: Final = "{send}执行 · {back} 返回 · {interrupt} 停止"
+PALETTE_KEYS_FILL: Final = "{send}放进输入行 · {back} 返回 · {interrupt} 停止"
 PASTED_LINES: Final = "粘贴了好几行，这里只能放一行，所以都没有放进来。"
 NOTHING_FITS: Final = "没有匹配项"
 NEAREST: Final = "没有匹配项；最接近的："
@@ -621,7 +617,7 @@ VALUE_ENTRY: Final = "设置：{} → {}"
 KIND_FILE: Final = "文件"
 SETTINGS_FILE: Final = "设置在 {}"
 SETTINGS_ARE_IN: Final = "设置写在 {}；`sayso config show` 列出它们，`sayso config check` 检查它们。"
-FORM_KEYS: Final = "回车：下一项，最后一项后执行 · {back_typing} 返回 · {interrupt} 停止"
+FORM_KEYS: Final = "{send}：下一项，最后一项后执行 · {back} 返回 · {interrupt} 停止"
 FORM_NUMBER: Final = "{low:g} 到 {high:g}"
 FORM_WORDS: Final = "文字"
 FORM_NO_NUMBER: Final = "{name} 必须是数字，如 1.5"
@@ -631,8 +627,8 @@ NOT_KEPT: Final = "你的请求没有保存到以后的会话：{}"
 
 # Copying and saving
 LINES: Final = ("{} 行", "{} 行")
-COPIED: Final = "已复制{part} · {lines} · 再按 {key}：{other}"
-NOTHING_TO_COPY: Final = "没有{part}可复制 · 再按 {key}：{other}"
+COPIED: Final = "已复制{part} · {lines} · 再按 {copy}：{other}"
+NOTHING_TO_COPY: Final = "没有{part}可复制 · 再按 {copy}：{other}"
 COPY_PARTS: Final = {
     "turn": "本轮",
     "conversation": "对话",
@@ -683,8 +679,8 @@ DEVICE_GONE: Final = {
     "camera": "相机未连接。仍可行驶，不能寻找和抓取。",
     "model": "本机的模型停止了。简单的命令仍可用。",
     "service": "有个模型没有回答。改问另一个，可能会慢一些。",
-    "wake": "唤醒模块未连接。{wake}键仍可唤醒。",
-    "wake words": "现在听不到唤醒词。{wake}键仍可唤醒。",
+    "wake": "唤醒模块未连接 · {wake}键仍可唤醒",
+    "wake words": "现在听不到唤醒词 · {wake}键仍可唤醒",
     "ros": "连不上ROS图。其他照常。",
 }
 DEVICE_BACK: Final = {
@@ -712,8 +708,8 @@ SETTINGS_KEYS: Final = (
     "{setting_up}{setting_down} {setting_before}{setting_after} 查看 · {setting_default} 默认 · "
     "{back} 返回 · {interrupt} 停止"
 )
-SETTINGS_LINE: Final = "回车保存所写内容 · {back_typing} 返回 · {interrupt} 停止"
-SETTINGS_FIND: Final = "名称或说明中的几个字 · 回车：到列表"
+SETTINGS_LINE: Final = "{send}保存所写内容 · {back} 返回 · {interrupt} 停止"
+SETTINGS_FIND: Final = "名称或说明中的几个字 · {send}：到列表"
 SETTING_GROUPS: Final = {
     "usual": "常用设置",
     "console": "控制台",
