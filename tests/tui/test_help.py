@@ -107,7 +107,7 @@ async def test_keys_for_more_are_named_where_there_is_more() -> None:
     async with console(size=(120, 40)) as desk:
         await desk.press("question_mark")
         assert "page down more" in desk.text
-        await desk.press("pagedown")
+        await desk.press("down")
         assert "page down page up more" in desk.text
         await desk.press(*"emergency")
         assert "more ·" not in desk.text

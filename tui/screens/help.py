@@ -233,7 +233,8 @@ class HelpScreen(Screen[None]):
 
     def _scroll(self, lines: int) -> None:
         page = self.query_one("#page", VerticalScroll)
-        page.scroll_to(y=page.scroll_y + lines, animate=False)
+        page.scroll_to(y=page.scroll_y + lines, animate=False, immediate=True)
+        self._hint()
 
 
 def _fits(row: Row, wanted: Sequence[str]) -> bool:
