@@ -477,6 +477,15 @@ async def test_following_goes_on_when_pointing_ends_and_ends_where_somebody_shif
         assert not view(desk).viewport.follows
 
 
+async def test_the_map_says_whether_the_key_makes_it_follow_or_stay() -> None:
+    async with console(engine()) as desk:
+        await desk.press("m")
+        assert "f follows" in desk.text
+        await desk.press("f")
+        assert "f stays" in desk.text
+        assert "f follows" not in desk.text
+
+
 async def test_the_legend_says_what_the_signs_mean_and_who_and_what_was_seen_where_and_when() -> None:
     scene = ScriptedEngine(robot=HERE, floor=FLAT, seen=World((RED,), people=(ANNA,)))
     async with console(scene) as desk:

@@ -56,3 +56,12 @@ async def test_a_service_that_another_one_stands_in_for_is_told() -> None:
         desk.engine.publish(ev.Log("warning", "model", "No answer. The platform local is asked instead."), turn=None)
         await desk.settled()
         assert notices(desk) == ["! A model does not answer. Another one is asked, which may take longer."]
+
+
+async def test_nobody_was_woken_where_there_turns_out_to_be_no_microphone() -> None:
+    async with console(ScriptedEngine()) as desk:
+        desk.engine.publish(ev.WakeHeard("key"))
+        await desk.settled()
+        assert "woken by key" in desk.text
+        await turns(desk, "microphone", "missing", "There is none.")
+        assert "woken by key" not in desk.text

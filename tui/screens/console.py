@@ -348,7 +348,8 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
     def _hint_at_map(self) -> None:
         """Below the map."""
         hints = strings.MAP_POINTS if self.focused is self._floor else strings.MAP_KEYS
-        words = hint_line(hints, self._acting, max(1, self._map.size.width - 2))
+        follows = strings.MAP_FOLLOWS[self._floor.viewport.follows]
+        words = hint_line(hints, self._acting, max(1, self._map.size.width - 2), follows=follows)
         if str(self._map.border_subtitle or "") != words:  # another one repaints the frame
             self._map.border_subtitle = Content(words)
 

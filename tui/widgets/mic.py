@@ -64,7 +64,7 @@ class MicStrip(Widget, can_focus=False):
     def update_from(self, trace: Trace, *, notice: str, trouble: bool) -> None:
         """Show the trace; the notice where there is none yet, or where something is wrong (``trouble``)."""
         self._trace, self._notice, self._trouble = trace, notice, trouble
-        lines = ((trace, notice, trouble), (_newest_marks(trace), _now(trace)))
+        lines = ((trace, notice, trouble), (_newest_marks(trace), _now(trace), self._idle))
         for y, (new, old) in enumerate(zip(lines, self._lines, strict=True)):
             if new != old:
                 self.refresh(Region(0, y, self.size.width, 1))
