@@ -43,7 +43,7 @@ from tui.widgets.status import StatusLine
 from tui.widgets.text_line import Commands
 from tui.widgets.timeline import Timeline
 from tui.words import strings
-from tui.words.hints import Acting, hint_line, sentence
+from tui.words.hints import JOINT, Acting, hint_line, sentence
 from tui.words.language import told
 
 if TYPE_CHECKING:
@@ -347,9 +347,9 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
 
     def _hint_at_map(self) -> None:
         """Below the map."""
-        hints = strings.MAP_POINTS if self.focused is self._floor else strings.MAP_KEYS
-        follows = strings.MAP_FOLLOWS[self._floor.viewport.follows]
-        words = hint_line(hints, self._acting, max(1, self._map.size.width - 2), follows=follows)
+        points = f"{strings.MAP_FOLLOWS[self._floor.viewport.follows]}{JOINT}{strings.MAP_POINTS}"
+        hints = points if self.focused is self._floor else strings.MAP_KEYS
+        words = hint_line(hints, self._acting, max(1, self._map.size.width - 2))
         if str(self._map.border_subtitle or "") != words:  # another one repaints the frame
             self._map.border_subtitle = Content(words)
 

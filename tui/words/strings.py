@@ -202,9 +202,9 @@ NO_PICTURE: Final = "waiting for a picture…"
 
 # Map
 MAP_KEYS: Final = "{map} points · {camera} camera"
-MAP_FOLLOWS: Final = ("follows", "stays")
+MAP_FOLLOWS: Final = ("{map_follow} follows", "{map_follow} stays")
 """What the key does to the picture: it goes along with the robot from then on, or no longer."""
-MAP_POINTS: Final = "{map_follow} {follows} · {map_legend} legend · {map_nearer}{map_farther} zoom · {map} back"
+MAP_POINTS: Final = "{map_legend} legend · {map_nearer}{map_farther} zoom · {map} back"
 MAP_SIGNS: Final = {
     "robot": "the robot and its heading",
     "robot_outside": "the robot is out of the picture there",

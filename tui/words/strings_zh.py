@@ -198,8 +198,8 @@ NO_PICTURE: Final = "等待画面…"
 
 # Map
 MAP_KEYS: Final = "{map} 指点 · {camera} 相机"
-MAP_FOLLOWS: Final = ("跟随", "停住")
-MAP_POINTS: Final = "{map_follow} {follows} · {map_legend} 图例 · {map_nearer}{map_farther} 缩放 · {map} 返回"
+MAP_FOLLOWS: Final = ("{map_follow} 跟随", "{map_follow} 停住")
+MAP_POINTS: Final = "{map_legend} 图例 · {map_nearer}{map_farther} 缩放 · {map} 返回"
 MAP_SIGNS: Final = {
     "robot": "机器人和它的朝向",
     "robot_outside": "机器人在画面之外的那一边",
