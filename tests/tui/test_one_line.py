@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from engine import events as ev
@@ -18,6 +20,11 @@ SIZES = [(80, 1), (80, 2), (120, 3), (40, 1)]
 
 def engine() -> ScriptedEngine:
     return ScriptedEngine(robot=robot_at(-1.42, 0.08, 1.5708), floor=flat())
+
+
+def pressed() -> ScriptedEngine:
+    """With its emergency stop pressed."""
+    return ScriptedEngine(robot=replace(robot_at(-1.42, 0.08, 1.5708), estop=True), floor=flat())
 
 
 @pytest.mark.parametrize("size", SIZES, ids=str)
@@ -145,3 +152,134 @@ async def test_a_question_has_all_the_room_there_is_and_ends_with_an_ellipsis() 
         assert "robot: Shall I go to the kitchen" in desk.text
         assert "m 90°" not in desk.text, "what is asked goes before where the robot is"
         assert desk.text.splitlines()[0].rstrip().endswith("…")
+
+
+# How requests ended that were not done
+
+UNKNOWN = "I don't know a place called moon."
+REFUSED = "The emergency stop is pressed: release it first."
+
+
+def over(engine: ScriptedEngine, request: str, text: str, outcome: ev.RequestOutcome, message: str, turn: str) -> None:
+    """A request in words has become a turn, which ended like this."""
+    engine.publish(ev.TranscriptFinal(text, "text", "", 1.0, 0.0, 0.0, 0.0, 0.0), turn=turn)
+    code = 0 if outcome == "done" else 1
+    engine.publish(ev.StateChanged("ACTING", "WAITING", outcome, ev.TurnResult(code, outcome, message)), turn=turn)
+    engine.publish(ev.RequestEnded(request, text, outcome), turn=turn)
+
+
+def replacing(engine: ScriptedEngine) -> None:
+    """Another request comes while one is done and two wait."""
+    engine.publish(ev.TranscriptFinal("go to the bedroom", "text", "", 1.0, 0.0, 0.0, 0.0, 0.0), turn="T1")
+    engine.publish(ev.InterruptRaised("replaced", "say", "ACTING"), turn="T1")
+    engine.publish(ev.RequestEnded("R2", "find the cup", "replaced", "replaced"), turn=None)
+    engine.publish(ev.RequestEnded("R3", "go to the hall", "replaced", "replaced"), turn=None)
+    result = ev.TurnResult(130, "interrupted", "A newer command replaced this one.")
+    engine.publish(ev.StateChanged("ACTING", "WAITING", "interrupted", result), turn="T1")
+    engine.publish(ev.RequestEnded("R1", "go to the bedroom", "replaced", "replaced"), turn="T1")
+
+
+async def test_a_request_that_failed_is_told_while_the_next_one_runs() -> None:
+    async with console(engine(), size=(100, 2), one_line=True, in_line=True) as desk:
+        over(desk.engine, "R1", "go to the moon", "failed", UNKNOWN, "T0")
+        desk.engine.play(scripted.acting())
+        await desk.settled()
+        assert f"■ go to the moon: {UNKNOWN}" in desk.text
+        assert "▸ Go" not in desk.text
+        await desk.press(*"wave")
+        assert f"■ go to the moon: {UNKNOWN}" in desk.text, "who types has not read it yet"
+        desk.app.drawing.ending.next()
+        await desk.settled()
+        assert "▸ Go" in desk.text
+
+
+async def test_what_was_done_or_is_asked_about_is_told_as_it_was() -> None:
+    async with console(engine(), size=(100, 2), one_line=True, in_line=True) as desk:
+        over(desk.engine, "R1", "wave", "done", "Waved.", "T1")
+        over(desk.engine, "R2", "go to the bedrom", "clarify", "Shall I go to the bedroom?", "T2")
+        await desk.settled()
+        assert "■" not in desk.text
+
+
+async def test_all_that_a_new_request_replaces_is_told_one_after_the_other() -> None:
+    async with console(engine(), size=(100, 2), one_line=True, in_line=True) as desk:
+        replacing(desk.engine)
+        over(desk.engine, "R4", "qwer asdf", "failed", "I did not understand.", "T2")
+        await desk.settled()
+        for words in (
+            "■ replaced before it began (2): find the cup, go to the hall",
+            "■ go to the bedroom  replaced by a newer request",
+            "■ qwer asdf: I did not understand.",
+        ):
+            assert words in desk.text
+            desk.app.drawing.ending.next()
+            await desk.settled()
+        assert "■" not in desk.text
+
+
+async def test_what_must_be_read_now_comes_before_an_end_which_is_told_afterwards() -> None:
+    async with console(engine(), size=(100, 2), one_line=True, in_line=True) as desk:
+        over(desk.engine, "R1", "go to the moon", "failed", UNKNOWN, "T1")
+        await desk.press("ctrl+p")
+        assert "That needs the whole console." in desk.text
+        desk.app.keeping.forget()
+        await desk.settled()
+        assert f"■ go to the moon: {UNKNOWN}" in desk.text
+
+
+async def test_a_request_that_the_emergency_stop_refuses_is_told_while_it_is_pressed() -> None:
+    async with console(pressed(), size=(100, 2), one_line=True, in_line=True) as desk:
+        assert "E-STOP" in desk.text
+        assert "nothing moves" in desk.text
+        over(desk.engine, "R1", "wave", "failed", REFUSED, "T1")
+        await desk.settled()
+        assert "E-STOP" in desk.text
+        assert f"■ wave: {REFUSED}" in desk.text
+        desk.app.drawing.ending.next()
+        await desk.settled()
+        assert "nothing moves" in desk.text
+
+
+@pytest.mark.parametrize("read", [False, True])
+async def test_nothing_says_that_the_emergency_stop_is_pressed_once_it_is_released(*, read: bool) -> None:
+    async with console(pressed(), size=(100, 2), one_line=True, in_line=True) as desk:
+        desk.engine.publish(ev.RequestEnded("R1", "beep", "interrupted", "estop"), turn=None)
+        over(desk.engine, "R2", "wave", "failed", REFUSED, "T1")
+        desk.engine.publish(ev.SpeechStarted(REFUSED, False), turn="T1")
+        await desk.settled()
+        while read and desk.app.drawing.ending.told:
+            desk.app.drawing.ending.next()
+            await desk.settled()
+        desk.engine.robot = robot_at(-1.42, 0.08, 1.5708)
+        desk.app.redraw()
+        await desk.settled()
+        assert "READY" in desk.text
+        assert "emergency stop" not in desk.text
+        over(desk.engine, "R3", "go to the moon", "failed", UNKNOWN, "T2")
+        await desk.settled()
+        assert f"■ go to the moon: {UNKNOWN}" in desk.text
+
+
+async def test_a_press_itself_is_told_no_more_once_it_is_released_and_an_answer_is() -> None:
+    async with console(pressed(), size=(100, 2), one_line=True, in_line=True) as desk:
+        desk.engine.publish(ev.InterruptRaised("estop", "estop", "IDLE"), turn=None)
+        await desk.settled()
+        desk.engine.robot = robot_at(-1.42, 0.08, 1.5708)
+        desk.app.redraw()
+        await desk.settled()
+        assert "emergency stop" not in desk.text
+        desk.engine.robot = pressed().robot
+        desk.app.redraw()
+        await desk.settled()
+        over(desk.engine, "R1", "where are you?", "done", "I am in the hall.", "T1")
+        desk.engine.robot = robot_at(-1.42, 0.08, 1.5708)
+        desk.app.redraw()
+        await desk.settled()
+        assert "I am in the hall." in desk.text
+
+
+async def test_the_whole_console_has_rows_for_ends_and_nothing_else() -> None:
+    async with console(engine()) as desk:
+        over(desk.engine, "R1", "go to the moon", "failed", UNKNOWN, "T1")
+        await desk.settled()
+        assert desk.app.drawing.ending.told == ()

@@ -15,6 +15,7 @@ from engine.errors import ExitCode
 from engine.events import ActionProgress, Body, ErrorRaised, Event, InterruptRaised, ListenLevel, Log, RobotStateView
 from tui.messages import Woken
 from tui.rooms.alerting import Alerting
+from tui.rooms.ending import Ending
 from tui.rooms.leaving import Leaving
 from tui.rooms.noticing import Noticing
 from tui.rooms.sending import Sending
@@ -89,6 +90,7 @@ class Drawing:
         self._watchdog = Watchdog(stage.clock())
         self._noticing = Noticing(stage)
         self.alerting = Alerting(stage)
+        self.ending = Ending(stage)
 
     def begin(self) -> None:
         """Timers run from now on."""
@@ -220,7 +222,10 @@ class Drawing:
         if model.log is not self._logged:
             self._logged = model.log
             self._logs.ask()
-        self.view = view = self._view()
+        view = self._view()
+        if stage.main.is_one_line:
+            view = self._with_ends(view)
+        self.view = view
         if stage.screen is stage.main:  # a screen that changes under another one has that one drawn as a whole
             stage.main.show(view)
         elif isinstance(stage.screen, Following):
@@ -265,6 +270,13 @@ class Drawing:
             world=handle.world(),
             scan=None if bare else handle.scan(),
         )
+
+    def _with_ends(self, view: View) -> View:
+        """With how requests ended, unless something more urgent is to be read."""
+        problem, pressed = view.model.problem, view.robot is not None and view.robot.estop
+        hidden = bool((view.notice and not pressed) or view.model.partial or (problem is not None and problem.fatal))
+        self.ending.look(view.model, pressed=pressed, hidden=hidden)
+        return replace(view, ends=self.ending.told, outdated=self.ending.outdated)
 
     def _turn_looked_at(self) -> Turn | None:
         """The turn that somebody looks at, also when it is so old that it is not kept any more."""

@@ -437,6 +437,11 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
             self._ask.begin()
 
     @property
+    def is_one_line(self) -> bool:
+        """All of it stands on one line."""
+        return self._one_line is not None
+
+    @property
     def is_hidden(self) -> bool:
         """The terminal is too small for anything but saying so."""
         return self.has_class("-tiny") and self._one_line is None

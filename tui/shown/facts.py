@@ -30,6 +30,20 @@ class Line(Struct, frozen=True):
     note: str = ""
 
 
+class Ended(Struct, frozen=True):
+    """A request that was not done: how it ended, in the robot's words or in ours."""
+
+    number: int  # 1 is the first of the session
+    text: str
+    message: str = ""  # what the robot says
+    note: str = ""  # a remark of the console
+    by: str = ""  # what interrupted it
+
+    def is_like(self, other: Ended) -> bool:
+        """They ended in the same way."""
+        return (self.message, self.note, self.by) == (other.message, other.note, other.by)
+
+
 class Plan(Struct, frozen=True):
     """What the planner made of the last request."""
 

@@ -15,14 +15,17 @@ from msgspec.structs import replace
 
 from engine import events as ev
 from engine.states import EXPRESSING, REST
-from tui.shown.facts import Line, LogLine, Path, Plan, Problem, Row, Waiting, call, in_words, printable
+from tui.shown.facts import Ended, Line, LogLine, Path, Plan, Problem, Row, Waiting, call, in_words, printable
 from tui.shown.trace import Trace
 from tui.shown.trace import after as trace_after
+from tui.shown.turn import Turn
 from tui.shown.turns import Turns
 from tui.words import strings
 
 MAX_LINES: Final = 300
 """Conversation and log lines that are kept."""
+MAX_ENDS: Final = 50
+"""Ends of requests that were not done, and are kept."""
 MAX_ROWS: Final = 100
 """Actions of one turn that are kept."""
 MAX_TRAIL: Final = 400
@@ -30,6 +33,8 @@ MAX_TRAIL: Final = 400
 TRAIL_STEP: Final = 0.1
 """m between them."""
 
+_WELL: Final = frozenset({"done", "clarify", "answer"})
+"""How requests end that were done, or that the robot has asked about."""
 BUSY: Final = frozenset({"TRANSCRIBING", "DECIDING", "PLANNING", "SPEAKING", "ACTING", "FEEDBACK"})
 """States in which the robot is at work on what was asked."""
 
@@ -46,6 +51,7 @@ class ConsoleModel(Struct, frozen=True):
     stable: int = 0  # …and how many of them, from the first, will hardly change any more
     plan: Plan | None = None
     queue: tuple[Row, ...] = ()
+    ends: tuple[Ended, ...] = ()  # of requests that were not done
     waiting: tuple[Waiting, ...] = ()  # requests that are not begun yet, next first
     taken_back: str = ""  # the id of one that this console drops only to have it in the line
     offers: ev.OffersMade = field(default_factory=ev.OffersMade)  # what may be asked about the past in a word
@@ -175,8 +181,7 @@ def _(body: ev.InterruptRaised, model: ConsoleModel, event: ev.Event) -> Console
         return model.with_line(Line("mark", strings.HALTED))
     turn = next((turn for turn in model.turns.kept if turn.id == event.turn), None)
     if body.scope == "replaced" and turn is not None and turn.text:
-        begun = strings.REPLACED_PLANNING if body.state in ("DECIDING", "PLANNING") else strings.REPLACED
-        return model.with_line(Line("lost", turn.text, begun))
+        return model.with_line(Line("lost", turn.text, _replaced(body.state)))
     return model
 
 
@@ -189,14 +194,37 @@ def _(body: ev.RequestsWaiting, model: ConsoleModel, event: ev.Event) -> Console
 
 @_fold.register
 def _(body: ev.RequestEnded, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    if event.turn is not None or body.outcome not in strings.LOST:  # what became a turn has said so there
+    if event.turn is not None:  # what became a turn has said so there
+        turn = next((turn for turn in model.turns.kept if turn.id == event.turn), None)
+        return model if body.outcome in _WELL else _with_end(model, body, *_how_it_ended(body, turn))
+    if body.outcome not in strings.LOST:
         return model
     if body.outcome == "dropped" and body.request == model.taken_back:  # it stands in the line
         return model
     note = strings.LOST[body.outcome]
     if body.by is not None and body.outcome == "interrupted":
         note = strings.LOST_BY.format(reason=strings.REASONS[body.by])
-    return model.with_line(Line("lost", printable(body.text), note))
+    return _with_end(model, body, "", note).with_line(Line("lost", printable(body.text), note))
+
+
+def _how_it_ended(body: ev.RequestEnded, turn: Turn | None) -> tuple[str, str]:
+    """How a request that became a turn ended: in the robot's words, or in ours."""
+    if body.outcome == "replaced":
+        return "", _replaced(turn.cut.state if turn is not None and turn.cut is not None else "ACTING")
+    if turn is not None and turn.result is not None and turn.result.message:
+        return turn.result.message, ""
+    return "", strings.OUTCOMES.get(body.outcome, strings.OUTCOMES["failed"])
+
+
+def _replaced(state: ev.State) -> str:
+    """How a request ended that a newer one replaced in this state."""
+    return strings.REPLACED_PLANNING if state in ("DECIDING", "PLANNING") else strings.REPLACED
+
+
+def _with_end(model: ConsoleModel, body: ev.RequestEnded, message: str, note: str) -> ConsoleModel:
+    number = model.ends[-1].number + 1 if model.ends else 1
+    end = Ended(number, printable(body.text), message, note, body.by or "")
+    return replace(model, ends=(*model.ends[1 - MAX_ENDS :], end))
 
 
 @_fold.register

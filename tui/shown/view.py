@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from engine.perception.memory import World
     from engine.robot.floor_map import FloorMap
     from engine.robot.robot import RobotState, Scan
+    from tui.shown.facts import Ended, Line
     from tui.shown.model import ConsoleModel
     from tui.shown.turn import Turn
     from tui.terminal.link import LinkFigures
@@ -49,6 +50,8 @@ class View(Struct, frozen=True):
     session: str = ""  # the engine's, by its id, as the event log is named
     notice: str = ""  # stands in the status line
     notice_does: str = ""  # the action that a click on it does
+    ends: tuple[Ended, ...] = ()  # how requests ended that were not done, alike, where there is one line for all
+    outdated: Line | None = None  # the line of the conversation that is not true any more, if any
     newest: str = ""  # the key that leads to the newest line of a pane, where one does so now
     hints: tuple[Hint, ...] = ()
     parts: tuple[PartStatus, ...] = ()

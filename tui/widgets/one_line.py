@@ -5,6 +5,7 @@ that have the rows below, where there are some, and end with an ellipsis where t
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rich.cells import cell_len
@@ -18,6 +19,7 @@ from tui.words.hints import JOINT
 from tui.words.language import told
 
 if TYPE_CHECKING:
+    from tui.shown.facts import Ended
     from tui.shown.view import View
 
 Piece = tuple[str, str]
@@ -56,9 +58,11 @@ class OneLine(Static):
 
 
 def happening(view: View) -> Piece:
-    """The most urgent of what one has to know: a notice, trouble, what is heard, what is done, the last that was
-    said."""
+    """The most urgent of what one has to know: how a request ended that was not done, a notice, trouble, what is heard,
+    what is done, the last that was said. Where something else is more urgent than the ends, the view has none."""
     model = view.model
+    if view.ends:
+        return _ended(view.ends), "$text-warning"
     if view.notice:
         return view.notice, "bold $text-warning"
     if model.problem is not None:
@@ -69,11 +73,19 @@ def happening(view: View) -> Piece:
         return JOINT.join(filter(None, (f"▸ {told(row.call)}", told(row.message)))), "$text-success"
     if model.plan is not None and model.plan.stage == "thinking":
         return f"{strings.YOU}: {model.plan.goal}", "$foreground"
-    if model.conversation:
+    if model.conversation and model.conversation[-1] is not view.outdated:
         kind, text, note = as_told(model.conversation[-1])
         who = STYLES[kind][0] or {"you": f"{strings.YOU}:", "robot": f"{strings.ROBOT}:"}[kind]
         return f"{who} {text}" + (f"  {note}" if note and kind != "you" else ""), "$foreground"
     return strings.ONE_LINE, "$foreground 60%"
+
+
+def _ended(ends: Sequence[Ended]) -> str:
+    """How these ended, all in the same way."""
+    sign, how = STYLES["lost"][0], told(ends[0].message) or ends[0].note
+    if len(ends) > 1:
+        return f"{sign} {how} ({len(ends)}){strings.COLON}{strings.COMMA.join(end.text for end in ends)}"
+    return f"{sign} {ends[0].text}" + (f"{strings.COLON}{how}" if ends[0].message else f"  {how}")
 
 
 def _wrapped(words: str, first: int, columns: int, below: int) -> list[str]:

@@ -1,0 +1,80 @@
+"""Tells on one line how requests ended that were not done: one after the other, each for some seconds, whatever else
+runs by then. Those that ended alike, one right after the other, are told together. The full console has a row for each.
+
+What was refused or stopped because of the emergency stop is told no more once that is released.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from textual.timer import Timer
+
+    from tui.shown.facts import Ended, Line
+    from tui.shown.model import ConsoleModel
+    from tui.stage import Stage
+
+TOLD_S: Final = 6.0
+"""How long one end is told…"""
+MORE_S: Final = 3.0
+"""…and how long where another one is still to be told."""
+
+
+class Ending:
+    """Follows how requests end. In the UI thread."""
+
+    def __init__(self, stage: Stage) -> None:
+        self.told: tuple[Ended, ...] = ()
+        """What is told now: ends that are alike."""
+        self.outdated: Line | None = None
+        """The line of the conversation that was true only while the emergency stop was pressed."""
+        self._stage = stage
+        self._seen = 0  # the number of the newest end
+        self._left: list[Ended] = []  # ends that are told now, and then those that are still to be told
+        self._pressed = False  # the emergency stop is
+        self._refused: set[str] = set()  # how requests ended while it was pressed, in the robot's words
+        self._next: Timer | None = None
+        self._timed: tuple[int, bool] = 0, False  # how many the timer is for, and whether more are to be told
+
+    def look(self, model: ConsoleModel, *, pressed: bool, hidden: bool) -> None:
+        """So things are now. ``pressed``: the emergency stop is; ``hidden``: something more urgent has the line, and
+        the time of what is to be told does not run."""
+        new = [end for end in model.ends if end.number > self._seen]
+        self._seen = new[-1].number if new else self._seen
+        self._left += new
+        if pressed:
+            self._refused |= {end.message for end in new if end.message}
+        elif self._pressed:
+            self._released(model)
+        self._pressed = pressed
+        if model.ended is not None:
+            self._left = []
+        alike = next((at for at, end in enumerate(self._left) if not end.is_like(self._left[0])), len(self._left))
+        self.told = () if hidden else tuple(self._left[:alike])
+        self._time((len(self.told), len(self._left) > alike))
+
+    def next(self) -> None:
+        """What is told now has been told for long enough."""
+        del self._left[: len(self.told)]
+        self._timed = 0, False
+        self._stage.redraw()
+
+    def _released(self, model: ConsoleModel) -> None:
+        """Nothing that was told of the emergency stop is true any more."""
+        self._left = [end for end in self._left if end.message not in self._refused and end.by != "estop"]
+        last = model.conversation[-1] if model.conversation else None
+        if last is not None and (last.note == "estop" or last.text in self._refused):
+            self.outdated = last
+        self._refused = set()
+
+    def _time(self, timed: tuple[int, bool]) -> None:
+        if timed == self._timed:
+            return
+        self._timed = timed
+        if self._next is not None:
+            self._next.stop()
+            self._next = None
+        count, more = timed
+        if count:
+            self._next = self._stage.set_timer(MORE_S if more else TOLD_S, self.next)
