@@ -11,6 +11,7 @@ the line to the terminal (``tui.rooms.sending``), the camera (``tui.rooms.viewin
 from __future__ import annotations
 
 import gc
+import math
 import os
 import threading
 import time
@@ -20,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from msgspec.structs import replace
 from rich.console import RenderableType
-from textual import events
+from textual import _time, events
 from textual.actions import ActionParseResult
 from textual.app import App
 from textual.dom import DOMNode
@@ -67,7 +68,7 @@ from tui.rooms.queueing import Queueing
 from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
 from tui.screens.pages import Paged, Placed, Stepped
-from tui.shown.facts import Problem, printable
+from tui.shown.facts import Line, Problem, Waiting, printable
 from tui.shown.offers import FollowUp, offered
 from tui.shown.readiness import deaf
 from tui.shown.view import View
@@ -150,6 +151,13 @@ class SaysoApp(Stage):
         self._start_engine = start_engine
         self._is_ready = False
         self._asked_early: list[Say] = []  # typed before the engine was there
+        self._presses_early = False  # the emergency stop was pressed before that
+        self._stopped_at = -math.inf  # when a key that stops was read last, in the time of Textual's messages…
+        self._stopped_by: Literal["interrupt", "estop"] = "interrupt"  # which of them
+        self._dealt_stop = -math.inf  # …of the last of them that has been dealt out…
+        self._acted_at = -math.inf  # …of the last other key that has been dealt out, when it was read…
+        self._sent_at = -math.inf  # …and when a request was sent last
+        self._unsent = 0  # requests that a key took which stops, and which has not been dealt out yet
         self._keys: deque[events.Key | Burst] = deque()  # that wait to be dealt out
         self._taker: Widget | None = None  # what the last one was dealt out to, and which is not done with it
 
@@ -239,10 +247,14 @@ class SaysoApp(Stage):
         self.offer = message.offer
         self.main.line.know(message.offer.words)
         self.leaving.unsubscribe = self.drawing.follow(message.handle)
+        if self._presses_early:
+            self._presses_early = False
+            self.send(EStop())
         self.viewing.begin()
-        for command in self._asked_early:
-            self.send(command)
-        self._asked_early = []
+        asked, self._asked_early = self._asked_early, []
+        self._show_early()
+        for command in asked:
+            self._send_or_leave(command)
 
     def on_failed(self, message: Failed) -> None:
         error = message.error
@@ -305,19 +317,31 @@ class SaysoApp(Stage):
 
     def _key_arrived(self, key: str) -> None:
         """In the thread that reads the keyboard, before the key is queued: stopping waits for nothing."""
-        if key in self.dressing.stop_keys:
-            self.drawing.stop_asked = True
+        stops, presses = key in self.dressing.stop_keys, key in self.dressing.estop_keys
+        if stops or presses:
+            self._stopped_by = "interrupt" if stops else "estop"
+            self._stopped_at = _time.get_time()
+        if stops:
+            self.drawing.stop_read(sent=self.handle is not None)
             self.send(Interrupt())
-        if key in self.dressing.estop_keys:
+        if presses:
+            self._press()
+
+    def _press(self) -> None:
+        """The emergency stop, now or as soon as there is something to press. In any thread."""
+        self._presses_early = True  # before one looks whether the engine is there, which may come in this moment
+        if self.handle is not None:
+            self._presses_early = False
             self.send(EStop())
 
     def action_interrupt(self) -> None:
-        """The robot has stopped by now. What waits for an answer is answered by that; nothing else changes."""
+        """The robot has stopped by now. What waits for an answer is answered by that; nothing else changes. A request
+        that was sent since, by a key before this one, is stopped, too."""
         if self.is_headless:  # there is no keyboard to read, and no thread that has already done it
             self._key_arrived(next(iter(self.dressing.stop_keys)))
-        if self.handle is None and not self._asked_early:
-            self.drawing.nothing_to_stop()
-        self._asked_early = []
+        if overtaken := self._sent_at > self._stopped_at > self._dealt_stop:
+            self.send(Interrupt())
+        self.drawing.stop_dealt(self._stop_dealt("interrupt") + overtaken)
         self.leaving.asked = False
         self.main.floor.ask_no_more()
         self.redraw()
@@ -325,8 +349,25 @@ class SaysoApp(Stage):
     def action_estop(self) -> None:
         if self.is_headless:  # as above
             self._key_arrived(next(iter(self.dressing.estop_keys)))
-        self._asked_early = []
+        if self.handle is None:
+            self._press()
+        unsent = self._stop_dealt("estop")
+        told = [strings.PRESSED_EARLY] if self.handle is None else []
+        told += [strings.WAITING_DROPPED[unsent == 1].format(unsent)] if unsent else []
+        if told:
+            self.remark(" · ".join(told))
         self.redraw()
+
+    def _stop_dealt(self, by: Literal["interrupt", "estop"]) -> int:
+        """A key that stops is dealt out: how many requests it took that had not been sent."""
+        self._dealt_stop = self._stopped_at
+        asked, self._asked_early = self._asked_early, []
+        if asked:
+            self._show_early()
+        for command in asked:
+            self._leave_unsent(command, by)
+        unsent, self._unsent = self._unsent, 0
+        return unsent
 
     def action_release(self) -> None:
         self.send(Release())
@@ -423,12 +464,42 @@ class SaysoApp(Stage):
     def _ask(self, command: Say) -> None:
         """Ask for this; once the engine is there, where that takes its time."""
         self._follow()
-        if self.handle is not None:
-            self.send(command)
+        if self.handle is not None or self._is_stopped:
+            self._send_or_leave(command)
             return
         self._asked_early.append(command)
+        self._show_early()
         for request in (command.text, *command.then):
             self.note("info", strings.ASKED_EARLY.format(printable(request)))
+
+    @property
+    def _is_stopped(self) -> bool:
+        """What is asked for now was asked for before a key that stops, which has acted when it was read and has not
+        been dealt out yet."""
+        return self._stopped_at > self._dealt_stop and self._stopped_at >= self._acted_at
+
+    def _send_or_leave(self, command: Say) -> None:
+        """Keys count in the order in which they were pressed: what was asked for before a stop does not run after
+        it."""
+        if self._is_stopped:
+            self._leave_unsent(command, self._stopped_by)
+            return
+        self.send(command)
+        self._sent_at = _time.get_time()  # a stop that was read before this moment may have overtaken it
+
+    def _leave_unsent(self, command: Say, by: Literal["interrupt", "estop"]) -> None:
+        """A stop has come before it was sent."""
+        note = strings.LOST_BY.format(reason=strings.REASONS[by])
+        for request in (command.text, *command.then):
+            self._unsent += 1
+            self.drawing.model = self.drawing.model.with_line(Line("lost", printable(request), note))
+        self.redraw()
+
+    def _show_early(self) -> None:
+        """What waits for the engine is shown like all that waits."""
+        texts = (text for command in self._asked_early for text in (command.text, *command.then))
+        self.drawing.model = replace(self.drawing.model, waiting=tuple(Waiting("", printable(text)) for text in texts))
+        self.redraw()
 
     def _follow(self) -> None:
         """The user asks for something: the end of the conversation is in sight again, and the turn that is looked at
@@ -485,6 +556,9 @@ class SaysoApp(Stage):
         Over a slow line to the terminal many arrive at once. The first ones wait until the line has the keyboard."""
         while self._is_ready and self._keys and (self._taker is None or not self._taker.is_attached):
             key, self._taker = self._keys.popleft(), None
+            last = key.keys[-1] if isinstance(key, Burst) else key
+            if last.key not in self.dressing.stop_keys | self.dressing.estop_keys:
+                self._acted_at = last.time
             if isinstance(key, Burst):
                 self._take(key)
                 continue
@@ -508,6 +582,9 @@ class SaysoApp(Stage):
             self._keys.extendleft(reversed(burst.keys))
 
     async def on_key_done(self, message: KeyDone) -> None:
+        if not message.told:  # a request that the key sent may stand behind this, and comes before the next key
+            self.post_message(KeyDone(told=True))
+            return
         self._taker = None
         self.redraw()  # other keys may act now
         await self._deal()

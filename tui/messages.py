@@ -156,7 +156,12 @@ class Seen(Message):
 
 
 class KeyDone(Message):
-    """What a key was dealt out to has taken it, and what it does is done."""
+    """What a key was dealt out to has taken it, and what it does is done; ``told``: what it told the console by a
+    message has come, too."""
+
+    def __init__(self, *, told: bool = False) -> None:
+        super().__init__()
+        self.told = told
 
 
 class HungUp(Message):

@@ -11,6 +11,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Final, Generic, Literal, TypeVar
@@ -24,6 +25,9 @@ from engine.planner.phrases.stopping import is_stop, scope_of
 from engine.states import EXPRESSING, REST
 
 T = TypeVar("T")
+
+KEPT: Final = 64
+"""So many interruptions are known by what they were."""
 
 STOPS: Final[frozenset[Scope | None]] = frozenset({"stop", "estop"})
 """What a request in words may interrupt whatever stands before it."""
@@ -113,6 +117,7 @@ class Inbox(Generic[T]):
         self._queue: asyncio.Queue[Request | T] = asyncio.Queue()
         self._order = threading.Lock()
         self._newest = epoch.current  # of the newest interruption by somebody, not by the robot itself
+        self._raised: deque[tuple[int, Scope | None]] = deque(maxlen=KEPT)  # the newest ones and their epochs
 
     def request(self, command: Command) -> None:
         """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot."""
@@ -125,6 +130,7 @@ class Inbox(Generic[T]):
                 self._press(False)  # meanwhile belongs to an epoch that is over
             if scope not in (None, "halted"):
                 self._newest = epoch
+                self._raised.append((epoch, scope))
             if isinstance(command, Drive):
                 self._hand = epoch
             elif isinstance(command, Say | Added):
@@ -183,6 +189,11 @@ class Inbox(Generic[T]):
         if isinstance(request.command, Added) and request.scope is None:
             return not request.command.adds or request.command.epoch < self._newest
         return request.scope is not None and request.scope not in LASTING and request.epoch < self._newest
+
+    def overtaken_by(self, request: Request) -> Scope | None:
+        """What was the first to interrupt since."""
+        with self._order:
+            return next((scope for epoch, scope in self._raised if epoch > request.epoch), None)
 
     def epoch_for(self, epoch: int) -> int:
         """The epoch in which work of ``epoch`` that has not moved anything yet may go on: the present one, unless

@@ -207,8 +207,12 @@ class Session:
         if self._inbox.is_overtaken(request):
             stopped = scope == "interrupt"  # which is all it was to do
             self._ack(request, "A newer request replaced this one.", ok=stopped)
+            by = self._inbox.overtaken_by(request)
             for one in request.one_by_one():
-                self._end(one, "replaced")
+                if by in (None, "replaced"):
+                    self._end(one, "replaced")
+                else:
+                    self._end(one, "interrupted", by)
             return False
         if isinstance(command, Wake):
             self._bus.publish(events.WakeHeard(command.source, command.phrase, command.angle_deg), epoch=request.epoch)

@@ -180,6 +180,23 @@ def test_a_request_that_a_newer_one_overtakes_before_it_begins_ends_as_replaced(
     converse(test)
 
 
+@pytest.mark.parametrize(
+    ("command", "scope"), [(Interrupt(), "interrupt"), (Wake("key"), "wake"), (Say("stop"), "stop")]
+)
+def test_a_request_that_is_interrupted_before_it_is_looked_at_ends_as_interrupted(
+    command: Command, scope: events.Scope
+) -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go forward 3 metres"))
+        talk.send(command)
+        talk.send(Say("beep"))
+        await talk.pass_time(20)
+        assert ends(talk)[0] == ("go forward 3 metres", "interrupted", scope)
+        assert names(talk) == ["beep"]
+
+    converse(test)
+
+
 def test_one_that_is_turned_away_ends_as_rejected() -> None:
     async def test(talk: Conversation) -> None:
         talk.send(Say("go forward 1 metre"))

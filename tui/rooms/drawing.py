@@ -7,12 +7,13 @@ to show no timer runs: an idle console computes and sends nothing.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 from msgspec.structs import replace
 
 from engine.errors import ExitCode
 from engine.events import ActionProgress, Body, ErrorRaised, Event, InterruptRaised, ListenLevel, Log, RobotStateView
+from engine.states import REST
 from tui.messages import Woken
 from tui.rooms.alerting import Alerting
 from tui.rooms.ending import Ending
@@ -51,6 +52,14 @@ CALM_S: Final = 1.0
 """How often what moves by itself is redrawn where that disturbs somebody."""
 
 
+class _Ended(NamedTuple):
+    """What the engine ended by the key that stops: so many requests that had not begun, a question, or what ran."""
+
+    waiting: int
+    asks: bool
+    ran: bool
+
+
 class Drawing:
     """Holds what the console knows, and brings the screen up to date. In the UI thread."""
 
@@ -73,6 +82,9 @@ class Drawing:
         """What whoever sits here for the first time is told."""
         self.stop_asked = False
         """The key that stops was pressed, and the engine has not yet told what it stopped."""
+        self._stop_dealt = True  # it has been dealt out
+        self._ended_by_stop: _Ended | None = None  # as far as the engine has told
+        self._unsent = 0  # requests that it took before they were sent
         self._stage = stage
         self._sending = sending
         self._viewing = viewing
@@ -125,10 +137,30 @@ class Drawing:
         else:
             self._frames.ask()
 
-    def _tell_stopped(self, before: ConsoleModel) -> None:
-        """The key that stops was pressed while nothing ran: say what it ended, or that there was nothing."""
-        waiting = len(before.waiting)
-        ended = [strings.WITHDRAWN] if before.asks else []
+    def stop_read(self, *, sent: bool) -> None:
+        """The key that stops was read, and ``sent`` to the engine. In the thread that reads."""
+        self._stop_dealt, self._ended_by_stop, self.stop_asked = False, None, sent
+
+    def stop_dealt(self, unsent: int) -> None:
+        """The key that stops has been dealt out, and took so many requests that had not been sent."""
+        if self._stop_dealt and not unsent:
+            return
+        self._stop_dealt = True
+        self._unsent = unsent
+        if not self.stop_asked and self._ended_by_stop is None:  # it was not sent
+            self._ended_by_stop = _Ended(0, asks=False, ran=False)
+        self._tell_stopped()
+
+    def _tell_stopped(self) -> None:
+        """Say what the key that stops ended, or that there was nothing, once all of it is known. Of what ran, the
+        conversation tells."""
+        if (found := self._ended_by_stop) is None or not self._stop_dealt:
+            return
+        waiting = found.waiting + self._unsent
+        self._ended_by_stop, self._unsent = None, 0
+        if found.ran and not waiting:
+            return
+        ended = [strings.WITHDRAWN] if found.asks else []
         ended += [strings.WAITING_DROPPED[waiting == 1].format(waiting)] if waiting else []
         if ended:
             self._stage.remark(" · ".join(ended))
@@ -207,8 +239,12 @@ class Drawing:
             if isinstance(event.body, InterruptRaised) and self.stop_asked:
                 self.stop_asked = False
                 moved = self.view.robot is not None and self.view.robot.moving
-                if event.body.scope == "interrupt" and event.body.state in ("IDLE", "WAITING") and not moved:
-                    self._tell_stopped(before)
+                if event.body.scope == "interrupt" and event.body.state in REST and not moved:
+                    begun = event.turn is not None  # it waits for the robot
+                    self._ended_by_stop = _Ended(len(before.waiting) + begun, asks=before.asks, ran=False)
+                else:
+                    self._ended_by_stop = _Ended(0, asks=False, ran=True)
+                self._tell_stopped()
         if any(isinstance(event.body, Log | ErrorRaised) for event, _ in arrived):
             self._parts_timer.resume()  # a part may have changed
         if not model.busy:

@@ -46,7 +46,6 @@ class Enabling:
             "end_task": lambda: self._hears,
             "type": lambda: self._hears and not self._in_line,
             "add": lambda: self._in_line and stage.main.line.sends,
-            "estop": lambda: stage.handle is not None,
             "release": self._is_pressed,
             "by_hand": lambda: self._hears and not self._is_pressed(),
             "speed": self._has_other_speed,

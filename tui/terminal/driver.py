@@ -25,10 +25,10 @@ import errno
 import os
 import select
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import IO, Any, Final, Protocol, runtime_checkable
 
-from textual import events
+from textual import _time, events
 from textual.driver import Driver
 from textual.keys import Keys
 from textual.message import Message
@@ -159,7 +159,7 @@ def listening_driver(
             parser.on_report = self._report
             decode = codecs.getincrementaldecoder("utf-8")(errors="replace").decode
             escape, bursts = self.lone_escape(), Bursts()
-            incomplete = False
+            incomplete, read_at = False, 0.0
             self.reader = threading.get_native_id()
             while not self.exit_event.is_set():
                 waits = incomplete or escape.held or bursts.held
@@ -173,14 +173,18 @@ def listening_driver(
                     incomplete = data.endswith(ESCAPE)
                     if data.startswith(ESCAPE):
                         self._process(bursts.overdue())
+                    read_at = _time.get_time()
                     typed = self._answers.taken(escape.taken(decode(data)))
                 else:
                     self._process(bursts.overdue())
                     escape.overdue()
                     typed = self._answers.overdue()
                     incomplete = bool(typed)
-                self._process(bursts.taken(parser.feed(typed)) if typed else ())
-                self._process(parser.tick())
+                parsed: Iterable[Message] = parser.feed(typed) if typed else ()
+                if escape.held:  # which has acted, although the keys before it are parsed only now
+                    parsed = _read(parsed, read_at)
+                self._process(bursts.taken(parsed))
+                self._process(bursts.taken(parser.tick()))
 
         def _process(self, messages: Iterable[Message]) -> None:
             for message in messages:
@@ -193,6 +197,13 @@ def listening_driver(
             return b""
 
     return TerminalDriver
+
+
+def _read(messages: Iterable[Message], at: float) -> Iterator[Message]:
+    """These were read at this time."""
+    for message in messages:
+        message.time = at
+        yield message
 
 
 class _Lasting:

@@ -1,0 +1,156 @@
+"""A stop is a stop in every phase, and keys count in the order in which they were pressed."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import pytest
+from textual import events
+
+from engine import events as ev
+from engine.commands import EStop, Interrupt, Say
+from engine.handle import EngineHandle
+from tests.tui.desk import Desk, console
+from tests.tui.scripted import ScriptedEngine
+from tests.tui.test_terminal import session
+from tui.shown.facts import Line
+
+STOPPED = "never begun: the stop key"
+PRESSED = "never begun: the emergency stop"
+
+
+@asynccontextmanager
+async def starting() -> AsyncIterator[tuple[Desk, threading.Event]]:
+    """A console whose engine starts when the event is set."""
+    engine, gate = ScriptedEngine(), threading.Event()
+
+    def start() -> EngineHandle:
+        gate.wait(30)
+        return engine
+
+    async with console(engine, start=start, in_line=True) as desk:
+        try:
+            yield desk, gate
+        finally:
+            gate.set()
+
+
+def lost(desk: Desk) -> list[Line]:
+    return [line for line in desk.app.drawing.model.conversation if line.who == "lost"]
+
+
+async def there(desk: Desk) -> None:
+    await desk.until(lambda: desk.app.handle is not None)
+    await desk.settled()
+
+
+# While the engine starts
+
+
+async def test_what_is_asked_for_while_the_engine_starts_is_shown_as_waiting_at_once() -> None:
+    async with starting() as (desk, gate):
+        await desk.press(*"nod", "enter", *"beep", "ctrl+j")
+        assert [one.text for one in desk.app.shown.model.waiting] == ["nod", "beep"]
+        gate.set()
+        await there(desk)
+        assert desk.engine.sent == [Say("nod"), Say("beep", wait=True)]
+        assert desk.app.shown.model.waiting == ()
+
+
+async def test_esc_while_the_engine_starts_drops_what_was_asked_for_and_tells_it() -> None:
+    async with starting() as (desk, gate):
+        await desk.press(*"nod", "enter", *"beep", "ctrl+j", "escape")
+        assert lost(desk) == [Line("lost", "nod", STOPPED), Line("lost", "beep", STOPPED)]
+        assert "2 waiting requests dropped" in desk.text
+        assert desk.app.shown.model.waiting == ()
+        gate.set()
+        await there(desk)
+        assert desk.engine.sent == []
+
+
+async def test_esc_that_is_read_before_the_engine_is_there_and_dealt_out_after_it_drops_it_too() -> None:
+    async with starting() as (desk, gate):
+        await desk.press(*"nod", "enter")
+        desk.app._key_arrived("escape")
+        gate.set()
+        await there(desk)
+        assert desk.engine.sent == []
+        assert lost(desk) == [Line("lost", "nod", STOPPED)]
+        await desk.press("escape")
+        desk.engine.publish(ev.InterruptRaised("interrupt", "interrupt", "IDLE"), turn=None)
+        await desk.settled()
+        assert "1 waiting request dropped" in desk.text
+
+
+@pytest.mark.parametrize("dealt", [True, False])
+async def test_the_emergency_stop_is_pressed_once_the_engine_is_there(*, dealt: bool) -> None:
+    async with starting() as (desk, gate):
+        await desk.press(*"nod", "enter")
+        if dealt:
+            await desk.press("ctrl+x")
+            assert "pressed as soon as the engine is there" in desk.text
+        else:
+            desk.app._key_arrived("ctrl+x")
+        gate.set()
+        await there(desk)
+        assert desk.engine.sent == [EStop()]
+        assert lost(desk) == [Line("lost", "nod", PRESSED)]
+
+
+async def test_esc_while_the_engine_starts_and_nothing_was_asked_for_stops_nothing() -> None:
+    async with starting() as (desk, _):
+        await desk.press("escape")
+        assert "Nothing to stop" in desk.text
+
+
+# When it is there
+
+
+async def test_a_request_whose_key_was_pressed_before_the_stop_is_not_sent_after_it() -> None:
+    async with console(in_line=True) as desk:
+        await desk.press(*"nod")
+        enter = events.Key("enter", "\r")
+        desk.app._key_arrived("escape")
+        desk.app.post_message(enter)
+        await desk.until(lambda: lost(desk))
+        assert desk.engine.sent == [Interrupt()]
+        assert lost(desk) == [Line("lost", "nod", STOPPED)]
+        await desk.press("escape", *"beep", "enter")
+        assert desk.engine.sent[-1] == Say("beep")
+
+
+async def test_a_request_behind_a_stop_is_sent_also_where_that_was_never_dealt_out() -> None:
+    async with console(in_line=True) as desk:
+        desk.app._key_arrived("escape")  # what began with it was another key
+        await desk.press(*"nod", "enter")
+        assert desk.engine.sent == [Interrupt(), Say("nod")]
+
+
+@pytest.mark.parametrize(("key", "command"), [("\x1b", "interrupt"), ("\x18", "estop")])
+def test_a_key_that_stops_in_one_read_with_the_enter_before_it_stops_that_request(key: str, command: str) -> None:
+    with session() as terminal:
+        terminal.read_until(b"LISTENING")
+        assert terminal.next_command() == "started"
+        os.write(terminal.terminal, b"nod")
+        terminal.read_until(b"nod")
+        os.write(terminal.terminal, b"\r" + key.encode())
+        assert terminal.next_command() == command
+        terminal.read_until(b"never begun")
+        os.write(terminal.terminal, b"\x18")
+        assert terminal.next_command() == "estop", "nothing was said"
+
+
+async def test_a_turn_that_is_stopped_before_it_has_a_state_has_its_row_and_is_counted() -> None:
+    async with console(in_line=True) as desk:
+        desk.engine.publish(ev.TranscriptFinal("go to the bedroom", "text", "en", 1.0, 0.0, 0.0, 0.0, 0.0))
+        waiting = ev.WaitingRequest("R2", "nod", None)
+        desk.engine.publish(ev.RequestsWaiting(("nod",), (waiting,)))
+        await desk.press("escape")
+        desk.engine.publish(ev.InterruptRaised("interrupt", "interrupt", "IDLE"))
+        await desk.settled()
+        assert desk.app.shown.model.conversation[-1] == Line("mark", "stopped", "interrupt")
+        assert "2 waiting requests dropped" in desk.text
+        assert "Nothing to stop" not in desk.text
