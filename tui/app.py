@@ -254,7 +254,7 @@ class SaysoApp(Stage):
         problem = replace(problem, message=printable(problem.message), hint=printable(problem.hint))
         if message.fatal:
             self.leaving.failed(code)
-        model = self.drawing.model.with_log("error", "engine", problem.message)
+        model = self.drawing.model.with_log("error", "engine", problem.message, t=self.drawing.time)
         self.drawing.model = replace(model, problem=problem)
         self.redraw()
 

@@ -139,7 +139,7 @@ class Drawing:
 
     def log(self, level: Literal["info", "warning", "error"], text: str) -> None:
         """A line in the log that the console itself has to tell."""
-        self.model = self.model.with_log(level, "console", text)
+        self.model = self.model.with_log(level, "console", text, t=self.time)
         self._frames.ask()
 
     def pace(self, fps: float | None = None) -> None:
@@ -233,12 +233,17 @@ class Drawing:
             self._viewing.hurry()
         return moving
 
+    @property
+    def time(self) -> float:
+        """What the clock of the events says now; before there is any, the time of the newest."""
+        return max(self.model.t, self._stage.clock() - self._lag)
+
     def _view(self) -> View:
         stage, model, handle = self._stage, self.model, self._stage.handle
         bare = self._sending.fare == "bare"
         view = View(
             model=model,
-            now=max(model.t, stage.clock() - self._lag),
+            now=self.time,
             started=handle is not None,
             notice=self._notice(),
             newest=stage.acting("newest") or "" if stage.main.reads_conversation else "",
@@ -324,7 +329,7 @@ class Drawing:
         match self._watchdog.look(stage.clock(), stage.handle.pulse()):
             case "silent":
                 keys = stage.shown_keys
-                self.model = engine_is_silent(self.model, stop=keys["interrupt"], leave=keys["leave_now"])
+                self.model = engine_is_silent(self.model, stop=keys["interrupt"], leave=keys["leave_now"], t=self.time)
             case "back":
                 self.model = engine_is_back(self.model)
             case None:

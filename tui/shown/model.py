@@ -104,9 +104,16 @@ class ConsoleModel(Struct, frozen=True):
         return replace(self, conversation=(*self.conversation[1 - MAX_LINES :], line))
 
     def with_log(
-        self, level: Literal["debug", "info", "warning", "error"], source: str, text: str, turn: str | None = None
+        self,
+        level: Literal["debug", "info", "warning", "error"],
+        source: str,
+        text: str,
+        turn: str | None = None,
+        *,
+        t: float | None = None,
     ) -> ConsoleModel:
-        line = LogLine(self.t, level, printable(source), printable(text), turn)
+        """One more line; it was written at event time ``t``, or with the newest event."""
+        line = LogLine(self.t if t is None else t, level, printable(source), printable(text), turn)
         return replace(self, log=(*self.log[1 - MAX_LINES :], line))
 
     def with_row(self, row: Row) -> ConsoleModel:
