@@ -214,6 +214,8 @@ def _(body: ev.QuestionEnded, model: ConsoleModel, event: ev.Event) -> ConsoleMo
         model = replace(model, plan=None)
     if body.outcome == "replaced":
         return model.with_line(Line("lost", printable(body.text), strings.REPLACED_ASKED))
+    if body.outcome == "declined":
+        return model.with_line(Line("lost", printable(body.text), strings.DECLINED))
     if body.by is None:  # what was said instead of an answer has a row
         return model
     note = strings.QUESTION_WITHDRAWN.format(reason=strings.REASONS[body.by])

@@ -261,6 +261,7 @@ LOST: Final = {
 LOST_BY: Final = "never begun: {reason}"
 REPLACED_PLANNING: Final = "replaced while it was planned"
 REPLACED_ASKED: Final = "replaced while it was asked about"
+DECLINED: Final = "given up: the answer was no order"
 QUESTION_WITHDRAWN: Final = "question withdrawn: {reason}"
 REPLACED: Final = "replaced by a newer request"
 NEW_TASK: Final = "new task"

@@ -251,6 +251,7 @@ LOST: Final = {
 LOST_BY: Final = "没有开始：{reason}"
 REPLACED_PLANNING: Final = "规划时被取代"
 REPLACED_ASKED: Final = "询问时被取代"
+DECLINED: Final = "放弃：回答不是指令"
 QUESTION_WITHDRAWN: Final = "问题已撤回：{reason}"
 REPLACED: Final = "被新的请求取代"
 NEW_TASK: Final = "新任务"
