@@ -20,6 +20,7 @@ from tui.rooms.noticing import Noticing
 from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
 from tui.screens.pages import Following
+from tui.shown.facts import Line
 from tui.shown.model import ConsoleModel
 from tui.shown.view import RELEASE, Hint, View
 from tui.shown.watchdog import INTERVAL_S, Watchdog, engine_is_back, engine_is_silent, robot_is_back
@@ -152,6 +153,11 @@ class Drawing:
     def taken_back(self, request: str) -> None:
         """The waiting request of this id is dropped only to stand in the line."""
         self.model = replace(self.model, taken_back=request)
+
+    def left_out(self, text: str) -> None:
+        """A request that stood in the line is not wanted any more."""
+        self.model = self.model.with_line(Line("lost", text, strings.LOST["dropped"]))
+        self._frames.ask()
 
     def browse(self, step: int) -> None:
         """Look at another turn; beyond the newest one, at whichever is the newest."""
