@@ -221,11 +221,12 @@ class RequestEnded(Body, frozen=True):
 class QuestionEnded(Body, frozen=True):
     """What the robot asked about a request is not open any more. The envelope's turn is the one that asked.
 
-    ``answered``: what was said next is the answer, or says no. ``replaced``: another request came in its place.
+    ``answered``: what was said next is the answer. ``declined``: it says no, or is no order, and the request is given
+    up. ``replaced``: another request came in its place.
     ``withdrawn``: it was interrupted, or what was said next asks for nothing."""
 
     text: str  # the request that it was asked about
-    outcome: Literal["answered", "replaced", "withdrawn"]
+    outcome: Literal["answered", "declined", "replaced", "withdrawn"]
     by: Scope | None = None  # what interrupted it
 
 

@@ -139,7 +139,7 @@ class SaysoApp(Stage):
         self.drawing = Drawing(self, self.sending, self.viewing, self.leaving, lambda: self.notice, fps)
         self.enabling = Enabling(self, self.drawing, self.leaving, one_line=one_line)
         self.keeping = Keeping(self)
-        self.queueing = Queueing(self, self.keeping)
+        self.queueing = Queueing(self, self.drawing, self.keeping)
         self.examining = Examining(self, self.keeping)
         self.dressing = Dressing(self, Rooms(self.drawing, self.viewing, self.examining, self.leaving))
         self.drawing.on_event = self._heard
@@ -266,7 +266,7 @@ class SaysoApp(Stage):
         problem = replace(problem, message=printable(problem.message), hint=printable(problem.hint))
         if message.fatal:
             self.leaving.failed(code)
-        model = self.drawing.model.with_log("error", "engine", problem.message)
+        model = self.drawing.model.with_log("error", "engine", problem.message, t=self.drawing.time)
         self.drawing.model = replace(model, problem=problem)
         self.redraw()
 
@@ -428,8 +428,7 @@ class SaysoApp(Stage):
         self.queueing.move(message.request, message.before)
 
     def on_action_queue_taken_back(self, message: ActionQueue.TakenBack) -> None:
-        self.drawing.taken_back(message.request.id)
-        self.queueing.take_back(message.request, message.before)
+        self.queueing.take_back(message.request)
 
     def action_resume(self) -> None:
         self._follow_up("resume")

@@ -13,6 +13,7 @@ from textual.app import App
 from textual.binding import BindingsMap
 from textual.dom import DOMNode
 from textual.driver import Driver
+from textual.notifications import Notification
 from textual.screen import Screen
 from textual.widget import Widget
 
@@ -93,6 +94,11 @@ class Stage(App[None]):
     def remark(self, text: str) -> None:
         """Something that stands in the status line for a while."""
         raise NotImplementedError
+
+    def withdraw(self, box: Notification) -> None:
+        """Take a notification away, if it still stands."""
+        if box in self._notifications:
+            self._unnotify(box)
 
     def draw(self) -> None:
         """Bring what is on the screen up to date at once."""

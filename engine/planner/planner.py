@@ -133,7 +133,7 @@ class Planner:
     @staticmethod
     def _is_answer(found: Plan | NoPlan, heard: Heard) -> bool:
         """Whether what was said answers the robot's question by itself: a no, or one of the names that it has named."""
-        if isinstance(found, NoPlan) and found.code == "no_order":
+        if isinstance(found, NoPlan) and found.is_no_order:
             return True
         question = last_question(heard.request.happened)
         named = question.suggestions if question is not None and question.code == "did_you_mean" else ()

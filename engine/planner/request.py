@@ -44,9 +44,14 @@ class NoPlan:
         return not self.answer or self.code.startswith("model_")
 
     @property
+    def is_no_order(self) -> bool:
+        """What was said forbids something, or is talk: it asks for nothing."""
+        return self.code == "no_order"
+
+    @property
     def leaves_open(self) -> bool:
         """An answer would complete the request; of what was no order nothing is open."""
-        return self.exit_code is ExitCode.CLARIFY and self.code != "no_order"
+        return self.exit_code is ExitCode.CLARIFY and not self.is_no_order
 
     def as_written(self) -> str:
         """The same as a model would write it."""

@@ -480,6 +480,9 @@ class Session:
             return
         if answered:
             self._about = question.about
+        if isinstance(found, NoPlan) and found.is_no_order:
+            self._tell_question(question, "declined")
+            return
         nothing = isinstance(found, Plan) and not found.actions
         self._tell_question(question, "answered" if answered else "withdrawn" if nothing else "replaced")
 
@@ -491,7 +494,10 @@ class Session:
             self._tell_question(question, "withdrawn", scope)
 
     def _tell_question(
-        self, question: Question, outcome: Literal["answered", "replaced", "withdrawn"], scope: Scope | None = None
+        self,
+        question: Question,
+        outcome: Literal["answered", "declined", "replaced", "withdrawn"],
+        scope: Scope | None = None,
     ) -> None:
         ended = events.QuestionEnded(question.about, outcome, scope)
         self._bus.publish(ended, turn=question.turn, epoch=self._epoch.current)

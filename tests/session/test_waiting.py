@@ -398,7 +398,8 @@ def questions(talk: Conversation) -> list[tuple[str, str, events.Scope | None]]:
 @pytest.mark.parametrize(
     ("said", "outcome"),
     [
-        ("yes", "answered"), ("no", "answered"), ("the kitchen", "answered"), ("turn left 90 degrees", "replaced"),
+        ("yes", "answered"), ("no", "declined"), ("don't go to the kitchen", "declined"), ("don't", "declined"),
+        ("the kitchen", "answered"), ("turn left 90 degrees", "replaced"),
         ("snorf the blick", "answered"), ("go to the laundry", "replaced"), ("thank you", "withdrawn"),
     ],
 )  # fmt: skip

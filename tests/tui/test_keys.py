@@ -507,15 +507,62 @@ async def test_plus_and_minus_set_the_speed_limit_and_so_does_a_click_on_them() 
                 desk.engine.robot = replace(desk.engine.robot, speed_limit=command.share)
 
         desk.engine.on_command = limit
-        assert "− fast +" in desk.text
+        assert "Robot · − fast ─" in desk.text, "it may not drive any faster"
         await desk.press("minus", "minus")
         assert "− medium +" in desk.text
         await desk.press("plus")
         assert desk.engine.sent == [LimitSpeed(0.75), LimitSpeed(0.5), LimitSpeed(0.75)]
-        for sign, words in (("−", "− medium +"), ("+", "− quick +"), ("+", "− fast +"), ("+", "− fast +")):
+        for sign, words in (("−", "− medium +"), ("+", "− quick +"), ("+", "− fast ─")):
             rows = desk.text.splitlines()
             y = next(number for number, row in enumerate(rows) if "Robot · −" in row)
             at = rows[y].index("Robot · −")
             await desk.pilot.click(offset=(rows[y].index(sign, at), y))
             await desk.settled()
             assert words in desk.text
+
+
+@pytest.mark.parametrize(
+    ("keys", "title"),
+    [
+        ((), "Robot · − medium + ─"),
+        (("slash",), "Robot · − medium + ─"),
+        (("slash", *"turn"), "Robot · medium ─"),
+        (("slash", *"turn", "ctrl+u"), "Robot · − medium + ─"),
+        (("g",), "Robot · medium ─"),
+        (("g", "backspace"), "Robot · − medium + ─"),
+    ],
+)
+@pytest.mark.parametrize("size", [(120, 40), (80, 24)])
+async def test_the_keys_of_the_speed_limit_are_named_only_where_they_change_it(
+    keys: tuple[str, ...], title: str, size: tuple[int, int]
+) -> None:
+    async with console(size=size) as desk:
+        assert desk.engine.robot is not None
+        desk.engine.robot = replace(desk.engine.robot, speed_limit=0.5)
+        desk.app.redraw()
+        await desk.press(*keys)
+        await desk.settled()
+        assert title in desk.text
+
+
+async def test_on_the_map_that_zooms_by_the_same_keys_they_are_not_named_at_the_speed_limit() -> None:
+    async with console() as desk:
+        assert desk.engine.robot is not None
+        desk.engine.robot = replace(desk.engine.robot, speed_limit=0.5)
+        await desk.press("m")
+        await desk.settled()
+        assert "Robot · medium ─" in desk.text
+
+
+async def test_the_speed_limit_names_the_keys_that_somebody_has_chosen_and_a_click_on_them_counts() -> None:
+    async with console(keymap={"speed_down": "f7", "speed_up": "f8"}) as desk:
+        assert desk.engine.robot is not None
+        desk.engine.robot = replace(desk.engine.robot, speed_limit=0.5)
+        await desk.press("slash", *"turn")
+        await desk.settled()
+        assert "Robot · f7 medium f8" in desk.text, "keys that are no text act while somebody types"
+        row, line = next((y, line) for y, line in enumerate(desk.text.splitlines()) if "f7 medium f8" in line)
+        for key, share in (("f7", 0.25), ("f8", 0.75)):
+            await desk.pilot.click(offset=(line.index(f"{key} ", line.index("Robot")), row))
+            await desk.settled()
+            assert desk.engine.sent[-1] == LimitSpeed(share)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from engine import events as ev
 from tests.tui import conversation as talk
 from tests.tui.desk import Desk, console
@@ -37,6 +39,20 @@ async def test_levels_leave_out_what_is_less_serious_and_come_round_again() -> N
         assert messages(desk) == ["three", "five"]
         await desk.press("v")
         assert messages(desk) == ["one", "two", "three", "four", "five"]
+
+
+async def test_a_line_of_the_console_itself_carries_the_time_at_which_it_was_written() -> None:
+    async with console() as desk:
+        desk.engine.publish(ev.Log("info", "camera", "ready"), after=4.21)
+        await desk.settled()
+        (ready,) = log(desk).known[-1:]
+        began = desk.app.clock()
+        desk.app.clock = lambda: began + 20.0
+        desk.app.note("info", "no turn to copy")
+        await desk.press("5")
+        told = log(desk).known[-1]
+        assert (told.source, told.message) == ("console", "no turn to copy")
+        assert told.t - ready.t == pytest.approx(20.0), "in the clock of the other lines"
 
 
 async def test_one_part_after_the_other_is_shown_and_then_all() -> None:

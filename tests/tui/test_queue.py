@@ -222,6 +222,112 @@ async def test_who_empties_the_line_and_begins_anew_asks_for_something_else() ->
         assert desk.engine.sent == [Drop("R1"), Say("nod")]
 
 
+async def take_back(desk: Desk, number: int, *others: ev.WaitingRequest) -> None:
+    """Take this one of three back, at which somebody is; the ``others`` wait then."""
+    request = WAITING[number - 1]
+    await desk.press("enter")
+    assert desk.engine.sent[-1] == Drop(request.request)
+    desk.engine.publish(ev.RequestEnded(request.request, request.text, "dropped"), turn=None)
+    desk.engine.publish(waits(*others), turn=None)
+    await desk.until(lambda: desk.app.main.line.value == request.text)
+    await desk.settled()
+
+
+async def test_one_that_was_taken_back_goes_behind_all_others_by_the_key_that_adds() -> None:
+    async with waiting() as desk:
+        await take_back(desk, 1, *WAITING[1:])
+        await desk.press("ctrl+j")
+        said = desk.engine.sent[-1]
+        assert said == Say("beep", wait=True)
+        desk.engine.publish(waits(*WAITING[1:], ev.WaitingRequest("R4", "beep")), turn=None)
+        await desk.settled()
+        assert desk.engine.sent[-1] == said, "nobody moves it"
+        assert "dropped" not in desk.text
+
+
+async def test_one_that_was_taken_back_waits_before_the_next_that_still_does() -> None:
+    async with waiting() as desk:
+        await take_back(desk, 1, *WAITING[1:])
+        await desk.press("enter")
+        said = desk.engine.sent[-1]
+        assert isinstance(said, Say)
+        desk.engine.publish(waits(WAITING[2], ev.WaitingRequest("R4", "beep", said.id)), turn=None)
+        await desk.until(lambda: desk.engine.sent[-1] == Move("R4", "R3"))
+
+
+@pytest.mark.parametrize("keys", [("ctrl+u",), ("ctrl+u", "enter"), ("backspace",) * 9, ("ctrl+u", *"nod", "enter")])
+async def test_one_that_was_taken_back_and_left_out_has_a_row(keys: tuple[str, ...]) -> None:
+    async with waiting() as desk:
+        await take_back(desk, 1, *WAITING[1:])
+        assert "dropped" not in desk.text
+        await desk.press(*keys)
+        await desk.settled()
+        assert desk.text.count("■  beep  dropped") == 1
+        assert not any(isinstance(command, Say) and command.text == "beep" for command in desk.engine.sent)
+
+
+@pytest.mark.parametrize("keys", [("enter",), ("ctrl+j",), ("ctrl+u",), ("backspace",) * 9])
+async def test_what_stood_in_the_line_comes_back_when_that_which_was_taken_back_is_gone(keys: tuple[str, ...]) -> None:
+    async with console(in_line=True) as desk:
+        desk.engine.play(scripted.acting())
+        desk.engine.publish(waits(*WAITING), turn=None)
+        await desk.press(*"turn", "ctrl+g", "3")
+        await take_back(desk, 1, *WAITING[1:])
+        await desk.press(*keys)
+        await desk.settled()
+        line = desk.app.main.line
+        assert (line.value, line.cursor_position, line.has_focus) == ("turn", 4, True)
+        await desk.press(*" left", "enter")
+        assert desk.engine.sent[-1] == Say("turn left")
+
+
+@pytest.mark.parametrize("keys", [("enter",), ("ctrl+j",), ("ctrl+u",)])
+@pytest.mark.parametrize("size", [(160, 40), (60, 20)])
+async def test_how_it_goes_back_is_told_only_as_long_as_it_stands_in_the_line(
+    size: tuple[int, int], keys: tuple[str, ...]
+) -> None:
+    words = "puts it back into its"
+    async with console(size=size, notices=True) as desk:
+        desk.engine.play(scripted.acting())
+        desk.engine.publish(waits(*WAITING), turn=None)
+        await desk.press("3")
+        await take_back(desk, 1, *WAITING[1:])
+        await desk.until(lambda: words in desk.text)
+        await desk.press(*keys)
+        await desk.settled()
+        await desk.pilot.pause()
+        assert words not in desk.text
+
+
+async def test_who_takes_a_second_one_back_puts_the_first_back_as_it_was() -> None:
+    async with console(size=(60, 20), notices=True) as desk:
+        desk.engine.play(scripted.acting())
+        desk.engine.publish(waits(*WAITING), turn=None)
+        await desk.press("3", "down")
+        await take_back(desk, 2, WAITING[0], WAITING[2])
+        await desk.press(*" twice", "ctrl+g", "3", "up", "enter")
+        again, dropped = desk.engine.sent[-2:]
+        assert isinstance(again, Say)
+        assert (again.text, again.wait) == ("nod", True), "nobody has sent what became of it"
+        assert dropped == Drop("R1")
+        desk.engine.publish(ev.RequestEnded("R1", "beep", "dropped"), turn=None)
+        nod = ev.WaitingRequest("R4", "nod", again.id)
+        desk.engine.publish(waits(WAITING[2], nod), turn=None)
+        await desk.until(lambda: desk.app.main.line.value == "beep")
+        assert desk.engine.sent[-1] == Move("R4", "R3"), "into its place"
+        desk.engine.publish(waits(nod, WAITING[2]), turn=None)
+        await desk.until(lambda: "puts it back into its" in desk.text)
+        await desk.settled()
+        assert desk.text.count("puts it back into its") == 1, "it is told once"
+        await desk.press("enter")
+        beep = desk.engine.sent[-1]
+        assert isinstance(beep, Say)
+        desk.engine.publish(waits(nod, WAITING[2], ev.WaitingRequest("R5", "beep", beep.id)), turn=None)
+        await desk.until(lambda: desk.engine.sent[-1] == Move("R5", "R4"))
+        assert desk.app.main.line.value == ""
+        assert "dropped" not in desk.text
+
+
 async def test_one_that_has_begun_meanwhile_is_not_taken_back() -> None:
     async with waiting() as desk:
         await desk.press("enter")
@@ -344,6 +450,7 @@ def ask_about_a_bedroom(desk: Desk, *, waiting: int) -> None:
             ev.QuestionEnded("go to the bedrom", "withdrawn", "interrupt"),
             "■  go to the bedrom  question withdrawn: the stop key",
         ),
+        (ev.QuestionEnded("go to the bedrom", "declined"), "■  go to the bedrom  given up: the answer was no order"),
         (ev.QuestionEnded("go to the bedrom", "withdrawn"), ""),
         (ev.QuestionEnded("go to the bedrom", "answered"), ""),
     ],

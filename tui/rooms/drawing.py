@@ -22,6 +22,7 @@ from tui.rooms.noticing import Noticing
 from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
 from tui.screens.pages import Following
+from tui.shown.facts import Line
 from tui.shown.model import ConsoleModel
 from tui.shown.view import RELEASE, Hint, View
 from tui.shown.watchdog import INTERVAL_S, Watchdog, engine_is_back, engine_is_silent, robot_is_back
@@ -173,7 +174,7 @@ class Drawing:
 
     def log(self, level: Literal["info", "warning", "error"], text: str) -> None:
         """A line in the log that the console itself has to tell."""
-        self.model = self.model.with_log(level, "console", text)
+        self.model = self.model.with_log(level, "console", text, t=self.time)
         self._frames.ask()
 
     def pace(self, fps: float | None = None) -> None:
@@ -186,6 +187,11 @@ class Drawing:
     def taken_back(self, request: str) -> None:
         """The waiting request of this id is dropped only to stand in the line."""
         self.model = replace(self.model, taken_back=request)
+
+    def left_out(self, text: str) -> None:
+        """A request that stood in the line is not wanted any more."""
+        self.model = self.model.with_line(Line("lost", text, strings.LOST["dropped"]))
+        self._frames.ask()
 
     def browse(self, step: int) -> None:
         """Look at another turn; beyond the newest one, at whichever is the newest."""
@@ -274,12 +280,17 @@ class Drawing:
             self._viewing.hurry()
         return moving
 
+    @property
+    def time(self) -> float:
+        """What the clock of the events says now; before there is any, the time of the newest."""
+        return max(self.model.t, self._stage.clock() - self._lag)
+
     def _view(self) -> View:
         stage, model, handle = self._stage, self.model, self._stage.handle
         bare = self._sending.fare == "bare"
         view = View(
             model=model,
-            now=max(model.t, stage.clock() - self._lag),
+            now=self.time,
             started=handle is not None,
             notice=self._notice(),
             newest=stage.acting("newest") or "" if stage.main.reads_conversation else "",
@@ -372,7 +383,7 @@ class Drawing:
         match self._watchdog.look(stage.clock(), stage.handle.pulse()):
             case "silent":
                 keys = stage.shown_keys
-                self.model = engine_is_silent(self.model, stop=keys["interrupt"], leave=keys["leave_now"])
+                self.model = engine_is_silent(self.model, stop=keys["interrupt"], leave=keys["leave_now"], t=self.time)
             case "back":
                 self.model = engine_is_back(self.model)
             case None:

@@ -8,6 +8,8 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING, Final, Literal
 
+from textual.notifications import Notification, Notify
+
 from engine.errors import StorageError
 from tui.messages import Told
 from tui.screens.pages import Copied
@@ -36,6 +38,7 @@ class Keeping:
         """It is true only while nothing is under way."""
         self._stage = stage
         self._untold: Timer | None = None
+        self._boxes: dict[str, Notification] = {}  # what was told over the screen, by its words
         self._copied: Part | None = None  # while the status line says so
 
     def copy(self) -> None:
@@ -76,8 +79,23 @@ class Keeping:
         stage = self._stage
         if file or level == "error" or not has_room(self.told, stage.shown, stage.size.width):
             severity: Literal["error", "information"] = "error" if level == "error" else "information"
-            stage.notify(marked_up(self.told, printable(file)), severity=severity, timeout=TOLD_S)
+            self._clear(self.told)
+            box = Notification(marked_up(self.told, printable(file)), severity=severity, timeout=TOLD_S)
+            self._boxes[self.told] = box
+            stage.post_message(Notify(box))
         stage.note(level, self.told)
+
+    def take_away(self, text: str) -> None:
+        """What was told is over: it stands nowhere any longer but in the log."""
+        text = printable(text)
+        self._clear(text)
+        if self.told == text:
+            self.forget()
+
+    def _clear(self, told: str) -> None:
+        """Nothing over the screen says this any more."""
+        if (box := self._boxes.pop(told, None)) is not None:
+            self._stage.call_later(self._stage.withdraw, box)  # behind the message that brings it
 
     def remark(self, text: str, *, while_still: bool = True) -> None:
         """In the status line for a while; ``while_still``: unless something begins."""

@@ -1,35 +1,54 @@
 """The requests that wait: dropped, moved, and taken back into the line to be changed.
 
 One that is taken back is dropped first, and comes into the line once the engine says so: in that moment it may have
-begun. What is made of it waits again, in its old place, and interrupts nothing.
+begun. What is made of it waits again, in its old place or behind all others, and interrupts nothing. Who empties the
+line leaves it out, which has a row. What stood in the line before comes back into it afterwards.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from engine import events as ev
 from engine.commands import Drop, Move, Say
+from tui.widgets.ask import requests_of
 from tui.words import strings
 from tui.words.hints import hint_line
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from tui.rooms.drawing import Drawing
     from tui.rooms.keeping import Keeping
     from tui.shown.facts import Waiting
     from tui.stage import Stage
 
 
+@dataclass(slots=True)
+class _Taken:
+    """A request that is taken back into the line."""
+
+    request: Waiting
+    behind: tuple[str, ...]
+    """Those that waited behind it, next first: each by its id, or by the id of the command that asked for it."""
+    draft: str = ""
+    """What stood in the line before."""
+    written: bool = False
+    """The line has told that it is there."""
+
+
 class Queueing:
     """In the UI thread."""
 
-    def __init__(self, stage: Stage, keeping: Keeping) -> None:
+    def __init__(self, stage: Stage, drawing: Drawing, keeping: Keeping) -> None:
         self._stage = stage
+        self._drawing = drawing
         self._keeping = keeping
-        self._wanted: Waiting | None = None  # it is to be taken back, and nobody has said that it is
-        self._behind: str | None = None  # the request before which it stood
-        self._changing = False  # it is in the line
-        self._emptied = False  # nothing is in the line any more
-        self._sent = ""  # the id of the command by which it was sent again
+        self._wanted: _Taken | None = None  # it is to be taken back, and nobody has said that it is
+        self._changing: _Taken | None = None  # it is in the line
+        self._told = ""  # how that goes back
+        self._sent: dict[str, tuple[str, ...]] = {}  # what waited behind those that are sent again, by their commands
 
     def drop(self, request: Waiting) -> None:
         """It is not wanted any more."""
@@ -39,44 +58,85 @@ class Queueing:
         """It is to begin before another one, or after all of them."""
         self._stage.send(Move(request.id, before))
 
-    def take_back(self, request: Waiting, before: str | None) -> None:
-        """It is to be changed; it stood ``before`` another one, or was the last."""
-        self._wanted, self._behind = request, before
+    def take_back(self, request: Waiting) -> None:
+        """It is to be changed. One that is in the line already goes back as it was: nobody has sent what became of
+        it."""
+        if self._wanted is not None and self._wanted.request.id == request.id:
+            return
+        ids = [one.id for one in self._stage.shown.model.waiting]
+        behind = tuple(ids[ids.index(request.id) + 1 :]) if request.id in ids else ()
+        if (before := self._changing) is not None:
+            self._end()
+            self._stage.main.line.write(before.draft)
+            sent = self._again(before, requests_of(before.request.text) or (before.request.text,))
+            self._stage.send(sent)
+            if sent.id is not None and before.behind[:1] == behind[:1]:  # it stood between this one and the next
+                behind = (sent.id, *behind)
+        self._wanted = _Taken(request, behind)
+        self._drawing.taken_back(request.id)
         self._stage.send(Drop(request.id))
 
     def hear(self, body: ev.Body) -> None:
         """What has become of it."""
         match body:
-            case ev.RequestEnded() if self._wanted is not None and body.request == self._wanted.id:
-                text, self._wanted = self._wanted.text, None
+            case ev.RequestEnded() if self._wanted is not None and body.request == self._wanted.request.id:
+                taken, self._wanted = self._wanted, None
                 if body.outcome == "dropped":
-                    self._changing, self._emptied = True, False
+                    line = self._stage.main.line
+                    taken.draft, self._changing = line.value, taken
                     self._stage.main.type()
-                    self._stage.main.line.write(text)
-                    self._keeping.tell(hint_line(strings.TAKEN_BACK, self._stage.acting))
+                    line.write(taken.request.text)
+                    self._told = hint_line(strings.TAKEN_BACK, self._stage.acting)
+                    self._keeping.tell(self._told)
             case ev.Ack(do="drop", ok=False) if self._wanted is not None:
                 self._wanted = None
                 self._keeping.tell(strings.TAKEN_BACK_TOO_LATE)
             case ev.RequestsWaiting() if self._sent:
-                sent = next((one for one in body.requests if one.sent_as == self._sent), None)
-                if sent is not None:
-                    self._sent = ""
-                    if any(one.request == self._behind for one in body.requests):
-                        self._stage.send(Move(sent.request, self._behind))
+                for one in body.requests:
+                    if one.sent_as is not None and one.sent_as in self._sent:
+                        self._put(one.sent_as, body.requests)
+
+    def _put(self, sent: str, waiting: Sequence[ev.WaitingRequest]) -> None:
+        """What was sent again waits: have it do so before the first that still does of those that were behind it."""
+        behind = self._sent.pop(sent)
+        following = (one.request for mark in behind for one in waiting if mark in (one.request, one.sent_as))
+        if (before := next(following, None)) is not None:
+            for one in waiting:
+                if one.sent_as == sent:
+                    self._stage.send(Move(one.request, before))
 
     def written(self, text: str) -> None:
-        """This stands in the line now. Who empties it and begins anew asks for something else."""
-        if not text:
-            self._emptied = True
-        elif self._emptied:
-            self._changing = self._emptied = False
+        """This stands in the line now. Who empties it leaves out what was taken back."""
+        taken = self._changing
+        if taken is None:
+            return
+        if text:
+            taken.written = True
+        elif taken.written:  # else it was empty before
+            self._end()
+            self._drawing.left_out(taken.request.text)
+            if not self._stage.main.line.value:
+                self._stage.main.line.write(taken.draft)
 
     def asked(self, text: str, *then: str, waits: bool = False) -> Say:
         """The command for what was in the line; ``waits``: it is done after all that was asked for before."""
-        changing, self._changing, self._emptied = self._changing, False, False
-        if not changing:
+        taken = self._changing
+        if taken is None:
             return Say(text, then=then, wait=waits)
+        self._end()
+        if not self._stage.main.line.value:
+            self._stage.main.line.write(taken.draft)
+        return Say(text, then=then, wait=True) if waits else self._again(taken, (text, *then))
+
+    def _again(self, taken: _Taken, texts: Sequence[str]) -> Say:
+        """The command that has these wait in its place."""
         from ulid import ULID  # which nobody needs before the first picture
 
-        self._sent = str(ULID())
-        return Say(text, self._sent, then, wait=True)
+        id = str(ULID())
+        self._sent[id] = taken.behind
+        return Say(texts[0], id, tuple(texts[1:]), wait=True)
+
+    def _end(self) -> None:
+        """What was taken back is not in the line any more, and nothing says so any longer."""
+        self._changing = None
+        self._keeping.take_away(self._told)

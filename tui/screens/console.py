@@ -80,7 +80,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._queue = ActionQueue(acting, classes="pane")
         self._floor = FloorView(acting)
         self._camera = CameraView()
-        self._figures = Figures(classes="pane")
+        self._figures = Figures(acting, classes="pane")
         self._log_view = LogView(acting, classes="pane")
         self._timeline = Timeline(acting, classes="pane")
         self._mic = MicStrip()
@@ -341,6 +341,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._queue.hint()
         self._problem.hint()
         self._by_hand.hint()
+        self._figures.entitle()
         if self._over is not None and self._over.is_attached:
             self._over.hint()
         self._warn_if_tiny()
@@ -463,7 +464,6 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
 
     def reword(self) -> None:
         """Words are in another language now."""
-        self._figures.entitle()
         self.hint()
         for pane in self.query(Lines):
             pane.redraw()

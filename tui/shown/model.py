@@ -110,9 +110,16 @@ class ConsoleModel(Struct, frozen=True):
         return replace(self, conversation=(*self.conversation[1 - MAX_LINES :], line))
 
     def with_log(
-        self, level: Literal["debug", "info", "warning", "error"], source: str, text: str, turn: str | None = None
+        self,
+        level: Literal["debug", "info", "warning", "error"],
+        source: str,
+        text: str,
+        turn: str | None = None,
+        *,
+        t: float | None = None,
     ) -> ConsoleModel:
-        line = LogLine(self.t, level, printable(source), printable(text), turn)
+        """One more line; it was written at event time ``t``, or with the newest event."""
+        line = LogLine(self.t if t is None else t, level, printable(source), printable(text), turn)
         return replace(self, log=(*self.log[1 - MAX_LINES :], line))
 
     def with_row(self, row: Row) -> ConsoleModel:
@@ -236,6 +243,8 @@ def _(body: ev.QuestionEnded, model: ConsoleModel, event: ev.Event) -> ConsoleMo
         model = replace(model, plan=None)
     if body.outcome == "replaced":
         return model.with_line(Line("lost", printable(body.text), strings.REPLACED_ASKED))
+    if body.outcome == "declined":
+        return model.with_line(Line("lost", printable(body.text), strings.DECLINED))
     if body.by is None:  # what was said instead of an answer has a row
         return model
     note = strings.QUESTION_WITHDRAWN.format(reason=strings.REASONS[body.by])

@@ -37,9 +37,10 @@ class Watchdog:
         return "silent" if silent else "back"
 
 
-def engine_is_silent(model: ConsoleModel, *, stop: str, leave: str) -> ConsoleModel:
-    """Say that the engine does not answer; ``stop`` and ``leave`` are the keys that work all the same."""
-    model = model.with_log("error", "console", strings.ENGINE_SILENT)
+def engine_is_silent(model: ConsoleModel, *, stop: str, leave: str, t: float | None = None) -> ConsoleModel:
+    """Say that the engine does not answer; ``stop`` and ``leave`` are the keys that work all the same.
+    It is noticed at event time ``t``, or with the newest event."""
+    model = model.with_log("error", "console", strings.ENGINE_SILENT, t=t)
     if model.problem is not None and model.problem.fatal:
         return model
     hint = strings.HINT_SILENT.format(stop=stop, leave=leave)

@@ -129,6 +129,7 @@ class Ask(TextLine):
 
     def write(self, text: str) -> None:
         """Put a request into the line, for somebody to send."""
+        self._at = len(self._history)
         self.value = text
         self.cursor_position = len(text)
 

@@ -17,7 +17,7 @@ from tui.plan.chart import posture
 from tui.terminal.link import LinkFigures
 from tui.widgets.lines import Drawn, Lines
 from tui.words import strings
-from tui.words.hints import EDGES, fitting
+from tui.words.hints import EDGES, Acting, fitting
 from tui.words.language import told
 
 if TYPE_CHECKING:
@@ -33,6 +33,8 @@ _PART_SIGNS: Final = {
 }
 _SIDES: Final = 4
 """Columns of the frame beside what is in it."""
+_MINUS: Final = "−"
+"""How the key of the hyphen is written here, beside a plus."""
 _TITLE_AT: Final = 3
 """Column of the first character of the title, in the frame."""
 WIDE: Final = 50
@@ -55,24 +57,41 @@ class Figures(Lines[tuple[Piece, ...]]):
             super().__init__()
             self.step = step
 
+    def __init__(self, acting: Acting, *, classes: str | None = None) -> None:
+        """``acting`` says which keys act now."""
+        super().__init__(classes=classes)
+        self._acting = acting
+        self._signs: tuple[tuple[int, range], ...] = ()  # of a click: how many steps faster, and its columns
+
     def entitle(self) -> None:
-        """Write the title: how fast the robot may drive, and the signs that change that."""
+        """Write the title: how fast the robot may drive, and those of the keys that change that which act now."""
         robot = self._given[0]
         title = strings.PANE_ROBOT
+        self._signs = ()
         if robot is not None:
             limit = strings.SPEED_LIMITS[LIMITS.index(limit_beside(robot.speed_limit, 0))]
-            title = strings.SPEED_LIMIT.format(robot=title, limit=limit)
+            slower, faster = self._key("speed_down"), self._key("speed_up")
+            words = " ".join(filter(None, (slower, limit, faster)))
+            title = strings.SPEED_LIMIT.format(robot=title, limit=words)
+            end = _TITLE_AT + cell_len(title)
+            start = end - cell_len(words)
+            signs = (-1, range(start, start + cell_len(slower))), (1, range(end - cell_len(faster), end))
+            self._signs = tuple(sign for sign in signs if sign[1])
         if str(self.border_title or "") != title:  # another one repaints the pane
             self.border_title = Content(title)
 
     def on_click(self, event: events.Click) -> None:
-        """On a sign of the title: another speed limit."""
-        title = str(self.border_title or "")
+        """On a key in the title: another speed limit."""
         if event.y != 0:
             return
-        for sign, step in (("−", -1), ("+", 1)):
-            if sign in title and abs(_TITLE_AT + cell_len(title[: title.index(sign)]) - event.x) <= 1:
+        for step, columns in self._signs:
+            if columns.start - 1 <= event.x <= columns.stop:
                 self.post_message(self.Limited(step))
+
+    def _key(self, action: str) -> str:
+        """The key that does this now; empty: none does."""
+        key = self._acting(action) or ""
+        return _MINUS if key == "-" else key
 
     def update_from(self, robot: RobotState | None, parts: Sequence[PartStatus], held: Thing | None = None) -> None:
         """``held`` is what the gripper holds."""

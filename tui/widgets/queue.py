@@ -76,11 +76,11 @@ class ActionQueue(Lines[Shown | Waits]):
             self.request, self.before = request, before
 
     class TakenBack(Message):
-        """Somebody wants to change a request, which stood before another one, or was the last."""
+        """Somebody wants to change a request."""
 
-        def __init__(self, request: Waiting, before: str | None) -> None:
+        def __init__(self, request: Waiting) -> None:
             super().__init__()
-            self.request, self.before = request, before
+            self.request = request
 
     _summary = Content("")
     _known: tuple[ConsoleModel, float] | None = None  # what it was told to show
@@ -180,7 +180,7 @@ class ActionQueue(Lines[Shown | Waits]):
             self.post_message(self.Moved(self._waiting[self._place], self._following(step if step < 0 else step + 1)))
 
     def action_change(self) -> None:
-        self.post_message(self.TakenBack(self._waiting[self._place], self._following(1)))
+        self.post_message(self.TakenBack(self._waiting[self._place]))
 
     def _following(self, step: int) -> str | None:
         """The request so many places further than the chosen one; None behind the last."""

@@ -64,6 +64,7 @@ class TextLine(Input):
         self._commands = commands
         self._was_empty = not value
         self._erased = -math.inf  # when the newest backspace came of a run that had something to take away, s
+        self._run_ended = False  # that run has taken all away
 
     def command(self, key: str) -> str:
         """The action of the console that this key does here; empty: none, it is text."""
@@ -99,9 +100,13 @@ class TextLine(Input):
     async def action_backspace(self) -> None:
         """Take the character before the cursor away; where there is no text at all, go back."""
         now = cast("Clocked", self.app).clock()
-        if self.value or now - self._erased <= RUN_S:
+        runs = now - self._erased <= RUN_S
+        if runs and self._run_ended:  # what has come into the line since was not written when it began
+            self._erased = now
+        elif self.value or runs:
             self._erased = now
             self.action_delete_left()
+            self._run_ended = not self.value
         else:
             await self.app.run_action("app.back")
 
