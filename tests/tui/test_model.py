@@ -127,7 +127,8 @@ def test_a_new_task_clears_plan_and_actions_and_counts_on() -> None:
 
 
 def test_an_interruption_is_marked_only_where_there_was_something_to_stop() -> None:
-    assert after(ev.InterruptRaised("interrupt", "key", "IDLE")).conversation == ()
+    nothing = ScriptedEngine().publish(ev.InterruptRaised("interrupt", "key", "IDLE"), turn=None)
+    assert ConsoleModel().after(nothing).conversation == ()
     assert after(ev.InterruptRaised("interrupt", "key", "ACTING")).conversation == (Line("mark", "stopped", "key"),)
 
 
