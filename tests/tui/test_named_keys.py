@@ -301,9 +301,7 @@ def _console(moment: Moment, language: Language = "en") -> Any:
 def _hints(value: object) -> Iterator[str]:
     """Every hint among the words of the console: a part of a line that names an action."""
     if isinstance(value, str):
-        for part in value.split(JOINT):
-            if set(re.findall(r"{(\w+)}", part)) & BY_ID.keys():
-                yield from {part.replace("{follows}", words) for words in strings.MAP_FOLLOWS}
+        yield from (part for part in value.split(JOINT) if set(re.findall(r"{(\w+)}", part)) & BY_ID.keys())
     elif isinstance(value, tuple):
         for one in value:
             yield from _hints(one)
