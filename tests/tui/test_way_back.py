@@ -190,7 +190,7 @@ def stopped(state: ev.State) -> ev.InterruptRaised:
 @pytest.mark.parametrize("keys", [(), ("slash",), ("ctrl+p",), ("question_mark",), ("enter",)])
 async def test_esc_says_that_there_is_nothing_to_stop_and_names_the_way_back(keys: tuple[str, ...]) -> None:
     async with console(engine()) as desk:
-        desk.engine.on_command = lambda command: desk.engine.publish(stopped("IDLE"))
+        desk.engine.on_command = lambda command: desk.engine.publish(stopped("IDLE"), turn=None)
         await desk.press(*keys)
         await desk.press("escape")
         await desk.until(lambda: "Nothing to stop" in desk.text.splitlines()[0])
@@ -210,7 +210,7 @@ async def test_esc_does_not_say_so_when_the_robot_moved_without_a_task() -> None
         desk.engine.robot = robot_at(0.0, 0.0, 0.0, speed=0.2)
         desk.app.redraw()
         await desk.until(lambda: desk.app.shown.robot == desk.engine.robot)
-        desk.engine.on_command = lambda command: desk.engine.publish(stopped("IDLE"))
+        desk.engine.on_command = lambda command: desk.engine.publish(stopped("IDLE"), turn=None)
         await desk.press("escape")
         assert "Nothing to stop" not in desk.text
 
