@@ -25,10 +25,25 @@ def _little_to_look_through() -> None:
     gc.freeze()
 
 
+MOST_STEPS = 5 * STEPS
+"""What is met less often is looked for so long: how often it comes, chance decides."""
+ENDED = ("done", "interrupted", "replaced", "dropped", "rejected")
+MET = (
+    "drop taken",
+    "move taken",
+    "pauses",
+    "added",
+    "actions ok",
+    "actions failed",
+    "actions interrupted",
+    "actions uncertain",
+)
+
+
 @pytest.mark.timeout(600)  # it only computes, which may take a busy machine this long
 def test_thousands_of_random_steps_break_no_rule_of_interruption() -> None:
     counts.clear()
-    while counts["steps"] < STEPS:
+    while counts["steps"] < STEPS or (counts["steps"] < MOST_STEPS and _unmet()):
         run_state_machine_as_test(  # type: ignore[no-untyped-call]
             SessionMachine,
             settings=settings(
@@ -39,16 +54,10 @@ def test_thousands_of_random_steps_break_no_rule_of_interruption() -> None:
             ),
         )
     assert counts["interruptions"] > STEPS / 10, counts
-    for ended in ("done", "interrupted", "replaced", "dropped", "rejected"):
-        assert counts[f"requests {ended}"] > 0, counts  # how often, chance decides
-    for met in (
-        "drop taken",
-        "move taken",
-        "pauses",
-        "added",
-        "actions ok",
-        "actions failed",
-        "actions interrupted",
-        "actions uncertain",
-    ):
-        assert counts[met] > 8, counts
+    assert not _unmet(), counts
+
+
+def _unmet() -> list[str]:
+    """What has not come about often enough."""
+    unmet = [f"requests {ended}" for ended in ENDED if not counts[f"requests {ended}"]]
+    return unmet + [met for met in MET if counts[met] <= 8]
