@@ -53,15 +53,17 @@ class Outfit:
 
     def fits(self, seen: Looks) -> bool:
         """Whether nothing that shows is another colour, and something shows; anybody fits who has shown nothing yet."""
-        pairs = ((seen.shirt, self.shirt), (seen.trousers, self.trousers))
-        shown = [(a, b) for a, b in pairs if a is not None and b is not None]
-        return all(a == b for a, b in shown) and (bool(shown) or self.shirt is None)
+        pairs = self._shown(seen)
+        return all(a == b for a, b in pairs) and (bool(pairs) or self.shirt is None)
 
     def excludes(self, seen: Looks) -> bool:
         """Whether something shows that is another colour."""
-        return any(
-            a is not None and b not in (None, a) for a, b in ((seen.shirt, self.shirt), (seen.trousers, self.trousers))
-        )
+        return any(a != b for a, b in self._shown(seen))
+
+    def _shown(self, seen: Looks) -> list[tuple[Colour, Colour]]:
+        """What shows and is known, with the colour that it should have."""
+        pairs = ((seen.shirt, self.shirt), (seen.trousers, self.trousers))
+        return [(a, b) for a, b in pairs if a is not None and b is not None]
 
     def worn_since(self, t: float, people: Iterable[PersonSeen]) -> list[PersonSeen]:
         """Those of ``people`` who fit and were seen after ``t`` (robot time, s)."""

@@ -33,9 +33,9 @@ _FASTEST: Final = 1.6  # m/s
 _BESIDE: Final = 0.25  # rad to each side, in which something nearer hides who is behind it
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Walker:
-    """Somebody, or something, that stands on the floor."""
+    """A person, or a thing, that stands on the floor; two that stand alike are still two."""
 
     at: tuple[float, float]
     """Where the lidar saw their legs last, map frame, m."""

@@ -146,14 +146,19 @@ def test_what_was_never_there_is_looked_for_and_not_found() -> None:
     assert run.robot.world.true_pose.x == pytest.approx(0, abs=0.05)  # it has only turned
 
 
+def gap(robot: HandRobot, who: str) -> float:
+    """From the robot's middle to somebody who walks, m."""
+    x, y = (float(robot.world.data.joint(f"{who} {axis}").qpos[0]) for axis in "xy")
+    pose = robot.world.true_pose
+    return math.hypot(x - pose.x, y - pose.y)
+
+
 def test_a_walking_person_is_followed() -> None:
     people = {"worker": {"path": [[0.9, 0.0], [2.6, 0.5], [2.6, 1.8], [-2.0, 1.8]], "speed": 0.3}}
     gaps: list[float] = []
 
     def watch(robot: HandRobot, t: float) -> None:
-        x, y = (float(robot.world.data.joint(f"worker {axis}").qpos[0]) for axis in "xy")
-        pose = robot.world.true_pose
-        gaps.append(math.hypot(x - pose.x, y - pose.y))
+        gaps.append(gap(robot, "worker"))
         if t > 11:
             raise _EnoughError
 
@@ -172,9 +177,7 @@ def test_somebody_who_passes_between_is_not_taken_for_the_one_who_is_followed() 
     gaps: list[float] = []
 
     def watch(robot: HandRobot, t: float) -> None:
-        x, y = (float(robot.world.data.joint(f"person 1 {axis}").qpos[0]) for axis in "xy")
-        pose = robot.world.true_pose
-        gaps.append(math.hypot(x - pose.x, y - pose.y))
+        gaps.append(gap(robot, "person 1"))
         if t > 30:
             raise _EnoughError
 
