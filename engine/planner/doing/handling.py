@@ -42,6 +42,8 @@ def pick_up(doing: Doing, roles: Roles) -> Calls:
     things = roles.all("thing") or _it(doing)
     if len(things) > 1:
         raise Unable("full", things[0])
+    if _is_rubbish(doing, things[0]):  # nobody wants to have it
+        return throw_away(doing, roles)
     source = source_of(doing, roles, things[0])
     if source and doing.entities.is_known(source):
         return people.take(doing, doing.thing(things[0]), source)
@@ -180,7 +182,7 @@ def throw_away(doing: Doing, roles: Roles) -> Calls:
     things, source = roles.all("thing"), roles.words("source")
     if source and doing.entity(source).surface == BIN:  # "into the bin"
         source = ""
-    if len(things) == 1 and _RUBBISH.fullmatch(things[0].casefold()) and doing.entity(things[0]).thing is None:
+    if len(things) == 1 and _is_rubbish(doing, things[0]):
         where = doing.entity(source or source_of(doing, roles, things[0]) or "here")
         return cleaned(where.room)
     if not things:
@@ -205,6 +207,11 @@ _RUBBISH: Final = re.compile(
     r"(?:这些|那些|所有的?)?(?:垃圾|废物)"
 )
 """What lies about and nobody wants."""
+
+
+def _is_rubbish(doing: Doing, words: str) -> bool:
+    """Whether that is what lies about, and not a thing here that is called so."""
+    return _RUBBISH.fullmatch(words.casefold()) is not None and doing.entity(words).thing is None
 
 
 def tidy(doing: Doing, roles: Roles) -> Calls:
