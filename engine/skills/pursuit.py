@@ -27,7 +27,7 @@ from engine.skills.outcome import Result, fail, ok
 from engine.skills.outfit import Outfit, clothes_of
 from engine.skills.search import room_at
 from engine.skills.servo import PICTURE_S, WHOLE_S, Wheels, chase, face, is_gazed_at, look_towards, place_of
-from engine.skills.travel import NOTHING_SEEN, SEEN_RANGE, go_to, way_to
+from engine.skills.travel import NOTHING_SEEN, SEEN_RANGE, back_off, go_to, way_to
 from engine.skills.walkers import Walker
 
 KEEP: Final = 1.2
@@ -51,6 +51,9 @@ _SEARCHES: Final = 3  # times that somebody who is lost is looked for
 _DOUBTS: Final = 2  # pictures that show somebody else, until it is
 _GLANCES_S: Final = 8.0  # s for which everybody whom the lidar sees is looked at, one after the other
 _GLANCE_S: Final = 1.5  # s at most for one of them, after the camera has turned there
+_ESCAPES: Final = 3  # times that the robot backs off from what holds it where it is
+_FREED: Final = 0.3  # m that it has got on, so that it is held anew
+_THERE: Final = 0.3  # m from where they were seen last, from where as much shows
 _NARROW: Final = 0.05  # m that the robot keeps from things on its straight way
 
 
@@ -68,6 +71,9 @@ class Pursuit:
         self._aim: tuple[float, float] | None = None  # on the way round
         self._routed_at = -math.inf
         self._held_since, self._round_until = math.inf, -math.inf  # by something that is not on the map
+        self._is_stuck = False  # held on the way round as well
+        self._stuck_at: Pose | None = None
+        self._escapes = 0  # from there
         self._seen_t = context.robot.state().t  # by the camera
         robot = context.robot
         self._doubts = 0  # pictures in a row in which it was somebody else
@@ -91,7 +97,7 @@ class Pursuit:
                 if state.t - self._seen_t < 0.3:
                     searches = 0
                 here = self._legs.expected
-                has_arrived = self._legs.speed < _STILL and there(here) and self._legs.away < KEEP + 0.6
+                has_arrived = there(here) and self._legs.speed < _STILL and self._legs.away < KEEP + 0.6
                 stood_since = min(stood_since, state.t) if has_arrived else math.inf
                 if state.t - stood_since > stands:
                     await self._wheels.stand()
@@ -101,11 +107,25 @@ class Pursuit:
                 if state.halted:
                     code, reason = why_held(state)
                     return fail(code, f"I stopped following {self._name}: {reason}.")
+                if self._is_stuck and not await self._get_free(state.pose):
+                    return fail("path_blocked", f"I cannot get any nearer to {self._name}: {why_held(state)[1]}.")
         finally:
             if self._picture is not None:
                 self._picture.cancel()
                 with contextlib.suppress(asyncio.CancelledError, Exception):
                     await self._picture
+
+    async def _get_free(self, pose: Pose) -> bool:
+        """Back off from what holds the robot; whether that is worth another try."""
+        if self._stuck_at is None or pose.distance_to(self._stuck_at) > _FREED:
+            self._stuck_at, self._escapes = pose, 0
+        self._escapes += 1
+        await self._wheels.stand()
+        if self._escapes > _ESCAPES:
+            return False
+        await back_off(self._context)
+        self._wheels, self._is_stuck = Wheels(self._context), False
+        return True
 
     async def _look(self, state: RobotState, spot: tuple[float, float]) -> None:
         """Have a picture that shows ``spot`` understood beside the driving, and take it in when it is."""
@@ -161,6 +181,7 @@ class Pursuit:
         velocity = (0.0, 0.0) if self._legs.speed < _STILL else self._legs.velocity
         self._held_since = min(self._held_since, state.t) if state.blocked else math.inf
         if state.t - self._held_since > _HELD_S:
+            self._is_stuck = state.t < self._round_until
             self._round_until, self._held_since = state.t + _ROUND_S, math.inf
         obstructed = state.t < self._round_until or len(self._legs.others) > 0
         if state.t >= self._round_until and self._is_clear(state.pose, spot):
@@ -249,19 +270,20 @@ class Pursuit:
         return False
 
     async def _look_about(self) -> bool:
-        """Go to where they were last and look around, then through the room."""
+        """Go to where they were seen last, from where more shows of the way they went, and look around; then through the
+        room."""
         context, legs = self._context, self._legs
         await self._wheels.stand()
-        began, pose, (x, y) = context.robot.state().t, context.pose, legs.expected
+        began, pose, (x, y) = context.robot.state().t, context.pose, legs.at
         found: list[PersonSeen] = []
 
         def seen() -> bool:
             found[:] = self._outfit.worn_since(began, context.world.people.everybody)
             return bool(found)
 
-        if math.dist((x, y), (pose.x, pose.y)) > 0.8:
+        if math.dist((x, y), (pose.x, pose.y)) > _THERE:
             direction = math.atan2(y - pose.y, x - pose.x)
-            goal = Pose(x - 0.3 * math.cos(direction), y - 0.3 * math.sin(direction), direction)
+            goal = Pose(x, y, direction)
             await go_to(context, goal, "where they stayed")
         await look_around(context, seen)
         if not found:

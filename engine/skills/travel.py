@@ -106,14 +106,14 @@ async def _go_to(context: SkillContext, goal: Pose, name: str, watch: Lookout, s
         if code != "path_blocked" or detours == DETOURS:
             break
         detours += 1
-        await _back_off(context)
+        await back_off(context)
         seen = context.robot.scan().on_map(state.pose, SEEN_RANGE)
     if shut is not None:
         return fail("door_closed", stopped_before(state, goal, name, is_closed(shut)))
     return fail(code, stopped_before(state, goal, name, reason))
 
 
-async def _back_off(context: SkillContext) -> None:
+async def back_off(context: SkillContext) -> None:
     """Straight away from what the lidar sees right beside the hull, where there is such a thing: turning there would
     touch it."""
     robot, hull = context.robot, context.robot.footprint

@@ -18,10 +18,13 @@ from engine.perception.people import PeopleMemory
 from engine.robot.company import News
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.scene_file import load_scene, scene_path
+from engine.robot.sim.scene_parts import Start
 from engine.skills.library import LIBRARY
 from engine.skills.outcome import Result
 from engine.skills.people import People, looks_of
 from engine.skills.places import Places
+from tests.eval.gpsr.goal import Guest, Needs
+from tests.eval.houses import house
 from tests.sim.inhand import HandRobot, context_of
 
 SKILLS = {skill.name: skill for skill in LIBRARY}
@@ -217,3 +220,13 @@ def test_whoever_stands_in_the_way_is_asked_and_not_pushed() -> None:
     [went] = family.do(("navigation", {"place": "B"}))
     assert "May I pass, please?" in family.heard("William")
     assert went.ok, went.message
+
+
+def test_who_is_hidden_by_the_wall_beside_a_door_is_looked_for_where_they_were_seen_last() -> None:
+    scene = house(17001055, Needs((Guest("dishwasher", "James", "male", leads_to="entrance"),)))
+    leads = scene.people["person 1"].leads
+    assert leads[2] == (-2.83, -1.32), "through the door of the house in which the robot has lost them"
+    family = Family(scene.model_copy(update={"start": Start(x=-4.2, y=-2.64, yaw=97)}))
+    [followed] = family.do(("person_follow", {"who": "person in orange", "stands": 6.0}))
+    assert followed.ok, followed.message
+    assert math.dist(family.place_of("person 1"), leads[-1]) < 0.2

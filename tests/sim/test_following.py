@@ -186,6 +186,17 @@ def test_somebody_who_passes_between_is_not_taken_for_the_one_who_is_followed() 
     assert np.mean(np.array(gaps) < 2.0) > 0.9
 
 
+def test_a_robot_that_is_held_on_three_sides_says_so_and_does_not_try_for_ever() -> None:
+    around = {"left": (0.0, 0.35), "right": (0.0, -0.35), "ahead": (0.405, 0.0)}
+    cartons = {
+        name: {"kind": "carton", "at": at, "size": [0.35, 0.3, 0.2], "mapped": False} for name, at in around.items()
+    }
+    run = Run(hall(people={"worker": {"path": [[2.2, 0.0]]}}, furniture=cartons))
+    result = run.do(person_follow)
+    assert result.error_code == "path_blocked"
+    assert result.message.startswith("I cannot get any nearer to the person in blue: obstacle 0.0")
+
+
 def test_a_glance_finds_what_it_asks_for_and_what_it_does_not_look_for_is_not_forgotten() -> None:
     run = Run(hall(objects=BLOCK | {"red box": RED["red box"] | {"at": [0.8, 0.25]}}))
 

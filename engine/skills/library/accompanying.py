@@ -28,7 +28,7 @@ from engine.skills.with_people import (
 THERE: Final = 1.5
 """m from a place within which somebody has arrived there."""
 WALKED: Final = 1.5
-"""m that somebody has to walk until they have arrived anywhere."""
+"""m that somebody has to have been from where they were met, until they can have arrived anywhere."""
 
 
 @skill(occupies=["base", "arm", "camera", "voice"], changes=["pose"], endless=True)
@@ -46,11 +46,13 @@ async def person_follow(
     if to and goal is None:
         return fail("unknown_place", "I do not remember any place yet.")
     room = room_at(context.robot.floor_map, goal.x, goal.y) if goal is not None else None
-    began = person.position[:2]
+    began, farthest = person.position[:2], 0.0
 
     def there(at: tuple[float, float]) -> bool:
+        nonlocal farthest
+        farthest = max(farthest, math.dist(at, began))
         if goal is None or room is None:
-            return stands > 0 and math.dist(at, began) > WALKED
+            return stands > 0 and farthest > WALKED
         return room.holds(*at) or math.dist(at, (goal.x, goal.y)) < THERE
 
     words = f"I follow you to {context.places.name(to)}." if to else "I follow you."
