@@ -270,8 +270,8 @@ class Pursuit:
         return False
 
     async def _look_about(self) -> bool:
-        """Go to where they were seen last, from where more shows of the way they went, and look around; then through the
-        room."""
+        """Go to where they were seen last, as more shows from there of the way they went, and look around; then through
+        the room."""
         context, legs = self._context, self._legs
         await self._wheels.stand()
         began, pose, (x, y) = context.robot.state().t, context.pose, legs.at
