@@ -53,8 +53,8 @@ Rank = Literal[
     "lightest", "thinnest",
 ]  # fmt: skip
 """Which one of several; what is left and right is as the robot sees it."""
-Side = Literal["left of", "right of", "behind", "in front of", "next to"]
-"""Where a thing is, beside another one, as the robot sees it."""
+Side = Literal["left of", "right of", "behind", "in front of", "next to", "on top of", "under"]
+"""Where a thing is, by another one, as the robot sees it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,7 @@ class Wanted:
     rank: Rank | None = None
     """Which one of all that fit."""
     beside: tuple[Side, Wanted] | None = None
-    """The one beside another thing."""
+    """The one by another thing."""
 
     @property
     def is_choice(self) -> bool:
@@ -136,7 +136,7 @@ def ranked(words: str) -> tuple[Rank | None, str]:
 
 
 def parted(words: str) -> tuple[str, Side, str] | None:
-    """A thing beside another one: the words for it, on which side, and the words for the other one."""
+    """A thing by another one: the words for it, on which side, and the words for the other one."""
     plain = _in_english(words.lower())
     found = _BESIDE.search(plain)
     return None if found is None else (plain[: found.start()], _SIDE_WORDS[found["side"]], plain[found.end() :])
@@ -196,12 +196,14 @@ _RANKS_ZH: Final[dict[str, Rank]] = {
 _RANK_ZH: Final = re.compile(f"最([{''.join(_RANKS_ZH)}])[边面侧]?的?")
 _SIDE_WORDS: Final[dict[str, Side]] = {
     **{side: side for side in get_args(Side)}, "beside": "next to", "close to": "next to",
+    "underneath": "under", "beneath": "under", "below": "under",
 }  # fmt: skip
 _BESIDE: Final = re.compile(
     rf"\s+(?:(?:that|which) is )?(?:(?:at|to|on) )?(?:the )?(?P<side>{'|'.join(_SIDE_WORDS)})\s+(?=\S)"
 )
 _SIDES_ZH: Final[dict[str, Side]] = {
-    "左": "left of", "右": "right of", "后": "behind", "前": "in front of", "旁": "next to"
+    "左": "left of", "右": "right of", "后": "behind", "前": "in front of", "旁": "next to",
+    "上": "on top of", "下": "under",
 }  # fmt: skip
 _BESIDE_ZH: Final = re.compile(
     f"^(?P<anchor>[^最]+?)的?(?P<side>[{''.join(_SIDES_ZH)}])[边面侧](?:的|那[个只])+(?P<head>.+)$"

@@ -31,6 +31,7 @@ PLAIN: Final = 3.0
 MOST: Final = 50
 """People who are remembered: beyond that whoever was seen longest ago is forgotten, those with a name last."""
 _GATE = 0.6  # m that the same person, standing, may seem to be elsewhere
+_UNTOLD_S = 1.0  # s that somebody is known for by their way alone, where nothing of their clothes shows
 _STAYED = 0.5  # m within which a posture that does not show now is still the one that did
 _BEHIND = 0.5  # m by which the picture must look past where somebody was
 _EDGE = 6  # pixels at the picture's edge where somebody may be cut off and not be noticed
@@ -209,10 +210,14 @@ class PeopleMemory:
 
     @staticmethod
     def _gate(person: PersonSeen, sighting: Sighting, t: float) -> float:
-        """How far they can have gone, m."""
+        """How far they can have gone, m. Who sits or lies stays, until the robot has seen that they are gone."""
         since = max(0.0, t - person.seen_at)
         if since > LONGEST_S:
             return math.inf
+        if person.posture in ("sitting", "lying") and not person.gone:
+            since = 0.0
+        if _worn(sighting) == Looks():  # anybody may look like that
+            since = min(since, _UNTOLD_S)
         return _GATE + 3 * math.hypot(person.sigma, sighting.sigma) + FASTEST * since
 
     def _remember(self, record: _Record | None, sighting: Sighting, t: float) -> _Record:

@@ -30,6 +30,8 @@ _LOOKS: Final[tuple[tuple[LookName, float], ...]] = (
 """Where to look to see all of a piece of furniture, and how far to the side, rad."""
 _NEXT_TO: Final = 0.7
 """m between two things of which one is beside the other."""
+_STACKED: Final = 0.12  # m on the floor between the middles of two things of which one lies on the other
+_HIGHER: Final = 0.02  # m between them in height
 
 
 def furniture_at(context: SkillContext) -> Furniture | None:
@@ -90,9 +92,13 @@ def best_of(things: Sequence[Thing], what: Wanted, pose: Pose) -> tuple[Thing, .
 
 
 def _apart(thing: Thing, anchor: Thing, side: Side, pose: Pose) -> float:
-    """How far it is beside the other one, m; 0 where it is not on that side."""
-    if thing is anchor or math.dist(thing.position[:2], anchor.position[:2]) > _NEXT_TO:
+    """How far it is from the other one, m; 0 where it is not on that side."""
+    away = math.dist(thing.position[:2], anchor.position[:2])
+    if thing is anchor or away > _NEXT_TO:
         return 0.0
+    if side in ("on top of", "under"):
+        higher = (thing.position[2] - anchor.position[2]) * (1 if side == "on top of" else -1)
+        return higher if higher > _HIGHER and away < _STACKED else 0.0
     left = _left(thing, pose) - _left(anchor, pose)
     behind = _ahead(thing, pose) - _ahead(anchor, pose)
     there = {

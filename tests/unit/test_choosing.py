@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -27,6 +28,7 @@ CUP = thing("cup", "red", 1.0, 0.2, (0.08, 0.1))
 BALL = thing("ball", "blue", 1.0, 0.0, (0.04, 0.04))
 BOX = thing("box", "green", 0.8, -0.2, (0.1, 0.07))
 FAR = thing("box", "white", 1.4, 0.0, (0.05, 0.2))
+ON_IT = replace(thing("ball", "yellow", 0.82, -0.18), position=(0.82, -0.18, 0.1))
 
 
 @pytest.mark.parametrize(
@@ -59,6 +61,19 @@ def test_left_is_as_the_robot_sees_it() -> None:
 
 def test_nothing_on_that_side_is_nothing() -> None:
     assert best_of((BALL, BOX), wanted("thing left of ball"), HERE) == ()
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        ("the thing on top of the green box", ON_IT),
+        ("the object that is underneath the yellow ball", BOX),
+        ("绿盒子上面的球", ON_IT),
+        ("黄球下面的东西", BOX),
+    ],
+)
+def test_what_lies_on_another_thing_is_told_from_what_stands_beside_it(words: str, meant: Thing) -> None:
+    assert best_of((CUP, BALL, BOX, FAR, ON_IT), wanted(words), HERE) == (meant,)
 
 
 @pytest.mark.parametrize(

@@ -75,6 +75,28 @@ def test_nobody_runs_through_the_house_in_a_second_but_in_a_minute_they_may_be_a
     assert first.number == second.number
 
 
+@pytest.mark.parametrize("posture", ["sitting", "lying"])
+def test_who_lies_or_sits_has_not_become_somebody_who_stands_elsewhere_until_their_place_is_seen_empty(
+    posture: Posture,
+) -> None:
+    memory = PeopleMemory()
+    (first,) = saw(memory, somebody("green", posture=posture))
+    (second,) = saw(memory, somebody("green", 5.0, 2.0, posture="standing"), t=7.0)
+    assert second.number != first.number
+    assert len(memory.everybody) == 2
+    memory.name_them(first.number, "William")
+    saw(memory, t=8.0, depth=4.0)  # past where he was
+    (third,) = saw(memory, somebody("green", 2.0, 1.5, posture="standing"), t=9.0)
+    assert third.name == "William"
+
+
+def test_somebody_of_whom_no_clothes_show_is_not_taken_for_one_who_was_elsewhere() -> None:
+    memory = PeopleMemory()
+    (first,) = saw(memory, somebody("orange", trousers="blue", posture="standing"))
+    (second,) = saw(memory, somebody(None, 6.0, 2.0), t=5.0)
+    assert second.number != first.number
+
+
 @given(
     one=st.sampled_from(COLOURS), other=st.sampled_from(COLOURS), away=st.floats(0, 5), dt=st.floats(0, 100),
     by_trousers=st.booleans(),
