@@ -76,6 +76,7 @@ class PersonSeen:
 class _Record:
     person: PersonSeen
     said: str | None = None  # the name that they have told
+    denied: set[str] = field(default_factory=set)  # names that they have said not to have
     lately: list[tuple[float, Sighting]] = field(default_factory=list)  # what they did in the last moments
 
 
@@ -146,6 +147,17 @@ class PeopleMemory:
                     record.said = None
             for record in self._records.values():
                 self._rename(record)
+
+    def deny(self, number: int, name: str) -> None:
+        """They have said that this is not their name."""
+        with self._lock:
+            if number in self._records:
+                self._records[number].denied.add(name)
+
+    def has_denied(self, number: int, name: str) -> bool:
+        """Whether they have said so."""
+        with self._lock:
+            return number in self._records and name in self._records[number].denied
 
     def forget(self, number: int) -> None:
         """They are not there."""

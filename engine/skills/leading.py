@@ -10,12 +10,13 @@ from engine.perception.people import PersonSeen
 from engine.robot.geometry import Pose
 from engine.skills.context import SkillContext
 from engine.skills.drive import settle
+from engine.skills.hand import move_to
 from engine.skills.legs import Legs
 from engine.skills.meeting import face_point, go_up_to, look_around, look_through
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.outfit import Outfit
 from engine.skills.search import room_at
-from engine.skills.servo import place_of
+from engine.skills.servo import gaze, place_of
 from engine.skills.travel import go_to
 from engine.skills.with_people import addressed, in_theirs
 
@@ -34,6 +35,7 @@ WAIT_S: Final = 15.0
 _FETCHES: Final = 3  # times that somebody who stays behind is fetched
 _UNSEEN_S: Final = 1.5  # s without a sight of them until they count as behind
 _CHEST: Final = 1.0  # m, where to look to see what somebody wears
+_WAIST: Final = 0.6  # m, as low as it looks
 _BESIDE_THEM: Final = 0.9  # m from their legs, within which who wears the same is they
 _LATE_S: Final = 1.0  # s for which they are too far behind until the robot stops
 
@@ -57,7 +59,7 @@ async def lead(context: SkillContext, person: PersonSeen, name: str, goal: Pose,
             return ok(f"I guided {name} to {place}.", x=context.pose.x, y=context.pose.y)
         if same and result is None and legs.away < BEHIND:
             continue
-        if same:
+        if same or result is None:  # they may hear it where they do not show
             await call(context, person, outfit)
             if await _wait(context, legs) and await _is_still(context, legs, outfit):
                 continue
@@ -86,13 +88,28 @@ async def _is_still(context: SkillContext, legs: Legs, outfit: Outfit) -> bool:
     await face_point(context, (*legs.at, _CHEST))
     await context.see()
     legs.update()
-    here = outfit.worn_since(began, context.world.people.everybody)
-    seen = min(here, key=lambda p: p.distance_to(*legs.at), default=None)
-    if seen is None or seen.distance_to(*legs.at) > _BESIDE_THEM:
+    if (seen := _beside_them(context, legs, outfit, began)) is None:
+        await _look_down(context, legs)
+        seen = _beside_them(context, legs, outfit, began)
+    if seen is None:
         return False
     legs.moved_to((seen.position[0], seen.position[1]))
     legs.is_sure()
     return True
+
+
+def _beside_them(context: SkillContext, legs: Legs, outfit: Outfit, began: float) -> PersonSeen | None:
+    here = outfit.worn_since(began, context.world.people.everybody)
+    near = [person for person in here if person.distance_to(*legs.at) <= _BESIDE_THEM]
+    return min(near, key=lambda person: person.distance_to(*legs.at), default=None)
+
+
+async def _look_down(context: SkillContext, legs: Legs) -> None:
+    """As far as their waist: from close by, only that parts them from somebody who stands right beside them."""
+    away = max(0.4, legs.away)
+    await move_to(context, gaze(context.robot.arm, (away, 0.0, _WAIST)), speed=2.0)
+    await context.see()
+    legs.update()
 
 
 async def _drive_ahead(context: SkillContext, legs: Legs, goal: Pose, place: str) -> Result | None:
@@ -153,6 +170,7 @@ async def _fetch(context: SkillContext, legs: Legs, outfit: Outfit) -> bool:
         await look_through(context, room_at(context.robot.floor_map, *legs.at), seen)
     if not found:
         return False
+    legs.update()
     person = min(found, key=lambda p: p.distance_to(*legs.at))
     legs.moved_to((person.position[0], person.position[1]))
     legs.is_sure()

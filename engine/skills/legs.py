@@ -82,7 +82,8 @@ class Legs:
         self._beside = self._near()
 
     def _near(self) -> list[Walker]:
-        others = (one for one in self._all.everybody if one is not self._mine and one.seen_t >= self._mine.seen_t)
+        since = self._mine.seen_t - _LATELY_S
+        others = (one for one in self._all.everybody if one is not self._mine and one.seen_t >= since)
         return [one for one in others if math.dist(one.at, self._mine.at) < _CROSSED]
 
     def moved_to(self, at: tuple[float, float]) -> None:

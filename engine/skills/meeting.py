@@ -75,13 +75,15 @@ def fits(context: SkillContext, who: Someone) -> Seen:
 
 
 def may_be(context: SkillContext, who: Someone) -> Seen:
-    """The same, but a name may be that of anybody who has none yet and does not look like somebody else."""
+    """The same, but a name may be that of anybody who has none yet, does not look like somebody else, and has not said
+    that they are."""
     looks = context.people.about(who.name)
 
     def fit(person: PersonSeen) -> bool:
         if not who.name:
             return fits(context, who)(person)
         unlike = looks.shirt not in (None, person.shirt) or looks.trousers not in (None, person.trousers)
+        unlike = unlike or context.world.people.has_denied(person.number, who.name)
         return person.name == who.name or (person.name is None and not unlike)
 
     return fit

@@ -84,7 +84,9 @@ def _met(context: SkillContext, words: str) -> PersonSeen | None:
     if person is None or person.distance_to(context.pose.x, context.pose.y) >= BESIDE:
         return None
     wanted = who_is(context, words).name
-    return None if wanted and person.name not in (None, wanted) else person  # they have said who they are
+    people = context.world.people
+    somebody_else = person.name not in (None, wanted) or people.has_denied(person.number, wanted)
+    return None if wanted and somebody_else else person  # they have said who they are
 
 
 def _beside(context: SkillContext, wanted: Seen, within: float) -> PersonSeen | None:
@@ -121,6 +123,7 @@ async def ask_for_name(context: SkillContext, person: PersonSeen, expected: str)
     answer = await context.ask(context.worded(asks))
     name = name_told(answer or "", expected)
     if expected and answer and not name:
+        context.world.people.deny(person.number, expected)
         name = name_told(await context.ask(context.worded("What is your name?")) or "", "")
     if name:
         know(context, person, name)

@@ -16,6 +16,7 @@ from config.schema import KnownPerson
 from engine.perception.memory import WorldMemory
 from engine.perception.people import PeopleMemory
 from engine.robot.company import News
+from engine.robot.geometry import Pose
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.scene_file import load_scene, scene_path
 from engine.robot.sim.scene_parts import Start
@@ -230,3 +231,23 @@ def test_who_is_hidden_by_the_wall_beside_a_door_is_looked_for_where_they_were_s
     [followed] = family.do(("person_follow", {"who": "person in orange", "stands": 6.0}))
     assert followed.ok, followed.message
     assert math.dist(family.place_of("person 1"), leads[-1]) < 0.2
+
+
+def test_who_says_that_they_are_somebody_else_is_left_and_the_next_one_is_asked() -> None:
+    family = Family(
+        changed(you={"path": [[1.0, -0.2]], "gives_tasks": False}, visitor={"path": [[-3.0, -2.2]]}, James=None)
+    )
+    [met] = family.do(("meet", {"who": "Robin"}))
+    assert "Hello. Are you Robin?" in family.heard("you")
+    assert met.message.startswith("I met Robin"), met.message
+    assert "Hello. Are you Robin?" in family.heard("visitor")
+
+
+def test_who_is_guided_past_somebody_stays_known_beside_them() -> None:
+    scene = house(17001132, Needs((Guest("couch", "Mary", "female"),)))
+    family = Family(scene.model_copy(update={"start": Start(x=-2.19, y=-4.06, yaw=141)}))
+    family.context.places.remember(Pose(2.9, -0.1, 0.0))
+    [guided] = family.do(("guide", {"who": "person in green", "to": "zero"}))
+    assert guided.ok, guided.message
+    assert "May I pass, please?" in family.heard("operator")
+    assert math.dist(family.place_of("person 1"), (2.9, -0.1)) < 1.5

@@ -67,6 +67,8 @@ async def meet(context: SkillContext, who: Who = ANYBODY, where: Where = "") -> 
             await context.say(in_theirs(context, person, f"Hello, {person.name}."))
             return ok(f"I met {person.name}{place_of_them(context, person)}.", **data_of(person))
         name = await ask_for_name(context, person, wanted)
+        if not name and context.world.people.has_denied(person.number, wanted):
+            name = called(person)
         if not name:
             return ok(f"I met {called(person)}, who did not tell me their name.", **data_of(person))
         if wanted in ("", name):
