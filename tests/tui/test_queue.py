@@ -11,6 +11,7 @@ from engine import events as ev
 from engine.commands import Command, Drop, Interrupt, Move, Say
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
+from tui.widgets.log import LogView
 from tui.widgets.queue import ActionQueue, Waits
 
 
@@ -233,6 +234,13 @@ async def take_back(desk: Desk, number: int, *others: ev.WaitingRequest) -> None
     await desk.settled()
 
 
+async def test_the_log_keeps_how_one_that_was_taken_back_goes_back() -> None:
+    async with waiting() as desk:
+        await take_back(desk, 1, *WAITING[1:])
+        told = [line.message for line in desk.app.drawing.model.log if line.source == "console"]
+        assert told == ["enter puts it back into its place · empty the line to leave it out"]
+
+
 async def test_one_that_was_taken_back_goes_behind_all_others_by_the_key_that_adds() -> None:
     async with waiting() as desk:
         await take_back(desk, 1, *WAITING[1:])
@@ -281,6 +289,13 @@ async def test_what_stood_in_the_line_comes_back_when_that_which_was_taken_back_
         assert desk.engine.sent[-1] == Say("turn left")
 
 
+def beside_the_log(desk: Desk) -> str:
+    """What is on the screen but for the log, which keeps what was told."""
+    log, rows = desk.app.main.query_one(LogView).region, desk.text.splitlines()
+    inside = range(log.y, log.bottom)
+    return "\n".join(row[: log.x] + row[log.right :] if y in inside else row for y, row in enumerate(rows))
+
+
 @pytest.mark.parametrize("keys", [("enter",), ("ctrl+j",), ("ctrl+u",)])
 @pytest.mark.parametrize("size", [(160, 40), (60, 20)])
 async def test_how_it_goes_back_is_told_only_as_long_as_it_stands_in_the_line(
@@ -292,11 +307,11 @@ async def test_how_it_goes_back_is_told_only_as_long_as_it_stands_in_the_line(
         desk.engine.publish(waits(*WAITING), turn=None)
         await desk.press("3")
         await take_back(desk, 1, *WAITING[1:])
-        await desk.until(lambda: words in desk.text)
+        await desk.until(lambda: words in beside_the_log(desk))
         await desk.press(*keys)
         await desk.settled()
         await desk.pilot.pause()
-        assert words not in desk.text
+        assert words not in beside_the_log(desk)
 
 
 async def test_who_takes_a_second_one_back_puts_the_first_back_as_it_was() -> None:

@@ -231,12 +231,12 @@ class Drawing:
 
     def _draw(self) -> bool:
         """Fold what has come in and show it."""
-        stage, model = self._stage, self.model
+        stage = self._stage
         if not stage.screen_stack:  # the console is being left
             return False
         arrived, self._arrived = [*self._arrived, *self._inbox.take()], []
         for event, when in arrived:
-            before, model = model, model.after(event)
+            before, self.model = self.model, self.model.after(event)  # those who hear of it may add to the log
             self._session = event.session
             self._lag = min(self._lag, when - event.t)
             self.on_event(event.body)
@@ -253,6 +253,7 @@ class Drawing:
                 self._tell_stopped()
         if any(isinstance(event.body, Log | ErrorRaised) for event, _ in arrived):
             self._parts_timer.resume()  # a part may have changed
+        model = self.model
         if not model.busy:
             self._leaving.asked = False
         if self.tour is not None and self.tour.due and any(line.who == "you" for line in model.conversation):
@@ -260,9 +261,8 @@ class Drawing:
         self.alerting.look(model)
         if model.problem is not None and model.problem.fatal:
             self._leaving.failed(ExitCode.MISSING if model.problem.code == "robot_lost" else ExitCode.FAILED)
-        self.model = model
-        if model.log is not self._logged:
-            self._logged = model.log
+        if self.model.log is not self._logged:
+            self._logged = self.model.log
             self._logs.ask()
         view = self._view()
         if stage.main.is_one_line:
