@@ -16,9 +16,15 @@ def last_said(happened: Sequence[Happened]) -> str:
 
 
 def last_question(happened: Sequence[Happened]) -> NoPlan | None:
-    """What the robot answered last, where that is a question that is still open."""
-    answer = next((entry for entry in reversed(happened) if isinstance(entry, Plan | NoPlan | Withdrawn)), None)
+    """What the robot answered last, where that is a question that is still open; as it was put first."""
+    answer = _last_answer(_understood(happened))
     return answer if isinstance(answer, NoPlan) and is_question(answer) else None
+
+
+def was_repeated(happened: Sequence[Happened]) -> bool:
+    """Whether the robot has put its last question twice."""
+    answer = _last_answer(happened)
+    return isinstance(answer, NoPlan) and answer.repeats
 
 
 def is_question(answer: Plan | NoPlan) -> bool:
@@ -41,7 +47,7 @@ def open_command(happened: Sequence[Happened]) -> tuple[str, ...]:
     first."""
     said: list[str] = []
     asked = False
-    for entry in reversed(happened):
+    for entry in reversed(_understood(happened)):
         if isinstance(entry, Plan | NoPlan):
             if not is_question(entry):
                 break
@@ -87,3 +93,18 @@ def in_words(entry: Happened) -> str:
             return text
         case Withdrawn():
             return "Nobody will answer that question: the user interrupted."
+
+
+def _last_answer(happened: Sequence[Happened]) -> Plan | NoPlan | Withdrawn | None:
+    return next((entry for entry in reversed(happened) if isinstance(entry, Plan | NoPlan | Withdrawn)), None)
+
+
+def _understood(happened: Sequence[Happened]) -> Sequence[Happened]:
+    """Without what was said to a question and was not understood, and without the question that was put once more."""
+    kept: list[Happened] = []
+    for entry in happened:
+        if not (isinstance(entry, NoPlan) and entry.repeats):
+            kept.append(entry)
+        elif kept and isinstance(kept[-1], Said):
+            kept.pop()
+    return kept

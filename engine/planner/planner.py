@@ -21,7 +21,7 @@ from engine.llm.chat import Chat, ChatError, Message
 from engine.plan import Action, ActionCall, InWords, Plan, parse_calls
 from engine.planner.afterthoughts import afterthought
 from engine.planner.completeness import completeness
-from engine.planner.happened import last_question, last_said, rounds
+from engine.planner.happened import last_question, last_said, rounds, was_repeated
 from engine.planner.not_an_order import marks
 from engine.planner.options import agreed
 from engine.planner.phrases.asked import Asked
@@ -127,8 +127,10 @@ class Planner:
                 if self._is_answer(found, heard):
                     request.answers()
                 return found
-        request.answers()  # which a model may take it for: it has read the question
-        return await self._by_model(heard)
+        found = await self._by_model(heard)
+        if not (isinstance(found, NoPlan) and found.is_not_understood):
+            request.answers()  # which a model may have taken it for: it has read the question
+        return found
 
     @staticmethod
     def _is_answer(found: Plan | NoPlan, heard: Heard) -> bool:
@@ -280,13 +282,21 @@ class Planner:
             found = await self._models.plan(request, language, known=known, looks_first=depends)
             return self._validation.one_of(found, request, language)
         except ChatError as error:
-            told = SAID[language]["no_model"].format(answer=self._not_understood(heard).answer, error=str(error))
+            found = self._not_understood(heard)
+            told = SAID[language]["no_model"].format(answer=found.answer, error=str(error))
+            if found.repeats:
+                return replace(found, answer=told)
             return NoPlan(request.text, error.code, told, ExitCode(error.exit_code))
 
     def _not_understood(self, heard: Heard) -> NoPlan:
-        """That the request was not understood, and what would be."""
+        """That the request was not understood, and what would be; or the open question once more."""
         shown = " ".join("".join(c if c.isprintable() else " " for c in heard.text[: 2 * MAX_SHOWN]).split())
         shown = shown if len(shown) <= MAX_SHOWN else f"{shown[:MAX_SHOWN].rstrip()}…"
+        question = last_question(heard.request.happened)
+        if question is not None and question.leaves_open and not was_repeated(heard.request.happened):
+            said = SAID[language_of(question.answer)]["not_understood"]
+            again = said.format(part=f": “{shown}”", understood=question.answer)
+            return NoPlan(question.text, "not_understood", again, ExitCode.CLARIFY, repeats=True)
         understood = self._phrases(heard.language).understood
         answer = SAID[heard.language]["not_understood"].format(part=f": “{shown}”", understood=understood)
         return NoPlan(heard.request.text, "not_understood", answer)

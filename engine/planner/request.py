@@ -37,6 +37,13 @@ class NoPlan:
     """Names between which the user is to choose."""
     offer: tuple[ActionCall, ...] = ()
     """What is done if the user says yes."""
+    repeats: bool = False
+    """It puts the last question once more: what was said instead of an answer was not understood."""
+
+    @property
+    def is_not_understood(self) -> bool:
+        """Nobody has understood what was said, or the model that might have was not to be had."""
+        return self.code == "not_understood" or self.code.startswith("model_")
 
     @property
     def nothing_new(self) -> bool:

@@ -369,7 +369,7 @@ class Session:
 
         def enter(state: State, reason: str) -> None:
             self._enter(state, reason, turn)
-            if state == "CLARIFYING" and self._cycle.leaves_open(turn.id):
+            if state == "CLARIFYING" and self._question is None and self._cycle.leaves_open(turn.id):
                 self._question = Question(turn.id, self._about or turn.asked)
 
         def planned(found: Plan | NoPlan) -> None:
@@ -474,7 +474,9 @@ class Session:
     # Questions
 
     def _question_met(self, found: Plan | NoPlan, *, answered: bool) -> None:
-        """What was said while a question was open has come to this."""
+        """What was said while a question was open has come to this. A question that is put once more stays open."""
+        if isinstance(found, NoPlan) and found.repeats:
+            return
         question, self._question = self._question, None
         if question is None:
             return
@@ -483,7 +485,7 @@ class Session:
         if isinstance(found, NoPlan) and found.is_no_order:
             self._tell_question(question, "declined")
             return
-        nothing = isinstance(found, Plan) and not found.actions
+        nothing = found.is_not_understood if isinstance(found, NoPlan) else not found.actions
         self._tell_question(question, "answered" if answered else "withdrawn" if nothing else "replaced")
 
     def _withdraw_question(self, scope: Scope) -> None:

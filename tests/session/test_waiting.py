@@ -400,7 +400,7 @@ def questions(talk: Conversation) -> list[tuple[str, str, events.Scope | None]]:
     [
         ("yes", "answered"), ("no", "declined"), ("don't go to the kitchen", "declined"), ("don't", "declined"),
         ("the kitchen", "answered"), ("turn left 90 degrees", "replaced"),
-        ("snorf the blick", "answered"), ("go to the laundry", "replaced"), ("thank you", "withdrawn"),
+        ("go to the laundry", "replaced"), ("thank you", "withdrawn"),
     ],
 )  # fmt: skip
 def test_it_is_told_once_what_becomes_of_a_question(said: str, outcome: str) -> None:
@@ -413,6 +413,80 @@ def test_it_is_told_once_what_becomes_of_a_question(said: str, outcome: str) -> 
         await talk.result(2)
         assert questions(talk) == [(ASKS, outcome, None)]
         assert [event.turn for event in talk.seen if isinstance(event.body, events.QuestionEnded)] == [asked]
+
+    converse(test)
+
+
+def asked(talk: Conversation) -> list[str]:
+    return [body.question for body in talk.bodies(events.ClarificationAsked)]
+
+
+NONSENSE = ("snorf the blick", "flurb the wug")
+
+
+@pytest.mark.parametrize(
+    ("said", "outcome", "does"),
+    [
+        ("yes", "answered", ["navigation"]), ("no", "declined", []), (NONSENSE[1], "withdrawn", []),
+        ("turn left 90 degrees", "replaced", ["move_left"]),
+    ],
+)  # fmt: skip
+def test_a_question_is_put_once_more_where_the_answer_is_not_understood(
+    said: str, outcome: str, does: list[str]
+) -> None:
+    async def test(talk: Conversation) -> None:
+        await asked_about_the_second(talk)
+        talk.send(Say(NONSENSE[0]))
+        assert (await talk.result(3)).outcome == "clarify"
+        await talk.pass_time(60)
+        first, again = asked(talk)
+        assert again == f"I did not understand: “{NONSENSE[0]}”. {first}"
+        assert questions(talk) == [], "it is still open"
+        assert names(talk) == ["beep"], "what waits still does"
+        talk.send(Say(said))
+        await talk.result(5)
+        assert questions(talk) == [(ASKS, outcome, None)]
+        turns = [event.turn for event in talk.seen if isinstance(event.body, events.ClarificationAsked)]
+        assert [event.turn for event in talk.seen if isinstance(event.body, events.QuestionEnded)] == turns[:1]
+        assert said == "no" or len(turns) == 2, "it is not put a third time"
+        assert names(talk) == ["beep", *does, "arm_up"]
+
+    converse(test)
+
+
+def test_an_answer_may_complete_the_request_also_after_the_question_was_put_once_more() -> None:
+    async def test(talk: Conversation) -> None:
+        for number, text in enumerate(("go", NONSENSE[0], "to the kitchen"), 1):
+            talk.send(Say(text))
+            await talk.result(number)
+        assert questions(talk) == [("go", "answered", None)]
+        assert names(talk) == ["navigation"]
+
+    converse(test)
+
+
+def test_a_stop_ends_a_question_that_was_put_twice_once() -> None:
+    async def test(talk: Conversation) -> None:
+        for number, text in enumerate((ASKS, NONSENSE[0]), 1):
+            talk.send(Say(text))
+            await talk.result(number)
+        talk.send(Interrupt())
+        await talk.pass_time(20)
+        talk.send(Say(NONSENSE[0]))
+        await talk.result(3)
+        assert questions(talk) == [(ASKS, "withdrawn", "interrupt")]
+        assert len(asked(talk)) == 2
+
+    converse(test)
+
+
+def test_what_was_no_order_is_not_asked_about_again() -> None:
+    async def test(talk: Conversation) -> None:
+        for number, text in enumerate(("don't go to the kitchen", NONSENSE[0]), 1):
+            talk.send(Say(text))
+            await talk.result(number)
+        assert len(asked(talk)) == 1
+        assert questions(talk) == []
 
     converse(test)
 

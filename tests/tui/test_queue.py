@@ -466,7 +466,7 @@ def ask_about_a_bedroom(desk: Desk, *, waiting: int) -> None:
             "■  go to the bedrom  question withdrawn: the stop key",
         ),
         (ev.QuestionEnded("go to the bedrom", "declined"), "■  go to the bedrom  given up: the answer was no order"),
-        (ev.QuestionEnded("go to the bedrom", "withdrawn"), ""),
+        (ev.QuestionEnded("go to the bedrom", "withdrawn"), "■  go to the bedrom  given up: it was not answered"),
         (ev.QuestionEnded("go to the bedrom", "answered"), ""),
     ],
 )

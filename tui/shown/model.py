@@ -245,8 +245,8 @@ def _(body: ev.QuestionEnded, model: ConsoleModel, event: ev.Event) -> ConsoleMo
         return model.with_line(Line("lost", printable(body.text), strings.REPLACED_ASKED))
     if body.outcome == "declined":
         return model.with_line(Line("lost", printable(body.text), strings.DECLINED))
-    if body.by is None:  # what was said instead of an answer has a row
-        return model
+    if body.by is None:
+        return model.with_line(Line("lost", printable(body.text), strings.UNANSWERED))
     note = strings.QUESTION_WITHDRAWN.format(reason=strings.REASONS[body.by])
     return model.with_line(Line("lost", printable(body.text), note))
 
@@ -315,7 +315,7 @@ def _(body: ev.PlanRejected, model: ConsoleModel, event: ev.Event) -> ConsoleMod
 
 @_fold.register
 def _(body: ev.ClarificationAsked, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    goal = model.plan.goal if model.plan else ""
+    goal = printable(body.about) or (model.plan.goal if model.plan else "")
     return replace(model, plan=Plan("question", goal, message=printable(body.question)))
 
 
