@@ -35,13 +35,18 @@ class Say(Command, frozen=True):
     it never begin, and those behind it are asked for anew.
 
     What waits waits also for the answer to a question about the request before it: the next one that does not
-    ``wait`` is that, and begins at once."""
+    ``wait`` is that, and begins at once.
+
+    ``requests``: the ids by which these requests are dropped and moved while they wait, and their ends told: the first
+    is that of ``text``, the others those of ``then``. Where one is missing, empty or was given before, the session
+    gives another."""
 
     do: ClassVar[str] = "say"
     text: str
     id: str | None = None
     then: tuple[str, ...] = ()
     wait: bool = False
+    requests: tuple[str, ...] = ()
 
 
 class Wake(Command, frozen=True):

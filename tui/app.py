@@ -60,6 +60,7 @@ from tui.rooms.changing import Changing
 from tui.rooms.choosing import Choosing
 from tui.rooms.drawing import Drawing
 from tui.rooms.dressing import Dressing, Rooms
+from tui.rooms.early import Early
 from tui.rooms.enabling import Enabling
 from tui.rooms.examining import Examining
 from tui.rooms.keeping import Keeping
@@ -68,7 +69,7 @@ from tui.rooms.queueing import Queueing
 from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
 from tui.screens.pages import Paged, Placed, Stepped
-from tui.shown.facts import Line, Problem, Waiting, printable
+from tui.shown.facts import Line, Problem, printable
 from tui.shown.offers import FollowUp, offered
 from tui.shown.readiness import deaf
 from tui.shown.view import View
@@ -139,7 +140,8 @@ class SaysoApp(Stage):
         self.drawing = Drawing(self, self.sending, self.viewing, self.leaving, lambda: self.notice, fps)
         self.enabling = Enabling(self, self.drawing, self.leaving, one_line=one_line)
         self.keeping = Keeping(self)
-        self.queueing = Queueing(self, self.drawing, self.keeping)
+        self.early = Early(self, self.drawing)
+        self.queueing = Queueing(self, self.drawing, self.keeping, self.early)
         self.examining = Examining(self, self.keeping)
         self.dressing = Dressing(self, Rooms(self.drawing, self.viewing, self.examining, self.leaving))
         self.drawing.on_event = self._heard
@@ -150,7 +152,7 @@ class SaysoApp(Stage):
         self._choosing = Choosing(self, self.changing)
         self._start_engine = start_engine
         self._is_ready = False
-        self._asked_early: list[Say] = []  # typed before the engine was there
+        self._has_failed = False  # the engine, when it was to start
         self._presses_early = False  # the emergency stop was pressed before that
         self._stopped_at = -math.inf  # when a key that stops was read last, in the time of Textual's messages…
         self._stopped_by: Literal["interrupt", "estop"] = "interrupt"  # which of them
@@ -251,9 +253,7 @@ class SaysoApp(Stage):
             self._presses_early = False
             self.send(EStop())
         self.viewing.begin()
-        asked, self._asked_early = self._asked_early, []
-        self._show_early()
-        for command in asked:
+        for command in self.early.take():
             self._send_or_leave(command)
 
     def on_failed(self, message: Failed) -> None:
@@ -266,6 +266,9 @@ class SaysoApp(Stage):
         problem = replace(problem, message=printable(problem.message), hint=printable(problem.hint))
         if message.fatal:
             self.leaving.failed(code)
+            self._has_failed = True
+            for command in self.early.take():
+                self._leave(command, strings.NO_ENGINE)
         model = self.drawing.model.with_log("error", "engine", problem.message, t=self.drawing.time)
         self.drawing.model = replace(model, problem=problem)
         self.redraw()
@@ -361,10 +364,7 @@ class SaysoApp(Stage):
     def _stop_dealt(self, by: Literal["interrupt", "estop"]) -> int:
         """A key that stops is dealt out: how many requests it took that had not been sent."""
         self._dealt_stop = self._stopped_at
-        asked, self._asked_early = self._asked_early, []
-        if asked:
-            self._show_early()
-        for command in asked:
+        for command in self.early.take():
             self._leave_unsent(command, by)
         unsent, self._unsent = self._unsent, 0
         return unsent
@@ -466,8 +466,10 @@ class SaysoApp(Stage):
         if self.handle is not None or self._is_stopped:
             self._send_or_leave(command)
             return
-        self._asked_early.append(command)
-        self._show_early()
+        if self._has_failed:
+            self._leave(command, strings.NO_ENGINE)
+            return
+        self.early.add(command, self.queueing.place_of(command))
         for request in (command.text, *command.then):
             self.note("info", strings.ASKED_EARLY.format(printable(request)))
 
@@ -488,16 +490,13 @@ class SaysoApp(Stage):
 
     def _leave_unsent(self, command: Say, by: Literal["interrupt", "estop"]) -> None:
         """A stop has come before it was sent."""
-        note = strings.LOST_BY.format(reason=strings.REASONS[by])
-        for request in (command.text, *command.then):
-            self._unsent += 1
-            self.drawing.model = self.drawing.model.with_line(Line("lost", printable(request), note))
-        self.redraw()
+        self._unsent += 1 + len(command.then)
+        self._leave(command, strings.LOST_BY.format(reason=strings.REASONS[by]))
 
-    def _show_early(self) -> None:
-        """What waits for the engine is shown like all that waits."""
-        texts = (text for command in self._asked_early for text in (command.text, *command.then))
-        self.drawing.model = replace(self.drawing.model, waiting=tuple(Waiting("", printable(text)) for text in texts))
+    def _leave(self, command: Say, note: str) -> None:
+        """It comes to nothing, and has a row that says why."""
+        for request in (command.text, *command.then):
+            self.drawing.model = self.drawing.model.with_line(Line("lost", printable(request), note))
         self.redraw()
 
     def _follow(self) -> None:

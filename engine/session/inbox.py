@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Final, Generic, Literal, TypeVar
 
+from msgspec import structs
 from ulid import ULID
 
 from engine.commands import Added, Command, Drive, EndTask, EStop, Halted, Heard, Interrupt, Quit, Release, Say, Wake
@@ -28,6 +29,9 @@ T = TypeVar("T")
 
 KEPT: Final = 64
 """So many interruptions are known by what they were."""
+
+KEPT_IDS: Final = 1000
+"""So many of the newest ids that senders gave to their requests are known, so that none is given twice."""
 
 STOPS: Final[frozenset[Scope | None]] = frozenset({"stop", "estop"})
 """What a request in words may interrupt whatever stands before it."""
@@ -69,8 +73,8 @@ class Request:
             return (), self
         at = len(stops) - 1 - stops[::-1].index(True)
         lines = (self.command.text, *self.command.then)
-        said = Say(lines[at], self.command.id, lines[at + 1 :])
-        return tuple(self.one_by_one())[:at], replace(self, command=said, id=str(ULID()))
+        said = Say(lines[at], self.command.id, lines[at + 1 :], requests=self.command.requests[at:])
+        return tuple(self.one_by_one())[:at], replace(self, command=said, id=_id_of(said))
 
     def one_by_one(self) -> Iterator[Request]:
         """The same, with what is to be done after it as requests of their own. Those interrupt nothing: when it is
@@ -79,8 +83,14 @@ class Request:
             yield self
             return
         yield replace(self, command=Say(self.command.text, self.command.id))
-        for text in self.command.then:
-            yield Request(Say(text, self.command.id), self.epoch, scope_of(text))
+        for at, text in enumerate(self.command.then, 1):
+            yield Request(Say(text, self.command.id), self.epoch, scope_of(text), _id_of(self.command, at))
+
+
+def _id_of(command: Command, at: int = 0) -> str:
+    """The id that its sender gave to this one of its requests, or a new one."""
+    given = command.requests[at : at + 1] if isinstance(command, Say) else ()
+    return next(filter(None, given), None) or str(ULID())
 
 
 def _stop_in(command: Say) -> Scope | None:
@@ -118,11 +128,14 @@ class Inbox(Generic[T]):
         self._order = threading.Lock()
         self._newest = epoch.current  # of the newest interruption by somebody, not by the robot itself
         self._raised: deque[tuple[int, Scope | None]] = deque(maxlen=KEPT)  # the newest ones and their epochs
+        self._given: deque[str] = deque(maxlen=KEPT_IDS)  # ids of requests that were given by those who asked
 
     def request(self, command: Command) -> None:
         """Ask for something. Thread-safe; when it returns, an interruption has already stopped the robot."""
         with self._order:
             scope = self._scope_of(command)
+            if isinstance(command, Say) and command.requests:
+                command = self._with_new_ids(command)
             if scope == "estop":
                 self._press(True)
             epoch = self._epoch.current if scope is None else self._epoch.advance()
@@ -138,7 +151,15 @@ class Inbox(Generic[T]):
         if isinstance(command, Wake):
             self._mark_wake(command)
         with contextlib.suppress(RuntimeError):  # the loop has ended: there is nothing left to ask, and it stands
-            self._loop.call_soon_threadsafe(self._queue.put_nowait, Request(command, epoch, scope))
+            self._loop.call_soon_threadsafe(self._queue.put_nowait, Request(command, epoch, scope, _id_of(command)))
+
+    def _with_new_ids(self, command: Say) -> Say:
+        """Without ids that were given before."""
+        new: list[str] = []
+        for id in command.requests[: 1 + len(command.then)]:
+            new.append("" if id in self._given else id)
+            self._given.append(id)
+        return structs.replace(command, requests=tuple(new))
 
     def _scope_of(self, command: Command) -> Scope | None:
         match command:

@@ -43,6 +43,33 @@ def test_the_waiting_list_is_told_with_ids_that_a_snapshot_has_as_well() -> None
     converse(test)
 
 
+def test_a_sender_may_give_the_ids_and_gives_none_twice() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("go forward 3 metres", "all", then=THREE, requests=("a", "b", "", "b")))
+        await talk.until(events.ActionStarted)
+        first, second, third = (one.request for one in talk.bodies(events.RequestsWaiting)[-1].requests)
+        assert first == "b"
+        assert len({first, second, third, "a", ""}) == 5
+        talk.send(Say("nod", wait=True, requests=("a", "too many")))
+        assert (await answered(talk, Drop("b", "drop"))).ok
+        await talk.result(4)
+        ended = [body.request for body in talk.bodies(events.RequestEnded)]
+        assert ended[:2] == ["b", "a"]
+        assert len(set(ended)) == len(ended) == 5
+
+    converse(test)
+
+
+def test_what_stands_behind_a_stop_keeps_the_ids_that_its_sender_gave() -> None:
+    async def test(talk: Conversation) -> None:
+        talk.send(Say("beep", then=("stop", "nod"), requests=("a", "b", "c")))
+        await talk.result(2)
+        ended = [(body.request, body.text, body.outcome) for body in talk.bodies(events.RequestEnded)]
+        assert ended == [("a", "beep", "interrupted"), ("b", "stop", "done"), ("c", "nod", "done")]
+
+    converse(test)
+
+
 def test_one_that_is_dropped_never_begins_and_what_runs_goes_on() -> None:
     async def test(talk: Conversation) -> None:
         waiting, epoch = await three_waiting(talk), talk.epoch.current

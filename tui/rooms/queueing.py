@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from tui.rooms.drawing import Drawing
+    from tui.rooms.early import Early
     from tui.rooms.keeping import Keeping
     from tui.shown.facts import Waiting
     from tui.stage import Stage
@@ -41,8 +42,9 @@ class _Taken:
 class Queueing:
     """In the UI thread."""
 
-    def __init__(self, stage: Stage, drawing: Drawing, keeping: Keeping) -> None:
+    def __init__(self, stage: Stage, drawing: Drawing, keeping: Keeping, early: Early) -> None:
         self._stage = stage
+        self._early = early
         self._drawing = drawing
         self._keeping = keeping
         self._wanted: _Taken | None = None  # it is to be taken back, and nobody has said that it is
@@ -52,11 +54,15 @@ class Queueing:
 
     def drop(self, request: Waiting) -> None:
         """It is not wanted any more."""
-        self._stage.send(Drop(request.id))
+        if (text := self._early.drop(request.id)) is not None:
+            self._drawing.left_out(text)
+        else:
+            self._stage.send(Drop(request.id))
 
     def move(self, request: Waiting, before: str | None) -> None:
         """It is to begin before another one, or after all of them."""
-        self._stage.send(Move(request.id, before))
+        if not self._early.move(request.id, before):
+            self._stage.send(Move(request.id, before))
 
     def take_back(self, request: Waiting) -> None:
         """It is to be changed. One that is in the line already goes back as it was: nobody has sent what became of
@@ -69,9 +75,15 @@ class Queueing:
             self._end()
             self._stage.main.line.write(before.draft)
             sent = self._again(before, requests_of(before.request.text) or (before.request.text,))
-            self._stage.send(sent)
+            if self._stage.handle is None:
+                self._early.add(sent, self.place_of(sent))
+            else:
+                self._stage.send(sent)
             if sent.id is not None and before.behind[:1] == behind[:1]:  # it stood between this one and the next
                 behind = (sent.id, *behind)
+        if self._early.drop(request.id) is not None:
+            self._change(_Taken(request, behind))
+            return
         self._wanted = _Taken(request, behind)
         self._drawing.taken_back(request.id)
         self._stage.send(Drop(request.id))
@@ -82,12 +94,7 @@ class Queueing:
             case ev.RequestEnded() if self._wanted is not None and body.request == self._wanted.request.id:
                 taken, self._wanted = self._wanted, None
                 if body.outcome == "dropped":
-                    line = self._stage.main.line
-                    taken.draft, self._changing = line.value, taken
-                    self._stage.main.type()
-                    line.write(taken.request.text)
-                    self._told = hint_line(strings.TAKEN_BACK, self._stage.acting)
-                    self._keeping.tell(self._told)
+                    self._change(taken)
             case ev.Ack(do="drop", ok=False) if self._wanted is not None:
                 self._wanted = None
                 self._keeping.tell(strings.TAKEN_BACK_TOO_LATE)
@@ -95,6 +102,15 @@ class Queueing:
                 for one in body.requests:
                     if one.sent_as is not None and one.sent_as in self._sent:
                         self._put(one.sent_as, body.requests)
+
+    def _change(self, taken: _Taken) -> None:
+        """It is in the line from now on."""
+        line = self._stage.main.line
+        taken.draft, self._changing = line.value, taken
+        self._stage.main.type()
+        line.write(taken.request.text)
+        self._told = hint_line(strings.TAKEN_BACK, self._stage.acting)
+        self._keeping.tell(self._told)
 
     def _put(self, sent: str, waiting: Sequence[ev.WaitingRequest]) -> None:
         """What was sent again waits: have it do so before the first that still does of those that were behind it."""
@@ -128,13 +144,17 @@ class Queueing:
             self._stage.main.line.write(taken.draft)
         return Say(text, then=then, wait=True) if waits else self._again(taken, (text, *then))
 
+    def place_of(self, sent: Say) -> tuple[str, ...]:
+        """The ids of those before which it waits in its old place, next first; for whoever puts it there."""
+        return self._sent.pop(sent.id or "", ())
+
     def _again(self, taken: _Taken, texts: Sequence[str]) -> Say:
         """The command that has these wait in its place."""
         from ulid import ULID  # which nobody needs before the first picture
 
         id = str(ULID())
         self._sent[id] = taken.behind
-        return Say(texts[0], id, tuple(texts[1:]), wait=True)
+        return Say(texts[0], id, tuple(texts[1:]), wait=True, requests=(id,))
 
     def _end(self) -> None:
         """What was taken back is not in the line any more, and nothing says so any longer."""

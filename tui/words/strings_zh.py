@@ -249,6 +249,7 @@ LOST: Final = {
     "left": "放弃：它所跟随的事没有做成",
 }
 LOST_BY: Final = "没有开始：{reason}"
+NO_ENGINE: Final = "没有开始：引擎没有启动"
 REPLACED_PLANNING: Final = "规划时被取代"
 REPLACED_ASKED: Final = "询问时被取代"
 DECLINED: Final = "放弃：回答不是指令"
