@@ -71,7 +71,7 @@ from tui.rooms.viewing import Viewing
 from tui.screens.pages import Paged, Placed, Stepped
 from tui.shown.facts import Line, Problem, printable
 from tui.shown.offers import FollowUp, offered
-from tui.shown.readiness import deaf
+from tui.shown.readiness import deaf, no_robot
 from tui.shown.view import View
 from tui.stage import Stage
 from tui.terminal.bursts import Burst
@@ -390,6 +390,8 @@ class SaysoApp(Stage):
             self.main.rest()
         elif self.shown.standstill:
             self.keeping.tell(strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")))
+        elif self.handle is None or self.handle.robot_state() is None:
+            self.keeping.tell(no_robot(self.drawing.parts))
         else:
             self.main.drive_by_hand()
 

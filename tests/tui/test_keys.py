@@ -12,10 +12,10 @@ from textual.drivers.headless_driver import HeadlessDriver
 from engine import events as ev
 from engine.commands import Command, Drive, EndTask, EStop, Interrupt, LimitSpeed, Quit, Release, Say, Wake
 from engine.errors import DeviceError, ExitCode, RobotError
-from engine.handle import EngineHandle
+from engine.handle import EngineHandle, PartState, PartStatus
 from tests.tui import conversation, scripted
 from tests.tui.desk import Desk, console
-from tests.tui.scripted import ScriptedEngine, robot_at
+from tests.tui.scripted import PARTS_READY, ScriptedEngine, flat, robot_at
 from tui.screens.console import ConsoleScreen
 from tui.screens.help import HelpScreen
 from tui.terminal.driver import listening_driver
@@ -462,6 +462,20 @@ async def test_by_hand_arrows_drive_until_one_goes_back() -> None:
         assert "by hand" not in desk.text
         await desk.press("up")
         assert desk.engine.sent[4:] == []
+
+
+@pytest.mark.parametrize(
+    ("state", "words"), [("failed", "The robot is not there."), ("loading", "The robot is still starting.")]
+)
+async def test_nobody_drives_a_robot_by_hand_that_is_not_there(state: PartState, words: str) -> None:
+    robot = PartStatus("robot", state)
+    async with console(ScriptedEngine(parts=(robot, *PARTS_READY[1:]), floor=flat())) as desk:
+        assert PARTS_READY[0].name == "robot"
+        assert words in desk.text, "so the pane of the robot says"
+        await desk.press("g")
+        assert words in desk.text.splitlines()[0]
+        assert not desk.app.main.driving_by_hand
+        assert desk.engine.sent == []
 
 
 async def test_nobody_drives_by_hand_while_the_emergency_stop_is_pressed_and_the_key_says_what_releases_it() -> None:

@@ -14,6 +14,7 @@ from engine.commands import Here, Interrupt, Say
 from engine.perception.memory import Thing, World
 from engine.perception.people import PersonSeen
 from engine.robot.arm import ARM_DOWN, ARM_UP
+from engine.robot.robot import RobotState
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
 from tests.tui.scripted import PLACES, ScriptedEngine, flat, robot_at, scanned
@@ -171,7 +172,30 @@ async def test_who_leaves_the_map_sees_what_was_shown_before_unless_it_follows_t
 
 async def test_a_robot_that_is_nowhere_is_neither_followed_nor_pointed_at() -> None:
     async with console(ScriptedEngine(robot=robot_at(math.nan, math.nan, math.nan), floor=FLAT)) as desk:
-        await desk.press("m", "f", "plus", "h", "f", "tab", "enter")
+        await desk.press("m", "f", "plus", "h", "f", "tab")
+        assert not view(desk).viewport.follows
+        assert desk.app.acting("map_follow") is None
+
+
+@pytest.mark.parametrize("robot", [None, robot_at(math.nan, math.nan, math.nan)])
+async def test_where_nobody_knows_where_the_robot_is_the_map_offers_to_go_nowhere(robot: RobotState | None) -> None:
+    async with console(engine()) as desk:
+        await desk.press("m", "tab", "enter")
+        assert "Go to the kitchen?" in desk.text
+        desk.engine.robot = robot
+        desk.app.redraw()
+        await desk.until(lambda: "Go to the kitchen?" not in desk.text)
+        await desk.press("tab")
+        assert desk.app.acting("map_go") is None
+        assert "enter goes" not in desk.text
+        assert "nobody knows where the robot is" in desk.text
+        await desk.press("enter", "enter")
+        await desk.pilot.click(FloorView, offset=(20, 5))
+        await desk.settled()
+        assert "Go to " not in desk.text
+        assert desk.engine.sent == []
+        desk.engine.robot = HERE
+        await desk.press("tab", "enter")
         assert "Go to " in desk.text
 
 

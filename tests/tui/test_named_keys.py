@@ -75,6 +75,12 @@ async def done(desk: Desk) -> None:
     desk.engine.publish(ev.OffersMade(resume=turn, undo=turn, again=turn, acted=turn), turn=None)
 
 
+async def gone(desk: Desk) -> None:
+    """The robot is."""
+    desk.engine.robot = None
+    desk.app.redraw()
+
+
 async def pressed(desk: Desk) -> None:
     desk.engine.robot = replace(robot_at(0.0, 0.0, 0.0), estop=True)
     desk.app.redraw()
@@ -210,6 +216,7 @@ MOMENTS = {
     "the map, closest": Moment(keys=("m", *["plus"] * 8), silent=("map_nearer",)),
     "the map, pointing": Moment(keys=("m", "tab"), names=("map_go",)),
     "the map's question": Moment(keys=("m", "tab", "enter"), names=("map_go",), silent=("map_follow", "map_nearer")),
+    "the map, without a robot": Moment(gone, ("m", "tab"), names=("map",), silent=("map_go", "map_follow", "by_hand")),
     "the map, other keys": Moment(keys=("m", "tab"), keymap={"map_go": "x"}, names=("map_go",)),
     "the map, where nothing has a name": Moment(nowhere, ("m",), places=False),
     "by hand": Moment(keys=("g",), names=("hand_ahead", "hand_faster", "back")),

@@ -131,7 +131,7 @@ class Choosing:
             stage.main.go_to("log")
             await stage.run_action(action, stage.main.log_pane)
             return
-        if where == "hand" and stage.shown.standstill:
+        if where == "hand" and not stage.check_action("by_hand", ()):
             await stage.run_action("by_hand")  # which says why not
             return
         if where == "hand":

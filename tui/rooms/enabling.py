@@ -47,7 +47,7 @@ class Enabling:
             "type": lambda: self._hears and not self._in_line,
             "add": lambda: self._in_line and stage.main.line.sends,
             "release": self._is_pressed,
-            "by_hand": lambda: self._hears and not self._is_pressed(),
+            "by_hand": lambda: self._hears and self._has_robot and not self._is_pressed(),
             "speed": self._has_other_speed,
             "resume": lambda: self._offers("resume"),
             "undo": lambda: self._offers("undo"),
@@ -94,6 +94,11 @@ class Enabling:
     def _hears(self) -> bool:
         """The engine is there to be told."""
         return self._stage.handle is not None and self._drawing.model.ended is None
+
+    @property
+    def _has_robot(self) -> bool:
+        """The robot is there: it neither starts nor is gone."""
+        return self._stage.handle is not None and self._stage.handle.robot_state() is not None
 
     def _is_away(self) -> bool:
         """There is a step back."""

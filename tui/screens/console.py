@@ -241,7 +241,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         now = view.robot.t if view.robot is not None else 0.0
         trail = () if view.bare else model.trail
         moving = Moving(view.robot, model.path, trail, things=things, people=people, held=held, now=now)
-        self._floor.show_moving(moving, view.scan, view.standstill)
+        self._floor.show_moving(moving, view.scan, view.no_way)
         self._by_hand.tell(view.standstill)
         self.hint()
 

@@ -36,6 +36,12 @@ def deaf(parts: Sequence[PartStatus]) -> PartName | None:
     return next((part.name for part in parts if part.name in HEARS and part.state in ("failed", "missing")), None)
 
 
+def no_robot(parts: Sequence[PartStatus]) -> str:
+    """Why no robot is shown, for people: it is gone, or still starts."""
+    gone = any(part.name == "robot" and part.state in ("failed", "missing") for part in parts)
+    return strings.ROBOT_GONE if gone else strings.NO_ROBOT
+
+
 def waited_for(model: ConsoleModel, parts: Sequence[PartStatus]) -> tuple[PartName, ...]:
     """What has to be loaded before the present request goes on, or the next one begins; empty while one is at work."""
     waits = loading(parts)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
 from msgspec import Struct, field
+
+from tui.words import strings
 
 if TYPE_CHECKING:
     from config.schema import Place
@@ -70,3 +73,10 @@ class View(Struct, frozen=True):
     def standstill(self) -> str:
         """Why nothing can move the robot, and what changes that; empty where it can be moved."""
         return self.notice if self.notice_does == RELEASE else ""
+
+    @property
+    def no_way(self) -> str:
+        """Why the robot cannot be sent anywhere on the map; empty where it can be."""
+        at = self.robot.pose if self.robot is not None else None
+        known = at is not None and math.isfinite(at.x) and math.isfinite(at.y)
+        return self.standstill or ("" if known else strings.NOWHERE)

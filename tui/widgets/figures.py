@@ -14,6 +14,7 @@ from textual.message import Message
 from engine.robot.geometry import heading_in_degrees
 from tui.keys.speeds import LIMITS, limit_beside
 from tui.plan.chart import posture
+from tui.shown.readiness import no_robot
 from tui.terminal.link import LinkFigures
 from tui.widgets.lines import Drawn, Lines
 from tui.words import strings
@@ -107,7 +108,7 @@ class Figures(Lines[tuple[Piece, ...]]):
     def _arrange(self) -> None:
         robot, parts, held = self._given
         wide = self.size.width >= WIDE
-        lines = [((strings.NO_ROBOT, "$foreground 60%"),)] if robot is None else figure_lines(robot, wide, held)
+        lines = [((no_robot(parts), "$foreground 60%"),)] if robot is None else figure_lines(robot, wide, held)
         self.show([*lines, part_line(parts, wide, self.size.width)], matters=0)
 
     def tell(self, link: LinkFigures | None) -> None:

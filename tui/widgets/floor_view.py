@@ -121,7 +121,7 @@ class FloorView(Widget, can_focus=True):
 
     def show_moving(self, moving: Moving, scan: Scan | None = None, standstill: str = "") -> None:
         """Set what moves; marks only the cells that differ. Scans are taken no oftener than they can be sent.
-        ``standstill`` says why nothing can move the robot, where that is so: nobody is asked whether to go then."""
+        ``standstill`` says why the robot cannot go anywhere, where that is so: nobody is asked whether to go then."""
         if standstill != self._standstill:
             self._standstill = standstill
             self._asked = None if standstill else self._asked
@@ -373,6 +373,8 @@ class FloorView(Widget, can_focus=True):
                 return self._answering is not None or ((target := self.pointed) is not None and bool(target.name))
             case "map_here", _:
                 return self._moving.robot is not None and self._cursor is not None
+            case "map_follow", _:
+                return self._viewport.follows or self._robot_spot is not None
             case "map_zoom", (int(steps),):
                 return self._zoomed(steps) != self._viewport
             case "map_pan", (int(right), int(up)):
@@ -439,7 +441,9 @@ class FloorView(Widget, can_focus=True):
             self._look(self._viewport.shifted(right, up, self._whole))
 
     def action_map_follow(self) -> None:
-        """Go along with the robot, or stay."""
+        """Go along with the robot, or stay. There is nothing to go along with where nobody knows where that is."""
+        if not self._viewport.follows and self._robot_spot is None:
+            return
         self._look(self._viewport.following())
         if self._viewport.follows and (here := self._robot_spot) is not None:
             self._look(replace(self._viewport, centre=here))

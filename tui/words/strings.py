@@ -194,6 +194,8 @@ NOT_OFFERED: Final = {
 }
 NOT_NOW: Final = "The robot is at something: {interrupt} stops it."
 NOT_WHILE_PRESSED: Final = "The emergency stop is pressed: {release} releases it."
+NOWHERE: Final = "nobody knows where the robot is"
+ROBOT_GONE: Final = "The robot is not there."
 NO_UNDO: Final = "No undo: {why}"
 KEY_STOPS: Final = "{interrupt} stops"
 

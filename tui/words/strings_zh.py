@@ -189,6 +189,8 @@ NOT_OFFERED: Final = {
     "again": "还没有可以再做一次的计划。",
 }
 NOT_NOW: Final = "机器人正在做事：{interrupt} 停止它。"
+NOWHERE: Final = "不知道机器人在哪里"
+ROBOT_GONE: Final = "机器人不在。"
 NOT_WHILE_PRESSED: Final = "急停按下了：{release}解除。"
 NO_UNDO: Final = "不能撤销：{why}"
 KEY_STOPS: Final = "{interrupt} 停止"
