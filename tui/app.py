@@ -498,7 +498,8 @@ class SaysoApp(Stage):
     def _leave(self, command: Say, note: str) -> None:
         """It comes to nothing, and has a row that says why."""
         for request in (command.text, *command.then):
-            self.drawing.model = self.drawing.model.with_line(Line("lost", printable(request), note))
+            text = printable(request)
+            self.drawing.model = self.drawing.model.with_end(text, note=note).with_line(Line("lost", text, note))
         self.redraw()
 
     def _follow(self) -> None:

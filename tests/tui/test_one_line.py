@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import replace
 
 import pytest
 
 from engine import events as ev
-from engine.commands import Interrupt, Say
+from engine.commands import Command, Interrupt, Say
+from engine.handle import EngineHandle
 from tests.tui import scripted
 from tests.tui.desk import console
 from tests.tui.scripted import ScriptedEngine, flat, robot_at
@@ -225,6 +227,43 @@ async def test_what_must_be_read_now_comes_before_an_end_which_is_told_afterward
         desk.app.keeping.forget()
         await desk.settled()
         assert f"■ go to the moon: {UNKNOWN}" in desk.text
+
+
+@pytest.mark.parametrize("asks", [False, True])
+async def test_what_the_stop_key_drops_is_told_at_once(*, asks: bool) -> None:
+    async with console(engine(), size=(100, 2), one_line=True, in_line=True) as desk:
+        if asks:
+            desk.engine.publish(ev.ClarificationAsked("Shall I go to the bedroom?", "go to the bedrom"))
+        waiting = tuple(ev.WaitingRequest(f"R{number}", text) for number, text in enumerate(("nod", "beep")))
+        desk.engine.publish(ev.RequestsWaiting(("nod", "beep"), waiting), turn=None)
+
+        def stopped(command: Command) -> None:
+            desk.engine.publish(ev.InterruptRaised("interrupt", "interrupt", "IDLE"), turn=None)
+            for one in waiting:
+                desk.engine.publish(ev.RequestEnded(one.request, one.text, "interrupted", "interrupt"), turn=None)
+            desk.engine.publish(ev.RequestsWaiting((), ()), turn=None)
+            if asks:
+                desk.engine.publish(ev.QuestionEnded("go to the bedrom", "withdrawn", "interrupt"))
+
+        desk.engine.on_command = stopped
+        await desk.press("escape")
+        assert "■ never begun: the stop key (2): nod, beep" in desk.text
+        desk.app.drawing.ending.next()
+        await desk.settled()
+        assert ("■ go to the bedrom  question withdrawn: the stop key" in desk.text) is asks
+
+
+async def test_what_the_stop_key_drops_while_the_engine_starts_is_told_at_once() -> None:
+    gate = threading.Event()
+
+    def start() -> EngineHandle:
+        gate.wait(30)
+        return engine()
+
+    async with console(start=start, size=(100, 2), one_line=True, in_line=True) as desk:
+        await desk.press(*"nod", "enter", *"beep", "enter", "escape")
+        assert "■ never begun: the stop key (2): nod, beep" in desk.text
+        gate.set()
 
 
 async def test_a_request_that_the_emergency_stop_refuses_is_told_while_it_is_pressed() -> None:

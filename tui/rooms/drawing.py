@@ -164,7 +164,8 @@ class Drawing:
         ended = [strings.WITHDRAWN] if found.asks else []
         ended += [strings.WAITING_DROPPED[waiting == 1].format(waiting)] if waiting else []
         if ended:
-            self._stage.remark(" · ".join(ended))
+            if not self._stage.main.is_one_line:  # which tells each of them in the place of a notice
+                self._stage.remark(" · ".join(ended))
         else:
             self.nothing_to_stop()
 

@@ -109,6 +109,11 @@ class ConsoleModel(Struct, frozen=True):
     def with_line(self, line: Line) -> ConsoleModel:
         return replace(self, conversation=(*self.conversation[1 - MAX_LINES :], line))
 
+    def with_end(self, text: str, message: str = "", note: str = "", by: str = "") -> ConsoleModel:
+        """A request that was not done has ended, as in :class:`Ended`."""
+        number = self.ends[-1].number + 1 if self.ends else 1
+        return replace(self, ends=(*self.ends[1 - MAX_ENDS :], Ended(number, text, message, note, by)))
+
     def with_log(
         self,
         level: Literal["debug", "info", "warning", "error"],
@@ -230,9 +235,7 @@ def _replaced(state: ev.State) -> str:
 
 
 def _with_end(model: ConsoleModel, body: ev.RequestEnded, message: str, note: str) -> ConsoleModel:
-    number = model.ends[-1].number + 1 if model.ends else 1
-    end = Ended(number, printable(body.text), message, note, body.by or "")
-    return replace(model, ends=(*model.ends[1 - MAX_ENDS :], end))
+    return model.with_end(printable(body.text), message, note, body.by or "")
 
 
 @_fold.register
