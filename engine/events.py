@@ -382,11 +382,13 @@ class PlanRejected(Body, frozen=True):
 
 @kind("clarification.asked")
 class ClarificationAsked(Body, frozen=True):
-    """The request is ambiguous; the next utterance answers this question."""
+    """The request is ambiguous; the next utterance answers this question. Or it was no order, and the robot asks what
+    it shall do: that leaves nothing open."""
 
     question: str
     about: str = ""
     intent: IntentView | None = None  # what is known of the request, and what is unclear about it
+    leaves_open: bool = True  # an answer completes the request
 
 
 @kind("refusal.made")

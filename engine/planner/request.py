@@ -69,7 +69,7 @@ class NoPlan:
         if self.exit_code is ExitCode.REFUSED:
             return RefusalMade(self.answer, self.text)
         if self.exit_code is ExitCode.CLARIFY:
-            return ClarificationAsked(self.answer, self.text)
+            return ClarificationAsked(self.answer, self.text, leaves_open=self.leaves_open)
         return PlanRejected(self.text, self.answer, self.code, self.suggestions)
 
 

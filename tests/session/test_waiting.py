@@ -466,6 +466,7 @@ def test_a_question_is_put_once_more_where_the_answer_is_not_understood(
         talk.send(Say(NONSENSE[0]))
         assert (await talk.result(3)).outcome == "clarify"
         await talk.pass_time(60)
+        assert all(body.leaves_open for body in talk.bodies(events.ClarificationAsked))
         first, again = asked(talk)
         assert again == f"I did not understand: “{NONSENSE[0]}”. {first}"
         assert questions(talk) == [], "it is still open"
@@ -513,6 +514,7 @@ def test_what_was_no_order_is_not_asked_about_again() -> None:
             talk.send(Say(text))
             await talk.result(number)
         assert len(asked(talk)) == 1
+        assert not talk.bodies(events.ClarificationAsked)[0].leaves_open
         assert questions(talk) == []
 
     converse(test)

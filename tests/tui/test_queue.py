@@ -505,6 +505,27 @@ async def test_the_key_that_stops_says_what_it_has_ended_while_the_robot_asks(nu
         assert "ASKING" not in desk.text.splitlines()[0]
 
 
+async def test_after_a_no_the_robot_asks_about_nothing_any_more() -> None:
+    async with console(size=(160, 40), in_line=True) as desk:
+        ask_about_a_bedroom(desk, waiting=0)
+        desk.engine.publish(ev.TranscriptFinal("no", "text", "", 1.0, 0.0, 0.0, 0.0, 0.0))
+        desk.engine.publish(ev.QuestionEnded("go to the bedrom", "declined"))
+        told = "I heard “no”, so I do nothing. What shall I do?"
+        desk.engine.publish(ev.ClarificationAsked(told, "no", leaves_open=False))
+        desk.engine.publish(ev.StateChanged("CLARIFYING", "WAITING", "clarify", ev.TurnResult(5, "clarify", told)))
+        await desk.press(*"nod")
+        assert "READY" in desk.text.splitlines()[0]
+        assert "ctrl+j" not in desk.text.splitlines()[-1]
+
+        def stopped(command: Command) -> None:
+            desk.engine.publish(ev.InterruptRaised("interrupt", "interrupt", "WAITING"), turn=None)
+
+        desk.engine.on_command = stopped
+        await desk.press("escape")
+        assert "Nothing to stop" in desk.text.splitlines()[0]
+        assert "Question withdrawn" not in desk.text
+
+
 async def test_while_the_robot_asks_a_key_adds_what_is_written_to_what_waits() -> None:
     async with console(in_line=True) as desk:
         ask_about_a_bedroom(desk, waiting=0)

@@ -54,6 +54,7 @@ class Plan(Struct, frozen=True):
     source: str = ""
     message: str = ""  # why not, or what is asked
     suggestions: tuple[str, ...] = ()
+    open: bool = True  # what is asked about waits for an answer
 
 
 class Row(Struct, frozen=True):

@@ -92,7 +92,7 @@ class ConsoleModel(Struct, frozen=True):
     @property
     def asks(self) -> bool:
         """A question of the robot about a request is open."""
-        return self.state in REST and self.plan is not None and self.plan.stage == "question"
+        return self.state in REST and self.plan is not None and self.plan.stage == "question" and self.plan.open
 
     @property
     def held(self) -> bool:
@@ -319,7 +319,7 @@ def _(body: ev.PlanRejected, model: ConsoleModel, event: ev.Event) -> ConsoleMod
 @_fold.register
 def _(body: ev.ClarificationAsked, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
     goal = printable(body.about) or (model.plan.goal if model.plan else "")
-    return replace(model, plan=Plan("question", goal, message=printable(body.question)))
+    return replace(model, plan=Plan("question", goal, message=printable(body.question), open=body.leaves_open))
 
 
 @_fold.register
