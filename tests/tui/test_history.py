@@ -213,6 +213,20 @@ async def test_what_was_refused_or_not_understood_is_recalled_and_not_offered(to
     assert history.in_vain == {"pick up the red bx"}
 
 
+async def test_what_was_not_understood_as_an_answer_is_not_offered(tmp_path: Path) -> None:
+    async with console(in_line=True) as desk:
+        desk.app.dress("sayso-dark", 30, history=RequestHistory(tmp_path / "requests"))
+        for text in ("dance", "snorf"):
+            await desk.press(*text, "enter")
+            desk.engine.publish(ev.TranscriptFinal(text, "text", "", 1.0, 0.0, 0.0, 0.0, 0.0))
+            about = "go to the bedrom" if text == "snorf" else ""  # a skill has asked the first time
+            desk.engine.publish(ev.ClarificationAsked("Shall I go to the bedroom?", about))
+            await desk.settled()
+    history = RequestHistory(tmp_path / "requests")
+    history.read()
+    assert history.in_vain == {"snorf"}
+
+
 async def test_several_that_were_pasted_are_not_offered() -> None:
     async with console(in_line=True) as desk:
         ask = desk.app.query_one(Ask)

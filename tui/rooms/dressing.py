@@ -63,6 +63,7 @@ class Dressing:
         self.theme = stage.theme
         """By the settings; another one may be tried on."""
         self._history: RequestHistory | None = None
+        self._said = ""  # what was said last
 
     # At the start
 
@@ -176,9 +177,17 @@ class Dressing:
     def hear(self, body: ev.Body) -> None:
         """What was refused or not understood is not offered to be asked for once more."""
         match body:
-            case ev.PlanRejected(text=text) | ev.RefusalMade(text=text) | ev.ClarificationAsked(about=text):
-                if self._stage.main.line.mark(text) and self._history is not None:
-                    self._history.mark(text)
+            case ev.TranscriptFinal():
+                self._said = body.text
+            case ev.PlanRejected(text=text) | ev.RefusalMade(text=text):
+                self._mark(text)
+            case ev.ClarificationAsked() if body.about:
+                self._mark(body.about)
+                self._mark(self._said)  # where it was no answer, the question is still about what was said before it
+
+    def _mark(self, text: str) -> None:
+        if self._stage.main.line.mark(text) and self._history is not None:
+            self._history.mark(text)
 
     def close(self) -> None:
         """What is kept for later sessions is written to the end."""
