@@ -456,6 +456,9 @@ class SaysoApp(Stage):
         else:
             self.keeping.tell(strings.NOT_OFFERED[kind])
 
+    def on_floor_view_touched(self) -> None:
+        self.redraw()
+
     def on_floor_view_chosen(self, message: FloorView.Chosen) -> None:
         self._ask(Say(message.request))
 

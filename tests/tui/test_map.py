@@ -239,6 +239,21 @@ async def test_f_goes_along_with_the_robot_until_the_map_is_shifted() -> None:
         assert not floor.viewport.follows
 
 
+async def test_after_the_mouse_the_keys_that_the_map_names_are_those_that_act() -> None:
+    async with console(engine()) as desk:
+        await desk.press("m")
+        floor = view(desk)
+        assert "f follows" in desk.text
+        await desk.click("kitchen")
+        assert "any other key: no" in desk.text
+        assert "f follows" not in desk.text, "any key but the answer is a no"
+        await desk.press("escape")
+        for _ in ZOOMS:
+            floor.post_message(scrolled_up(floor, 3, 3))
+        await desk.until(lambda: floor.viewport.zoom == ZOOMS[-1])
+        await desk.until(lambda: "+" not in desk.text.splitlines()[floor.region.bottom])
+
+
 async def test_a_click_points_and_asks_and_a_click_on_the_question_goes() -> None:
     async with console(engine(RED)) as desk:
         floor = view(desk)
@@ -253,12 +268,26 @@ async def test_a_click_points_and_asks_and_a_click_on_the_question_goes() -> Non
         assert desk.engine.sent == [Say("go to the red box")]
 
 
-async def test_the_wheel_looks_closer_at_what_is_under_the_pointer() -> None:
+@pytest.mark.parametrize("pointer", [(10, 5), (3, 3), (40, 12)])
+async def test_the_wheel_looks_closer_at_what_is_under_the_pointer(pointer: tuple[int, int]) -> None:
     async with console() as desk:
         floor = view(desk)
-        floor.post_message(scrolled_up(floor, 10, 5))
+        assert floor._frame is not None
+        spot = (
+            floor._frame.left + pointer[0] * floor._frame.cell_width,
+            (floor._frame.top - pointer[1] * floor._frame.cell_height),
+        )
+        for zoom in ZOOMS[1:]:
+            floor.post_message(scrolled_up(floor, *pointer))
+            await desk.settled()
+            assert floor.viewport.zoom == zoom
+            column, row = floor._frame.at(*spot)
+            assert abs(column - pointer[0]) <= 2
+            assert abs(row - pointer[1]) <= 2, "it stays under the pointer"
+        before = floor.viewport
+        floor.post_message(scrolled_up(floor, *pointer))
         await desk.settled()
-        assert floor.viewport.zoom == ZOOMS[1]
+        assert floor.viewport == before, "it cannot be closer"
 
 
 async def test_the_map_keys_can_be_others() -> None:

@@ -59,9 +59,20 @@ class Viewport(Struct, frozen=True):
     def nearer(self, steps: int, about: Spot | None) -> Viewport:
         """Zoomed in by so many steps, or out where negative, with the spot ``about`` in the middle."""
         at = max(0, min(len(ZOOMS) - 1, ZOOMS.index(self.zoom) + steps))
+        if ZOOMS[at] == self.zoom:
+            return self
         if ZOOMS[at] == 1.0:
             return Viewport()
         return replace(self, zoom=ZOOMS[at], centre=about or self.centre)
+
+    def nearer_at(self, steps: int, spot: Spot, whole: Frame) -> Viewport:
+        """The same with this spot where it is, as near as cells allow."""
+        found = self.nearer(steps, None)
+        if found == self or found.is_whole:
+            return found
+        x, y = _middle(whole) if self.is_whole else self.centre or _middle(whole)
+        share = self.zoom / found.zoom
+        return replace(found, centre=(spot[0] + share * (x - spot[0]), spot[1] + share * (y - spot[1])))
 
     def shifted(self, right: int, up: int, whole: Frame) -> Viewport:
         """Moved over the map by so many steps; it no longer follows, and its middle stays on the map."""

@@ -80,6 +80,9 @@ class FloorView(Widget, can_focus=True):
             super().__init__()
             self.x, self.y, self.yaw = x, y, yaw
 
+    class Touched(Message):
+        """The mouse has pointed, asked or zoomed: other keys act now."""
+
     class Chosen(Message):
         """Somebody wants the robot to go there, and has said so twice."""
 
@@ -464,6 +467,7 @@ class FloorView(Widget, can_focus=True):
         """Point there and ask; a click on the question is the yes."""
         if self._frame is None:
             return
+        self.post_message(self.Touched())
         self.on_key()
         if event.y == self.size.height - 1 and self._answering is not None:
             self.action_map_go()
@@ -480,9 +484,11 @@ class FloorView(Widget, can_focus=True):
         self._scrolled(-1, event)
 
     def _scrolled(self, steps: int, event: events.MouseEvent) -> None:
-        """Zoom about what lies under the pointer."""
+        """Zoom; what lies under the pointer stays there."""
         frame = self._frame
-        if frame is not None:
+        if frame is not None and self._whole is not None:
             spot = (frame.left + event.x * frame.cell_width, frame.top - event.y * frame.cell_height)
-            self._look(self._viewport.nearer(steps, None if self._viewport.follows else spot))
+            at, follows = self._viewport, self._viewport.follows
+            self._look(at.nearer(steps, None) if follows else at.nearer_at(steps, spot, self._whole))
+            self.post_message(self.Touched())
         event.stop()
