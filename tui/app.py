@@ -188,8 +188,8 @@ class SaysoApp(Stage):
     def note(self, level: Literal["info", "warning", "error"], text: str) -> None:
         self.drawing.log(level, text)
 
-    def remark(self, text: str) -> None:
-        self.keeping.remark(text)
+    def remark(self, text: str, *, here: bool = False) -> None:
+        self.keeping.remark(text, here=here)
 
     @property
     def notice(self) -> str:
@@ -381,7 +381,7 @@ class SaysoApp(Stage):
             if not (isinstance(self.screen, Stepped) and self.screen.step_back()):
                 self.step_back()
         elif not await self.main.back():
-            self.remark(hint_line(strings.NOTHING_BACK, self.acting))
+            self.remark(hint_line(strings.NOTHING_BACK, self.acting), here=True)
         self.redraw_later()
 
     def action_by_hand(self) -> None:
@@ -598,11 +598,15 @@ class SaysoApp(Stage):
         self.action_type()
         self.main.line.paste(event.text)
 
-    def on_descendant_focus(self) -> None:
+    def moved(self) -> None:
+        self.keeping.moved()
         self.redraw()  # the keys that matter have changed
 
+    def on_descendant_focus(self) -> None:
+        self.moved()
+
     def on_descendant_blur(self) -> None:
-        self.redraw()
+        self.moved()
 
     def on_input_changed(self, event: Input.Changed) -> None:
         if event.input is self.main.line:

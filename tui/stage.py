@@ -91,8 +91,12 @@ class Stage(App[None]):
         """Panes have another size: some show more where they have more room."""
         self.call_after_refresh(self.redraw)
 
-    def remark(self, text: str) -> None:
-        """Something that stands in the status line for a while."""
+    def remark(self, text: str, *, here: bool = False) -> None:
+        """Something that stands in the status line for a while; ``here``: until the keyboard goes elsewhere."""
+        raise NotImplementedError
+
+    def moved(self) -> None:
+        """The keyboard has gone elsewhere."""
         raise NotImplementedError
 
     def withdraw(self, box: Notification) -> None:
@@ -107,11 +111,13 @@ class Stage(App[None]):
     def open_page(self, page: Screen[None]) -> None:
         """Put a page on top, with the keys that are true there."""
         self.push_screen(page)
+        self.moved()
         self.draw()
 
     def step_back(self) -> None:
         """Leave the page on top; what is below it shows what has happened in the meantime."""
         self.pop_screen()
+        self.moved()
         self.draw()
 
     def come_back(self) -> None:

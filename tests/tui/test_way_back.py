@@ -222,6 +222,19 @@ async def test_a_stop_that_somebody_else_asked_for_is_no_answer_to_a_key() -> No
         assert "Nothing to stop" not in desk.text
 
 
+@pytest.mark.parametrize("key", ["question_mark", "enter", "slash", "3", "m"])
+@pytest.mark.parametrize(("said_by", "words"), [("backspace", "Nothing to go back"), ("escape", "Nothing to stop")])
+async def test_what_is_said_about_the_way_back_goes_when_the_keyboard_goes_elsewhere(
+    said_by: str, words: str, key: str
+) -> None:
+    async with console(engine()) as desk:
+        desk.engine.on_command = lambda command: desk.engine.publish(stopped("IDLE"), turn=None)
+        await desk.press(said_by)
+        assert words in desk.text
+        await desk.press(key)
+        assert words not in desk.text
+
+
 async def test_where_there_is_no_way_back_that_is_said() -> None:
     async with console(engine()) as desk:
         await desk.press("backspace")

@@ -171,7 +171,7 @@ class Drawing:
 
     def nothing_to_stop(self) -> None:
         """The key that stops was pressed while all was still: say so, and which key goes back."""
-        self._stage.remark(hint_line(strings.NOTHING_TO_STOP, self._stage.acting))
+        self._stage.remark(hint_line(strings.NOTHING_TO_STOP, self._stage.acting), here=True)
 
     def log(self, level: Literal["info", "warning", "error"], text: str) -> None:
         """A line in the log that the console itself has to tell."""

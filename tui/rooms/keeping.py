@@ -40,6 +40,7 @@ class Keeping:
         self._untold: Timer | None = None
         self._boxes: dict[str, Notification] = {}  # what was told over the screen, by its words
         self._copied: Part | None = None  # while the status line says so
+        self._here = False  # what stands there is true only where the keyboard is now
 
     def copy(self) -> None:
         """What is in sight goes to the clipboard; again while the status line says so: the next part."""
@@ -97,9 +98,10 @@ class Keeping:
         if (box := self._boxes.pop(told, None)) is not None:
             self._stage.call_later(self._stage.withdraw, box)  # behind the message that brings it
 
-    def remark(self, text: str, *, while_still: bool = True) -> None:
-        """In the status line for a while; ``while_still``: unless something begins."""
-        self.told, self.while_still, self._copied = printable(text), while_still, None
+    def remark(self, text: str, *, while_still: bool = True, here: bool = False) -> None:
+        """In the status line for a while; ``while_still``: unless something begins; ``here``: until the keyboard goes
+        elsewhere."""
+        self.told, self.while_still, self._copied, self._here = printable(text), while_still, None, here
         if self._untold is not None:
             self._untold.stop()
         self._untold = self._stage.set_timer(TOLD_S, self.forget)
@@ -109,6 +111,11 @@ class Keeping:
         """It has stood there for long enough."""
         self.told, self._copied = "", None
         self._stage.redraw()
+
+    def moved(self) -> None:
+        """The keyboard has gone elsewhere."""
+        if self._here and self.told:
+            self.forget()
 
     def _save(self, session: str, picture: str) -> None:
         from config.folders import paths
