@@ -153,7 +153,8 @@ class SaysoApp(Stage):
         self._start_engine = start_engine
         self._is_ready = False
         self._has_failed = False  # the engine, when it was to start
-        self._presses_early = False  # the emergency stop was pressed before that
+        self._presses_early = False  # the emergency stop was pressed before the engine was there
+        self._has_pressed = False  # it was pressed here, and not released since; the robot may not have told so yet
         self._stopped_at = -math.inf  # when a key that stops was read last, in the time of Textual's messages…
         self._stopped_by: Literal["interrupt", "estop"] = "interrupt"  # which of them
         self._dealt_stop = -math.inf  # …of the last of them that has been dealt out…
@@ -332,6 +333,7 @@ class SaysoApp(Stage):
 
     def _press(self) -> None:
         """The emergency stop, now or as soon as there is something to press. In any thread."""
+        self._has_pressed = True
         self._presses_early = True  # before one looks whether the engine is there, which may come in this moment
         if self.handle is not None:
             self._presses_early = False
@@ -370,6 +372,11 @@ class SaysoApp(Stage):
         return unsent
 
     def action_release(self) -> None:
+        """Where nothing is pressed, a release would stop what runs."""
+        if not (self.enabling.is_pressed or self._has_pressed):
+            self.keeping.remark(strings.NOT_PRESSED, while_still=False)
+            return
+        self._presses_early = self._has_pressed = False
         self.send(Release())
         self.keeping.forget()  # that it is pressed
 

@@ -433,6 +433,32 @@ async def test_keys_typed_ahead_of_the_line_go_into_it_and_are_no_commands() -> 
         assert desk.engine.sent == []
 
 
+@pytest.mark.parametrize("key", ["R", "ctrl+o"])
+async def test_where_the_emergency_stop_is_not_pressed_its_release_stops_nothing(key: str) -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.acting())
+        await desk.press(key)
+        assert "The emergency stop is not pressed" in desk.text.splitlines()[0]
+        assert desk.engine.sent == []
+
+
+async def test_an_emergency_stop_that_is_released_while_the_engine_starts_is_not_pressed_then() -> None:
+    gate = threading.Event()
+    engine = ScriptedEngine()
+
+    def start() -> EngineHandle:
+        gate.wait(30)
+        return engine
+
+    async with console(engine, start=start, in_line=True) as desk:
+        await desk.press("ctrl+x", "ctrl+o")
+        assert "pressed as soon" not in desk.text
+        gate.set()
+        await desk.until(lambda: desk.app.handle is not None)
+        await desk.settled()
+        assert engine.sent == []
+
+
 async def test_the_emergency_stop_has_a_key_that_works_while_typing_and_another_one_releases_it() -> None:
     async with console() as desk:
         await desk.press("slash", "ctrl+x")

@@ -12,7 +12,7 @@ from textual.keys import key_to_character
 
 from config.changing import Layers
 from engine import events as ev
-from engine.commands import Drive, EndTask, Interrupt, Release, Say, Wake
+from engine.commands import Drive, EndTask, Interrupt, Say, Wake
 from engine.handle import PartName, PartStatus
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
@@ -344,9 +344,9 @@ async def test_what_follows_the_key_that_goes_back_at_once_goes_where_the_keyboa
 @pytest.mark.parametrize("key", ["backspace", "tab", "ctrl+g"])
 async def test_what_follows_a_key_that_leaves_the_line_at_once_is_a_key(key: str) -> None:
     async with console(engine(), in_line=True) as desk:
-        post(desk, key, "e", "l", "slash", *"go", "enter", key, "R")
+        post(desk, key, "e", "l", "slash", *"go", "enter", key, "e")
         await desk.settled()
-        assert desk.engine.sent == [EndTask(), Say("go"), Release()]
+        assert desk.engine.sent == [EndTask(), Say("go"), EndTask()]
         assert desk.app.main.line.value == ""
 
 

@@ -46,8 +46,8 @@ class Enabling:
             "end_task": lambda: self._hears,
             "type": lambda: self._hears and not self._in_line,
             "add": lambda: self._in_line and stage.main.line.sends,
-            "release": self._is_pressed,
-            "by_hand": lambda: self._hears and self._has_robot and not self._is_pressed(),
+            "release": lambda: self.is_pressed,
+            "by_hand": lambda: self._hears and self._has_robot and not self.is_pressed,
             "speed": self._has_other_speed,
             "resume": lambda: self._offers("resume"),
             "undo": lambda: self._offers("undo"),
@@ -104,7 +104,8 @@ class Enabling:
         """There is a step back."""
         return self._leaving.asked or not self._on_main or self._stage.main.is_away
 
-    def _is_pressed(self) -> bool:
+    @property
+    def is_pressed(self) -> bool:
         """The emergency stop is."""
         robot = self._stage.handle.robot_state() if self._stage.handle is not None else None
         return self._drawing.model.pressed or (robot is not None and robot.estop)

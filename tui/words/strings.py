@@ -530,6 +530,7 @@ LINE_OF_NO_TURN: Final = "This line belongs to no turn."
 
 # Quitting and failing
 NOTHING_TO_STOP: Final = "Nothing to stop · {back} goes back"
+NOT_PRESSED: Final = "The emergency stop is not pressed"
 PRESSED_EARLY: Final = "The emergency stop is pressed as soon as the engine is there"
 WITHDRAWN: Final = "Question withdrawn"
 WAITING_DROPPED: Final = {False: "{} waiting requests dropped", True: "{} waiting request dropped"}

@@ -507,6 +507,7 @@ LINE_OF_NO_TURN: Final = "这一行不属于任何一轮。"
 
 # Quitting and failing
 NOTHING_TO_STOP: Final = "没有什么要停止 · {back} 返回"
+NOT_PRESSED: Final = "急停没有按下"
 PRESSED_EARLY: Final = "引擎一启动就按下急停"
 WITHDRAWN: Final = "问题已撤回"
 WAITING_DROPPED: Final = {False: "取消了 {} 个等待的请求", True: "取消了 {} 个等待的请求"}
