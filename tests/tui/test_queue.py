@@ -182,6 +182,8 @@ async def test_a_click_chooses_the_request_that_is_clicked_on(number: int, text:
         (("shift+down",), [Move("R1", "R3")]),
         (("J",), [Move("R1", "R3")]),
         (("down", "shift+down"), [Move("R2", None)]),
+        (("shift+down", "shift+down", "shift+down"), [Move("R1", "R3"), Move("R1", None)]),
+        (("shift+down", "shift+down", "shift+up"), [Move("R1", "R3"), Move("R1", None), Move("R1", "R3")]),
         (("down", "down", "shift+up"), [Move("R3", "R2")]),
         (("shift+up",), []),
         (("down", "down", "down", "shift+down"), []),

@@ -84,7 +84,8 @@ class ActionQueue(Lines[Shown | Waits]):
 
     _summary = Content("")
     _known: tuple[ConsoleModel, float] | None = None  # what it was told to show
-    _waiting: tuple[Waiting, ...] = ()
+    _told: tuple[Waiting, ...] = ()  # what waits, as far as it has been told
+    _waiting: tuple[Waiting, ...] = ()  # the same, as the keys since then have moved them
     _chosen = ""  # the id of a request
     _place = 0  # where that stood
 
@@ -96,7 +97,9 @@ class ActionQueue(Lines[Shown | Waits]):
         """Show the queue with durations as of event time ``now``."""
         self._known = model, now
         running = next((number for number, row in enumerate(model.queue) if row.phase == "running"), None)
-        self._know(tuple(request for request in model.waiting if request.id))
+        if (told := tuple(request for request in model.waiting if request.id)) != self._told:
+            self._told = told
+            self._know(told)
         self.hint()
         roomy = self.size.height >= _ROOM_FOR_WORDS
         rows = [
@@ -178,6 +181,9 @@ class ActionQueue(Lines[Shown | Waits]):
         """One place earlier (−1) or later (1)."""
         if 0 <= self._place + step < len(self._waiting):
             self.post_message(self.Moved(self._waiting[self._place], self._following(step if step < 0 else step + 1)))
+            order = list(self._waiting)  # the next key may come before anybody tells the new one
+            order.insert(self._place + step, order.pop(self._place))
+            self._waiting, self._place = tuple(order), self._place + step
 
     def action_change(self) -> None:
         self.post_message(self.TakenBack(self._waiting[self._place]))
