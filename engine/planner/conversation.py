@@ -80,16 +80,14 @@ class Conversation:
         if question is not None and (name := chosen(question, text, request.seen)):
             then = answer.nodes[1:] if answer is not None else ()
             answer = Meaning(text, (Do("fragment", (Role("thing", name, 0, len(text)),)), *then))
-        elif (
-            answer is None
-            or not answer.nodes
-            or not request.happened
-            or _roles(answer.nodes[0]) is None
-            or not self._accounted(answer)
-        ):
+        elif answer is None or not answer.nodes or not request.happened or not self._accounted(answer):
             return None
         said = tuple(entry.text for entry in request.happened if isinstance(entry, Said))[-LONGEST:]
         before = self._before(said if question is None else open_command(request.happened), whole=question is not None)
+        if question is not None and question.lacks == "where":
+            answer = _whither(answer)
+        if _roles(answer.nodes[0]) is None:
+            return None
         return None if before is None else self._joined(before, answer, whole=question is not None)
 
     def _before(self, said: Sequence[str], *, whole: bool) -> Meaning | None:
@@ -155,6 +153,15 @@ def _roles(node: Node) -> tuple[Role, ...] | None:
     if isinstance(node, Instead) or (isinstance(node, Do) and node.act == "fragment"):
         return node.roles
     return None
+
+
+def _whither(answer: Meaning) -> Meaning:
+    """ "Go to the kitchen", said to who has asked where to: the place, where that is all that it says."""
+    match answer.nodes:
+        case (Do("go", (Role("place") as place,)), *then):
+            return replace(answer, nodes=(Do("fragment", (place,)), *then))
+        case _:
+            return answer
 
 
 def _slot(act: Do, role: Role) -> RoleName | None:

@@ -243,7 +243,8 @@ class Outcomes:
             return self._validation.one_of(self._planned(heard, calls), heard.request, heard.language)
         except Open as gap:
             question = self._phrases(heard.language).question(gap.question)
-            return _question(heard, "vague" if gap.vague else "incomplete", question)
+            asked = _question(heard, "vague" if gap.vague else "incomplete", question)
+            return replace(asked, lacks=gap.question)
         except Which as several:
             return _question(heard, "ambiguous", str(several))
         except NowhereKnown as place:

@@ -37,6 +37,8 @@ class NoPlan:
     """Names between which the user is to choose."""
     offer: tuple[ActionCall, ...] = ()
     """What is done if the user says yes."""
+    lacks: str = ""
+    """What the request does not say, as one of the questions for it ("where"); empty where it asks about something else."""
     repeats: bool = False
     """It puts the last question once more: what was said instead of an answer was not understood."""
 

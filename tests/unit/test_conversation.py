@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from config import load
@@ -87,6 +89,17 @@ def test_what_else_is_said_with_an_answer_is_done_after_it(understood: Understoo
 def test_an_answer_fills_what_was_open_and_keeps_the_rest(understood: Understood, reader: Written) -> None:
     history = (Said(reader.knows("go beep | go there and beep")), asked("Where to?"))
     assert after(understood, history, reader.knows("fragment | {place: the kitchen}")) == "navigation(A); beep(0.2)"
+
+
+def test_who_is_asked_where_to_may_say_it_as_an_order(understood: Understood, reader: Written) -> None:
+    first = reader.knows("guide beep | lead {1.person: me} and beep")
+    open_ = replace(asked("Where to?"), lacks="where")
+    answer = reader.knows("go | go to {place: the kitchen}")
+    assert after(understood, (Said(first), open_), answer) == "guide(me, A); beep(0.2)"
+    more = reader.knows("go beep | go to {1.place: the kitchen} and beep")
+    assert after(understood, (Said(reader.knows("go | go there")), open_), more) == "navigation(A); beep(0.2)"
+    other = asked("Which one: the red box or the blue box?")
+    assert after(understood, (Said(first), other), answer) == "navigation(A)"
 
 
 @pytest.mark.parametrize(

@@ -162,7 +162,7 @@ def follow_out_and_guide(m: Making) -> Order:
     key = _leads_out(m, beacon)
     wants = (Want(("follow",), (name,)), Want(("guide",), (name,)))
     truths = (MustBe("accompanied", key), MustBe("arrived", key, place=beacon))
-    return m.order(f"去{_zh(beacon)}找{name}，跟着他，再带他回来", Goal(wants, truths))
+    return m.order(f"去{_zh(beacon)}找{name}，跟着他，再带他回去", Goal(wants, truths))
 
 
 def _leads_out(m: Making, beacon: str) -> str:
