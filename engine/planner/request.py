@@ -38,7 +38,7 @@ class NoPlan:
     offer: tuple[ActionCall, ...] = ()
     """What is done if the user says yes."""
     lacks: str = ""
-    """What the request does not say, as one of the questions for it ("where"); empty where it asks about something else."""
+    """What the request does not say, as one of the questions for it: "where"; empty where that is not what is asked."""
     repeats: bool = False
     """It puts the last question once more: what was said instead of an answer was not understood."""
 

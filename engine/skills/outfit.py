@@ -56,6 +56,10 @@ class Outfit:
         pairs = self._shown(seen)
         return all(a == b for a, b in pairs) and (bool(pairs) or self.shirt is None)
 
+    def fits_surely(self, seen: Looks) -> bool:
+        """The same, and the shirt shows: trousers of one colour are worn by many."""
+        return self.fits(seen) and (self.shirt is None or seen.shirt is not None)
+
     def excludes(self, seen: Looks) -> bool:
         """Whether something shows that is another colour."""
         return any(a != b for a, b in self._shown(seen))
@@ -66,8 +70,8 @@ class Outfit:
         return [(a, b) for a, b in pairs if a is not None and b is not None]
 
     def worn_since(self, t: float, people: Iterable[PersonSeen]) -> list[PersonSeen]:
-        """Those of ``people`` who fit and were seen after ``t`` (robot time, s)."""
-        return [p for p in people if p.seen_at > t and self.fits(Looks(p.shirt, p.trousers))]
+        """Those of ``people`` who surely fit and were seen after ``t`` (robot time, s)."""
+        return [p for p in people if p.seen_at > t and self.fits_surely(Looks(p.shirt, p.trousers))]
 
 
 def _most(votes: Counter[Colour]) -> Colour | None:

@@ -43,6 +43,7 @@ _ROUTE_S: Final = 0.5  # s between two looks for a way round
 _HERE: Final = 0.4  # m from their legs, within which what is seen is they
 _ALONE: Final = 1.0  # m around somebody in which there is nobody else
 _STILL: Final = 0.15  # m/s
+_UNSEEN_S: Final = 0.5  # s without the lidar, after which nobody knows whether they stand
 _WAIST: Final = 0.75  # m, where the camera looks: shirt and landmarks are in the picture
 _HELD_S: Final = 0.8  # s that something is in the way until the robot goes round
 _ROUND_S: Final = 4.0  # s for which it does
@@ -97,7 +98,8 @@ class Pursuit:
                 if state.t - self._seen_t < 0.3:
                     searches = 0
                 here = self._legs.expected
-                has_arrived = there(here) and self._legs.speed < _STILL and self._legs.away < KEEP + 0.6
+                is_seen = self._legs.unseen_s < _UNSEEN_S
+                has_arrived = there(here) and is_seen and self._legs.speed < _STILL and self._legs.away < KEEP + 0.6
                 stood_since = min(stood_since, state.t) if has_arrived else math.inf
                 if state.t - stood_since > stands:
                     await self._wheels.stand()
@@ -147,7 +149,8 @@ class Pursuit:
         """The one who is followed among all who are seen, or nobody."""
         people, at = [p for p in sight.objects if p.kind == "person"], self._legs.expected
         self._learn(people)
-        near = [p for p in people if self._outfit.fits(clothes_of(p))]
+        fits = self._outfit.fits_surely if self._searching else self._outfit.fits
+        near = [p for p in people if fits(clothes_of(p))]
         best = min(near, key=lambda p: math.dist(p.position[:2], at), default=None)
         gate = math.inf if self._searching else _SAME + min(2.0, 1.2 * max(0.0, sight.t - self._seen_t))
         if best is not None and math.dist(best.position[:2], at) <= gate:

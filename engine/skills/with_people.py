@@ -19,6 +19,7 @@ from engine.skills.meeting import (
     fits,
     go_up_to,
     look_around,
+    may_be,
     seen_now,
 )
 from engine.skills.outcome import Result, fail
@@ -33,7 +34,10 @@ Sentence = Annotated[str, Word("sentence")]
 ANYBODY: Final = "person"
 BESIDE: Final = 2.2
 """m within which somebody is there to talk with."""
+JUST_S: Final = 2.0
+"""s since somebody was seen, within which they are still there."""
 _THEIR_PLACE: Final = 0.6  # m from where they were seen from afar
+_STEP_ASIDE: Final = 1.2  # m from there, where whoever fits is they
 NEAR: Final = BESIDE + 1.0
 """m within which somebody is taken to be meant before anybody is looked for elsewhere."""
 
@@ -57,24 +61,29 @@ async def with_somebody(
     went = await go_up_to(context, person, apart=apart)
     if not went.ok:
         return went
-    person = await _there(context, person)
+    person = await _there(context, person, fits(context, who) if named else may_be(context, who))
     context.world.people.met = (words, person.number)
     return person
 
 
-async def _there(context: SkillContext, person: PersonSeen) -> PersonSeen:
-    """The one who stands where they were seen from afar. From near by their clothes may look different, so that they
-    are remembered as another one: that one it is."""
+async def _there(context: SkillContext, person: PersonSeen, wanted: Seen) -> PersonSeen:
+    """The one who stands where they were seen from afar. From near by their clothes may look different, and they may
+    have stepped aside, so that they are remembered as another one: that one it is."""
     began, people = context.robot.state().t, context.world.people
     await context.see()
     now = people.of_number(person.number)
-    if now is not None and now.seen_at >= began:
+    if now is not None and now.seen_at >= began - JUST_S:
         return now
-    here = [p for p in people.everybody if p.seen_at >= began and p.distance_to(*person.position[:2]) < _THEIR_PLACE]
+
+    def away(other: PersonSeen) -> float:
+        return other.distance_to(*person.position[:2])
+
+    just = [other for other in people.everybody if other.seen_at >= began - JUST_S]
+    here = [other for other in just if away(other) < _THEIR_PLACE or (wanted(other) and away(other) < _STEP_ASIDE)]
     if not here:
         return now or person
     people.forget(person.number)
-    return min(here, key=lambda p: p.distance_to(*person.position[:2]))
+    return min(here, key=away)
 
 
 def _met(context: SkillContext, words: str) -> PersonSeen | None:
