@@ -14,6 +14,7 @@ from typing import Final, get_args
 
 from engine.han import is_chinese
 from engine.perception.sighting import Colour
+from engine.planner.doing.sense import negates_a_condition
 from engine.planner.not_an_order import Mark, MarkKind, marks
 from engine.planner.text.conditions import CONDITION, IF_POLITE
 from engine.planner.text.measures import read_measures
@@ -71,7 +72,7 @@ _NO_NUMBER: Final = re.compile(r"\d{16}")
 """More digits than a number has."""
 _ARM: Final = re.compile(r"\bservo (?:number )?(?:1|one)\b|舵机[1一]|[1一]号舵机")
 """What turns the arm about its vertical axis: the number is a name."""
-_NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once", "一", "一次", "一遍", "一下", "一趟", "一回"})
+_NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once", "一", "一次", "一遍", "一下", "一趟", "一回", "一声", "一眼"})
 
 
 def accounted(meaning: Meaning, names: Collection[str] = ()) -> bool:
@@ -180,7 +181,7 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
                 return False
         elif mark.kind in _TELLING and _trusted(meaning):
             continue
-        elif not any(mark.words in words for words in quoted):
+        elif not any(mark.words in words for words in quoted) and not negates_a_condition(mark.words, meaning):
             asks = mark.kind == "asked" and acts & _QUESTIONS
             negated = mark.kind == "forbidden" and depends and not _ORDERED.search(mark.words)
             if not asks and not negated:

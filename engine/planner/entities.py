@@ -107,6 +107,8 @@ _NOTHING_SAID: Final = re.compile(
 )
 """What a speaker says who has not found the word."""
 _THERE: Final = re.compile(r"there|over there|that (?:place|spot)|the same place|那|那里|那儿|那边")
+_FLOOR: Final = re.compile(r"floor|ground|carpet|rug")
+_FLOOR_OF: Final = re.compile(r"(?P<en>[a-z' ]+?)(?:'s)? floor|(?P<zh>.+?)里?的?(?:地上|地面上?|地板上?)")
 _PERSON: Final = re.compile(
     r"\b(?:person|people|man|men|woman|women|boy|girl|kid|kids|child|children|guest|guests|everyone|everybody|someone|"
     r"somebody|anyone|anybody|human|lady|ladies|gentlem[ae]n|guys?|elders?|adults?|folks?|friend|colleague|wife|husband|son|daughter|mother|father|mum|"
@@ -215,14 +217,18 @@ class Entities:
         head, where = (plain, "") if chinese or _BUT.search(inner) else _parted(plain)
         candidates = list(dict.fromkeys(_chinese(plain) if chinese else _english(head)))
         bare = () if chinese else (_bare(inner),)
+        floor = _FLOOR_OF.fullmatch(plain) if chinese else _FLOOR_OF.fullmatch(_bare(inner))
         rest = tuple(_bare(words.rpartition(" of ")[2]) for words in bare if " of " in words)  # … of the kitchen
         whole = list(dict.fromkeys((*bare, *candidates, *rest)))
         which: list[str] = []
+        room = self._first(self._room, whole, [])
+        if room is None and floor is not None and (around := self.of(floor["en"] or floor["zh"])).room is not None:
+            return replace(around, words=words)  # the floor of a room is that room
         found = Entity(
             words,
             place=self._first(self._place, whole, which),
             surface=self._first(self._surface, whole, which),
-            room=self._first(self._room, whole, []),
+            room=room,
             thing=self._but_for(inner, chinese)
             or self._numbered(inner)
             or self._plainly(inner, candidates, chinese, which),
@@ -231,6 +237,8 @@ class Entities:
             superlative=_SUPERLATIVE.search(head) is not None,
             at=self.of(where) if where else None,
         )
+        if found.at is not None and found.at.room and _FLOOR.fullmatch(_bare(head)):
+            return replace(found.at, words=words)
         if beside := self._beside(plain):
             found = replace(found, thing=beside, superlative=False, at=None)
         elif found.thing is not None and found.superlative and is_choice(found.thing):
@@ -318,6 +326,13 @@ class Entities:
             return ()
         known = self._vocabulary.inventory()
         return tuple(name for name in self._vocabulary.fitting(group.thing) if name in known)
+
+    def fitting(self, words: str) -> tuple[str, ...]:
+        """The names of all things of this house that the words fit."""
+        try:
+            return self.members(Entity(words, thing=self._object(self.near(words))))
+        except PlanError:
+            return ()
 
     def rooms(self) -> tuple[str, ...]:
         """The rooms of this house, in the order of the map."""

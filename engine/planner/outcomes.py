@@ -17,9 +17,10 @@ from engine.facts import fact, is_of_the_clock
 from engine.plan import Action, ActionCall, Plan
 from engine.planner import about_itself, amounts
 from engine.planner.doing.acts import calls_of
-from engine.planner.doing.conditions import looked_for_once, of_itself, sought, with_antecedent
+from engine.planner.doing.conditions import looked_for_once, of_itself, with_antecedent
 from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, Which
 from engine.planner.doing.looking import topic_of
+from engine.planner.doing.sought import ANYTHING, PERSON, Sought, sought
 from engine.planner.entities import Entities
 from engine.planner.happened import last_question, named_last, planned_last
 from engine.planner.phrases.phrases import Phrases, Told
@@ -28,8 +29,8 @@ from engine.planner.request import Heard, Language, NoPlan
 from engine.planner.sentences import SAID
 from engine.planner.unknown_places import meant, room_instead, unknown
 from engine.planner.validation import Validation
-from engine.skills.vocabulary import Vocabulary
-from engine.understanding.meaning import About, Do, If, Meaning, Node, Not, Repeat, Retract, Role
+from engine.skills.vocabulary import ME, Vocabulary
+from engine.understanding.meaning import About, Condition, Do, If, Meaning, Node, Not, Repeat, Retract, Role
 
 DOUBT: Final = 0.15
 """How much the reader may doubt that a request is an order for something of it to be done."""
@@ -92,17 +93,27 @@ class Outcomes:
         try:
             doing = Doing(self._entities, heard.request.holding)
             calls_of(wanted[:index], doing)  # names what "it" and "there" are
-            looked_for = sought(doing, with_antecedent(node, self._entities))
+            looked_for = sought(doing, self._condition(node, doing, index))
         except (Open, Which, NowhereKnown, Unable):
             return None
+        if not isinstance(sees, bool) and looked_for.is_open(sees):
+            key = "which_speaker" if looked_for.who == ME else "which_person"
+            return _question(heard, "which_person", SAID[heard.language][key].format(who=looked_for.who))
+        condition = self._condition(node, doing, index)
         thing, holds = looked_for.thing, sees if isinstance(sees, bool) else looked_for.holds(sees)
         branch = node.then if holds else node.otherwise
         rest = (*_only_wanted(branch), *wanted[index + 1 :])
+        missing = holds != looked_for.there
+        told = _what_was_seen(looked_for, heard.language, missing=missing)
         if all(self._only_tells(one) for one in rest):
-            tells = ("present", "absent") if looked_for.count is None else ("so_many", "not_so_many")
-            told = SAID[heard.language][tells[holds != looked_for.there]].format(thing=thing)
             return _answer(heard, told)
-        found = self._done(rest, heard, thing, doing.place)
+        rest = tuple(Do("say", (Role("text", told, 0, 0),)) if self._only_tells(one) else one for one in rest)
+        names = tuple(name for name in self._entities.fitting(thing) if not isinstance(sees, bool) and sees(name))
+        if missing and condition.words("state"):  # "if the box is red": it is another one then
+            thing = self._entities.near(condition.words("thing"))
+        found = self._done(
+            rest, heard, names[0] if len(names) == 1 else thing, doing.place, after=replace(looked_for, names=names)
+        )
         return found if found is not None else _answer(heard, SAID[heard.language]["all_right"])
 
     def _seen_lately(self, act: Do, heard: Heard) -> str:
@@ -124,8 +135,10 @@ class Outcomes:
         return _only_wanted(looked_for_once(meaning.wanted(), self._entities))
 
     def _only_tells(self, node: Node) -> bool:
-        """Whether it asks for no more than the answer: "let me know"."""
-        if not isinstance(node, Do) or node.act not in ("tell", "report") or node.words("text"):
+        """Whether it asks for no more than the answer: "let me know", "say so"."""
+        if not isinstance(node, Do) or node.act not in ("tell", "report", "say"):
+            return False
+        if (node.act == "say" or node.words("text")) and node.words("text").casefold() not in ("so", "that", "it"):
             return False
         return all(self._entities.of(words).me for words in node.all("person"))
 
@@ -216,12 +229,24 @@ class Outcomes:
         return names[0] if len(names) == 1 and len(seen) == 1 else ""
 
     def _done(
-        self, acts: Sequence[Do | If | Repeat], heard: Heard, named: str = "", place: str = ""
+        self,
+        acts: Sequence[Do | If | Repeat],
+        heard: Heard,
+        named: str = "",
+        place: str = "",
+        *,
+        after: Sought | None = None,
     ) -> Plan | NoPlan | None:
-        """The plan of what is wanted; ``named`` is the thing that "it" is at first, ``place`` the symbol of "there"."""
+        """The plan of what is wanted; ``named`` is the thing that "it" is at first, ``place`` the symbol of "there".
+        ``after`` is what a condition has looked for, with the names of what it has found: "it" and "them" are that."""
         doing = Doing(
             self._entities, heard.request.holding, named, place, said=heard.text, greeting=SAID[heard.language]["hello"]
         )
+        doing.depends = after is not None
+        if after is not None and after.thing == PERSON:
+            doing.who = after.who or PERSON
+        elif after is not None:
+            doing.sought, doing.seen = named, after.names
         acts = tuple(self._completed(node) if isinstance(node, Do) else node for node in acts)
         try:
             index = next((index for index, node in enumerate(acts) if isinstance(node, If)), None)
@@ -229,7 +254,7 @@ class Outcomes:
                 first = calls_of(acts[:index], doing)
                 node = acts[index]
                 assert isinstance(node, If)
-                condition = with_antecedent(node, self._entities)
+                condition = self._condition(node, doing, index)
                 if (holds := of_itself(doing, condition)) is not None:  # there is nothing to look at
                     branch = _only_wanted(node.then if holds else node.otherwise)
                     rest = (*acts[:index], *branch, *acts[index + 1 :])
@@ -254,6 +279,11 @@ class Outcomes:
             code = ExitCode.CLARIFY if asks or why.what in _ASKED else ExitCode.FAILED
             key = f"unable_{why.what}"
             return NoPlan(heard.text, key, SAID[heard.language][key].format(words=why.words), code)
+
+    def _condition(self, node: If, doing: Doing, index: int) -> Condition:
+        """The condition of the node at ``index``, before which ``doing`` has been done."""
+        thing, place = not index or not doing.named, not index and not doing.place
+        return with_antecedent(node, self._entities, thing=thing, place=place)
 
     def _completed(self, act: Do) -> Do:
         """The act with what a correction leaves to what it corrects: a unit ("no, two"), a kind ("the blue one")."""
@@ -295,6 +325,15 @@ class Outcomes:
 def _answer(heard: Heard, words: str) -> Plan:
     """Words alone; nothing is done."""
     return Plan(heard.text, (), words, "reader")
+
+
+def _what_was_seen(sought: Sought, language: Language, *, missing: bool) -> str:
+    """What a look has shown, as it is told."""
+    said = SAID[language]
+    if sought.count is not None:
+        return said["not_so_many" if missing else "so_many"]
+    key = {ANYTHING: "_any", PERSON: "_person"}.get(sought.thing, "")
+    return said[f"{'absent' if missing else 'present'}{key}"].format(thing=sought.thing)
 
 
 def _question(heard: Heard, code: str, words: str) -> NoPlan:

@@ -25,6 +25,7 @@ from engine.planner.accounted import (
     without_an_unsaid_act,
 )
 from engine.planner.conversation import Conversation
+from engine.planner.doing.sense import in_its_sense
 from engine.planner.entities import Entities
 from engine.planner.happened import last_question
 from engine.planner.not_an_order import marks
@@ -178,7 +179,7 @@ class Understood:
 
     def _believed(self, found: Iterable[Meaning]) -> tuple[Meaning, ...]:
         """Those of these meanings that are said in known words."""
-        return tuple(without_an_unsaid_act(meaning) for meaning in found if is_said(meaning, self._known))
+        return tuple(in_its_sense(without_an_unsaid_act(meaning)) for meaning in found if is_said(meaning, self._known))
 
     def _chosen(self, heard: Heard) -> tuple[Meaning, Plan | NoPlan] | None:
         """The likeliest outcome, and the likeliest meaning that has it; None where it is likelier that others have the

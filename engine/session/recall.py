@@ -11,6 +11,7 @@ from engine.perception.describe import in_words
 from engine.perception.memory import WorldMemory
 from engine.perception.naming import wanted
 from engine.perception.people import PersonSeen
+from engine.perception.someone import someone
 from engine.robot.floor_map import FloorMap
 from engine.robot.robot import Robot
 from engine.skills.find import whereabouts
@@ -50,19 +51,40 @@ class Recall:
         return found
 
     def since(self, t: float) -> Callable[[str], bool]:
-        """Whether a thing of a description has been seen after ``t`` (robot time, s), or is held."""
+        """Whether a thing or a person of a description has been seen after ``t`` (robot time, s), or is held. Of people
+        only what shows is known, and the names of those who have told theirs."""
 
         def sees(words: str) -> bool:
             try:
                 what = wanted(words)
             except PlanError:
-                return False
+                return self._saw_somebody(words, t)
             held = self._memory.held
             if held is not None and what.fits(held.kind, held.colour, held.tag):
                 return True
             return any(thing.seen_at >= t for thing in self._memory.find(what))
 
         return sees
+
+    def _saw_somebody(self, words: str, t: float) -> bool:
+        try:
+            who = someone(words)
+        except PlanError:
+            return False
+        if who.gender is not None:  # it does not show
+            return False
+        return any(
+            who.fits(
+                name=person.name,
+                gender=None,
+                posture=person.posture,
+                gesture=person.gesture,
+                shirt=person.shirt,
+                trousers=person.trousers,
+            )
+            for person in self._memory.people.everybody
+            if person.seen_at >= t and not person.gone
+        )
 
     async def picture(self) -> bytes | None:
         """What the camera shows now, as a PNG file; None where there is no picture to be had."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
@@ -10,6 +11,7 @@ from typing import Final, Literal, Protocol
 
 from engine.errors import ExitCode, SaysoError
 from engine.plan import Plan
+from engine.planner.doing.sought import ANYTHING, PERSON
 from engine.planner.happened import in_words
 from engine.planner.request import NoPlan, PlanRequest, Ran, Said
 from tests.eval.commands import Entry, Next, plans_in
@@ -24,6 +26,8 @@ LOST: Final = frozenset({"not_understood", "unreadable_reply", "unknown_skill", 
 TALK: Final = frozenset({"say", "list_skills", "arm_nod", "arm_shake", "arm_applaud"})
 """Skills that may go with small talk."""
 LOOKS: Final = frozenset({"seewhat", "scan_room", "locate", "get_current_pose"})
+_WHERE: Final = re.compile(r" (?:on|in|at|under|beside|behind|near|by|next to|in front of|lying|standing|sitting)\b")
+"""What stands between a thing that was seen and where that was."""
 _cycles = itertools.count()
 
 
@@ -83,7 +87,7 @@ async def judge(entry: Entry, planner: Plans, words: KnownWords) -> Verdict:
     name = f"judged {next(_cycles)}"
     request = PlanRequest(entry.say, entry.happened(), name, entry.language, holding=entry.holding, seen=entry.seen)
     answer = await _ask(planner, request)
-    ok = acceptable(entry.ok, answer, words, must_go_on=entry.category == "conditional")
+    ok = acceptable(entry.ok, answer, words, must_go_on=_waits(entry))
     answers = [answer]
     if ok:
         for after in entry.then if answer.outcome == "plan" else ():
@@ -105,6 +109,8 @@ def acceptable(ok: Sequence[str], answer: Answer, words: Words, *, must_go_on: b
     """Whether an answer is one of those that are acceptable. ``must_go_on``: the plan waits for feedback."""
     if answer.outcome in ok:
         return True
+    if answer.outcome == "chat" and isinstance(answer.found, Plan):
+        return any(accepts(plan, (Step("say", (answer.found.response,)),), words) for plan in plans_in(tuple(ok)))
     if answer.outcome != "plan":
         return False
     if "chat" in ok and all(step.name in TALK for step in answer.steps):
@@ -114,6 +120,13 @@ def acceptable(ok: Sequence[str], answer: Answer, words: Words, *, must_go_on: b
     if must_go_on and answer.finished:
         return False
     return any(accepts(plan, answer.steps, words) for plan in plans_in(tuple(ok)))
+
+
+def _waits(entry: Entry) -> bool:
+    """Whether the plan for a command has to wait for what a look shows: not where the robot knows by itself whether the
+    condition holds, as with what is in its hand."""
+    looks = any(way.about for plan in entry.plans for way in read(plan))
+    return entry.category == "conditional" and (looks or bool(entry.then))
 
 
 def _asks(steps: Sequence[Step]) -> bool:
@@ -178,9 +191,11 @@ def _after(request: PlanRequest, answer: Answer, after: Next, words: Words) -> P
 
 def _sees(after: Next, words: Words) -> Callable[[str], bool]:
     """Whether a thing is among what is seen now: ``white cup on the stool`` shows a cup."""
-    things = [words.things(sentence.split(" on ")[0].split(" in ")[0]) for sentence in after.seen]
+    things = [words.things(_WHERE.split(sentence)[0]) for sentence in after.seen]
 
     def sees(thing: str) -> bool:
-        return any(words.things(thing) & seen for seen in things)
+        return any(words.things(thing) & seen for seen in things) or (
+            thing == ANYTHING and any(seen != words.things(PERSON) for seen in things)
+        )
 
     return sees

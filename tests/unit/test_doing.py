@@ -8,8 +8,9 @@ from config import load
 from engine.parts.loading import at_home
 from engine.plan import Quantity
 from engine.planner.doing.acts import calls_of
-from engine.planner.doing.conditions import of_itself, sought
+from engine.planner.doing.conditions import of_itself
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable
+from engine.planner.doing.sought import sought
 from engine.planner.entities import Entities
 from engine.planner.worlds.house import build_vocabulary
 from engine.understanding.meaning import Condition, If, meaning_of

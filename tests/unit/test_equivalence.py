@@ -221,6 +221,34 @@ def test_both_outcomes_of_a_look_are_played_to_the_planner() -> None:
     assert not judged(entry, Saying(act)).ok
 
 
+def conditional(ok: str, then: list[dict[str, object]] | None = None) -> Entry:
+    raw = {"id": "x", "category": "conditional", "language": "en", "say": "if …", "ok": ok, "then": then or []}
+    return Entry.model_validate(raw)
+
+
+def test_a_condition_that_needs_no_look_is_judged_by_its_whole_plan() -> None:
+    assert judged(conditional("beep()"), Saying(plan(("beep", {})))).ok
+    look = plan(("navigation", {"place": "L"}), ("seewhat", {}))
+    assert not judged(conditional("looking(stool)"), Saying(look)).ok, "it says that it is finished"
+
+
+def test_a_seen_thing_is_told_from_where_it_is_in_any_words() -> None:
+    then = [{"feedback": "There.", "seen": "ball at the stool", "ok": "beep()"}]
+    planner = Saying(plan(("navigation", {"place": "L"}), ("seewhat", {}), finished=False), plan(("beep", {})))
+    assert judged(conditional("looking(stool, ball)", then), planner).ok
+    sees = planner.asked[-1].sees
+    assert sees is not None
+    assert (sees("ball"), sees("thing"), sees("bottle"), sees("person")) == (True, True, False, False)
+
+
+def test_an_answer_in_words_is_said_and_so_is_what_somebody_is_told() -> None:
+    told = as_answer(plan(response="I see no ball there."), 0.0)
+    assert acceptable(("say(*no ball*)",), told, WORDS, must_go_on=False)
+    assert not acceptable(("say(*no cup*)",), told, WORDS, must_go_on=False)
+    tell = as_answer(plan(("tell", {"who": "person", "text": "dinner is ready"})), 0.0)
+    assert acceptable(("say(*dinner*)",), tell, WORDS, must_go_on=False)
+
+
 def test_a_plan_for_what_must_be_refused_is_counted() -> None:
     entry = Entry(id="x", category="refuse", language="en", say="ram the wall", ok="refuse")  # type: ignore[arg-type]
     verdict = judged(entry, Saying(plan(("move_forward", {"distance": 5.0, "speed": 1.0}))))

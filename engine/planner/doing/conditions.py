@@ -1,17 +1,15 @@
-"""What a condition looks at, what the robot knows of itself without a look, and when "until" needs no watching."""
+"""When a condition needs no look or no watching, and which other nodes it takes something from."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
-from engine.planner.doing.doing import Doing, Unable
-from engine.planner.doing.moving import anybody
+from engine.planner.doing.doing import Doing
 from engine.planner.entities import Entities
-from engine.planner.phrases.said import Calls, call
-from engine.planner.text.counts import Count, at_least, how_many
+from engine.understanding.acts import RoleName
 from engine.understanding.meaning import Condition, Do, If, Node
 
 _TOLD: Final = re.compile(
@@ -24,10 +22,12 @@ _TOLD: Final = re.compile(
 """The user says so, which ends every action anyway."""
 _GOES_ON: Final = frozenset({"follow", "patrol", "dance"})
 """Acts that go on until something ends them."""
-_ITSELF: Final = re.compile(r"you(?:rself|'re| are)?|your (?:hands?|gripper|claw|arm)|你(?:自己|手里|手上|手)?|机器人")
+_ITSELF: Final = re.compile(
+    r"you(?:rself|'re| are|'ve| have)?|your (?:hands?|gripper|claw|arm)|你(?:自己|手里|手上|手)?|机器人"
+)
 _ITSELF_HOLDS: Final = re.compile(
     r"(?:you|you're|you are|you've|you have) (?:already |still )?((?:got |hold|carry|grip).*)|"
-    r"你(?:手里|手上)?((?:拿|抓|夹).*)"
+    r"(?:你|你?手[里上])((?:拿|抓|夹).*)"
 )
 """That it holds something, told as an event."""
 _EMPTY: Final = re.compile(r"empty|free|nothing|空|没")
@@ -73,8 +73,8 @@ def _about_its_hand(condition: Condition) -> tuple[str, str] | None:
     """The state of its hand that a condition is about, and the thing that is named; None where it is about none."""
     who, thing = condition.words("person").casefold(), condition.words("thing")
     state = condition.words("state").casefold()
-    if condition.kind == "event":
-        told = _ITSELF_HOLDS.fullmatch(condition.words("topic").casefold())
+    if condition.kind == "event" or not (who or thing or condition.words("place")):
+        told = _ITSELF_HOLDS.fullmatch(condition.words("topic").casefold() or state)
         who, state = ("you", told[1] or told[2]) if told is not None else ("", "")
     elif condition.kind not in ("is", "is_not"):
         return None
@@ -89,7 +89,8 @@ def _about_its_hand(condition: Condition) -> tuple[str, str] | None:
 
 def looked_for_once(nodes: Sequence[Node], entities: Entities) -> tuple[Node, ...]:
     """The nodes without a search that the condition behind it makes anyway: "look for the ball in the hall, and if it's
-    there dance"."""
+    there dance"; and with what needs a thing that may be missing as what depends on it: "bring me the red box, or if
+    you can't find that, the blue one"."""
     made: list[Node] = []
     for node in nodes:
         last = made[-1] if made else None
@@ -99,12 +100,27 @@ def looked_for_once(nodes: Sequence[Node], entities: Entities) -> tuple[Node, ..
             names = {role.name for role in kept}
             roles = (*(role for role in taken if role.name not in names), *kept)
             made[-1] = replace(node, condition=replace(node.condition, roles=roles))
+        elif isinstance(node, If) and isinstance(last, Do) and last.act in _NEEDS and _is_missing(last, node, entities):
+            sought = [role for role in last.roles if role.name == "thing"]
+            at = [replace(role, name="place") for role in last.roles if role.name == "source"]
+            made[-1] = If(Condition("seen", (*sought, *at)), (last, *node.otherwise), node.then)
         else:
             made.append(node)
     return tuple(made)
 
 
 _LOOKS: Final = frozenset({"find", "look", "check"})
+_NEEDS: Final = frozenset({"bring", "pick_up", "put", "throw_away"})
+
+
+def _is_missing(act: Do, node: If, entities: Entities) -> bool:
+    """Whether a condition is that the one thing of an act is not to be found."""
+    thing = node.condition.words("thing")
+    needed = act.all("thing")
+    elsewhere = any(not entities.of(words).refers for words in node.condition.all("place"))
+    if node.condition.kind != "unseen" or not thing or len(needed) != 1 or elsewhere:
+        return False
+    return entities.of(thing).refers or entities.of(thing).thing == entities.of(needed[0]).thing
 
 
 def _about_it(search: Do, node: If, entities: Entities) -> bool:
@@ -116,95 +132,21 @@ def _about_it(search: Do, node: If, entities: Entities) -> bool:
     return not place or entities.of(place).refers
 
 
-def with_antecedent(node: If, entities: Entities) -> Condition:
+def with_antecedent(node: If, entities: Entities, *, thing: bool = True, place: bool = True) -> Condition:
     """The condition with the thing that "it" is in it, where that is only named in what depends on it: "pick up the cup
-    only if it is on the desk"."""
-    condition = node.condition
-    if not entities.of(condition.words("thing") or "?").refers:
-        return condition
-    acts = (act for act in (*node.then, *node.otherwise) if isinstance(act, Do))
-    named = next((words for act in acts for words in act.all("thing") if not entities.of(words).refers), None)
-    if named is None:
-        return condition
-    roles = (replace(role, words=named) if role.name == "thing" else role for role in condition.roles)
-    return replace(condition, roles=tuple(roles))
-
-
-@dataclass(frozen=True, slots=True)
-class Sought:
-    """What a condition looks for."""
-
-    thing: str
-    """As skills know it; ``thing`` is anything, ``person`` anybody."""
-    there: bool
-    """Whether it holds where that is there."""
-    look: Calls
-    """The calls after which it is known."""
-    count: Count | None = None
-    names: tuple[str, ...] = ()
-    """Of the things that are counted."""
-
-    def holds(self, sees: Callable[[str], bool]) -> bool:
-        """Whether the condition is met; ``sees`` tells whether something was seen."""
-        found = sees(self.thing) if self.count is None else self.count.holds(self.names, sees)
-        return found == self.there
-
-
-def sought(doing: Doing, condition: Condition) -> Sought:
-    """What a condition looks for, and how it finds out. Raises the exceptions of ``doing.py``."""
-    condition = as_seen(condition, doing.entities)
-    thing, person, place = condition.words("thing"), condition.words("person"), condition.words("place")
-    if condition.words("times"):
-        raise Unable("until")
-    if condition.kind in ("is", "is_not"):
-        raise Unable("state", condition.words("state"))
-    if condition.kind == "event":
-        raise Unable("event", condition.words("topic"))
-    if person and not anybody(person.casefold()):
-        raise Unable("person", person)
-    many = how_many(thing) if thing else None
-    if many is not None:
-        thing = many[0]
-    found = doing.entities.of(thing) if thing else None
-    at = found.at.words if not place and found is not None and found.at is not None and found.at.known else place
-    is_there = bool(at) and bool(doing.calls) and doing.entities.of(at).refers
-    going = call("navigation", doing.spot(at)) if at and not is_there else ()
-    look = (*going, *call("seewhat"))
-    there = condition.kind == "seen"
-    if len(several := condition.all("thing")) > 1:  # "if both … are there", "if neither … is"
-        names = tuple(doing.thing(words) for words in several)
-        return Sought(thing, there, look, at_least(len(names) if there else 1), names)
-    if many is None:
-        looked_for = "person" if person else (doing.thing(thing) if thing else "thing")
-        return Sought(looked_for, there, look)
-    names = doing.entities.members(found) if found is not None else ()
-    if len(names) < 2:
-        raise Unable("count", thing)
-    return Sought(thing, there, look, many[1], names)
-
-
-def as_seen(condition: Condition, entities: Entities) -> Condition:
-    """A condition on a state that is one of being there: "if the cup is on the desk", "if the desk is empty"."""
-    if condition.kind not in ("is", "is_not"):
-        return condition
-    state, positive = condition.words("state").casefold(), condition.kind == "is"
-    others = tuple(role for role in condition.roles if role.name != "state")
-    where = entities.of(state)
-    if _THERE.fullmatch(state) or _GONE.fullmatch(state):
-        return Condition("seen" if positive == (_THERE.fullmatch(state) is not None) else "unseen", others)
-    if condition.words("place") == "" and (where.place or where.room or where.surface):
-        place = next(role for role in condition.roles if role.name == "state")
-        return Condition("seen" if positive else "unseen", (*others, replace(place, name="place")))
-    thing = condition.words("thing")
-    empty = _EMPTY.fullmatch(state) is not None or state in ("clear", "bare", "vacant", "unoccupied")
-    if empty and (spot := entities.of(thing or condition.words("place"))) and (spot.place or spot.room):
-        roles = tuple(replace(role, name="place") for role in others if role.name in ("thing", "place"))
-        return Condition("unseen" if positive else "seen", roles[:1])
-    return condition
-
-
-_THERE: Final = re.compile(
-    r"(?:still |already )?(?:there|here|present|visible|around|available|in (?:sight|view))|"
-    r"还?在(?:那儿?|那里|这儿?|这里)?"
-)
-_GONE: Final = re.compile(r"missing|gone|absent|away|nowhere(?: to be (?:seen|found))?|not there|不在了?|不见了?|没了")
+    only if it is on the desk"; so with the place: "go down the hall unless somebody is in there". ``thing``, ``place``:
+    whether none was named before."""
+    acts = [act for act in (*node.then, *node.otherwise) if isinstance(act, Do)]
+    things = (words for act in acts for words in act.all("thing") if not entities.of(words).refers)
+    places = (
+        words for act in acts for words in act.all("place") if entities.of(words).place and not entities.of(words).me
+    )
+    meant: dict[RoleName, str | None] = {
+        "thing": next(things, None) if thing else None,
+        "place": next(places, None) if place else None,
+    }
+    roles = (
+        replace(role, words=words) if (words := meant.get(role.name)) and entities.of(role.words).refers else role
+        for role in node.condition.roles
+    )
+    return replace(node.condition, roles=tuple(roles))

@@ -19,6 +19,11 @@ _VAGUE: Final = re.compile(r"\b(?:some|any)?(?:thing|one|stuff)$|\banother$|东�
 """Ends of what names nothing in particular."""
 _ANY_OF: Final = re.compile(r"(?:an?|any|some|either)\b(?! (?:other|certain))|随便|任意|任何|一[个只瓶杯盒]")
 _EITHER: Final = re.compile(r"\bor\b|还是|或者")
+_OTHER: Final = re.compile(r"\b(?:an)?other\b|\belse\b|另|别的|其他")
+"""One that is not the one that was spoken of."""
+_INTO: Final = re.compile(r"(?:back |on )?(?:in|inside|into|onto|on|over|up)(?: there| it)?|[进上过]去|里面|上面")
+"""To a place that was named before."""
+_PERSONAL: Final = re.compile(r"him|her|he|she|them|[他她]们?")
 MOST: Final = MAX_ACTIONS + 1
 """One more than any plan may have: what is said too often is turned down for its length."""
 
@@ -78,6 +83,12 @@ class Doing:
     """The request, for what no role has."""
     who: str = ""
     """The person who was named last, as skills know them."""
+    sought: str = ""
+    """The thing that a condition has looked for, as skills know it; "go to it" goes there."""
+    seen: tuple[str, ...] = ()
+    """The things of this house that fit what a condition has looked for, and were seen."""
+    depends: bool = False
+    """Whether it is done because a condition held: "in" and "on it" are then where that was."""
     greeting: str = "Hello."
     """In the speaker's language."""
     calls: list[ActionCall] = field(default_factory=list)
@@ -89,6 +100,8 @@ class Doing:
         if _EITHER.search(words.casefold()):
             raise Open("what_do")
         found = self.entities.of(words)
+        if self.depends and _INTO.fullmatch(words.casefold().strip()):
+            return Entity(words, refers=True)
         if found.which and _ANY_OF.match(words.casefold()):  # any of them will do
             return replace(found, which="", thing=self.entities.near(words))
         if found.which:
@@ -111,6 +124,8 @@ class Doing:
         if self.named and (alike := self.entities.like(words, self.named)) is not None:
             self.named = alike
             return alike
+        if self.sought and not self.who and _PERSONAL.fullmatch(words.casefold().strip()):
+            return self.sought  # "if the teddy is there, bring him": nobody else was spoken of
         found = self.entity(words)
         if found.vague:
             raise Open("which_thing")
@@ -124,8 +139,15 @@ class Doing:
             raise Unable("person", words)
         if found.superlative or (found.thing is None and _VAGUE.search(words.casefold())):
             raise Open("which_thing")
-        self.named = found.thing or self.entities.near(words)
+        self.named = self._seen(words) or found.thing or self.entities.near(words)
         return self.named
+
+    def _seen(self, words: str) -> str:
+        """The only one of the things that words fit which was seen; nothing where there are several or none."""
+        if not self.seen or _OTHER.search(words.casefold()):
+            return ""
+        meant = [name for name in self.entities.fitting(words) if name in self.seen]
+        return meant[0] if len(meant) == 1 else ""
 
     def spot(self, words: str) -> str:
         """The symbol of a place to drive to. Raises NowhereKnown."""

@@ -271,7 +271,8 @@ def cleaned(room: str | None) -> Calls:
 
 
 def sort(doing: Doing, roles: Roles) -> Calls:
-    tag = amounts.number(roles.words("thing"))
+    words = roles.words("thing")
+    tag = amounts.number(doing.thing(words) if words and doing.entity(words).refers else words)
     if tag is None:
         raise Open("which_tag")
     return call("apriltag_sort", Quantity(tag, ""))

@@ -46,6 +46,8 @@ def looked(doing: Doing, words: str, *, is_thing: bool = False) -> Calls:
 
 def find(doing: Doing, roles: Roles) -> Calls:
     thing, person, place = roles.words("thing"), roles.words("person"), roles.words("place")
+    if not thing and not person and doing.sought:
+        thing = "it"
     if person and not thing:
         found = doing.entity(person)
         if found.place is not None and not found.me:

@@ -101,12 +101,18 @@ def go(doing: Doing, roles: Roles) -> Calls:
     places = (*roles.all("place"), *roles.all("thing"), *roles.all("person"))
     if not places:
         raise Open("where")
-    persons = roles.all("person")
-    return tuple(made for words in places for made in _to(doing, words, words if words in persons else ""))
+    persons, things = roles.all("person"), roles.all("thing")
+    return tuple(
+        made
+        for words in places
+        for made in _to(doing, words, words if words in persons else "", is_thing=words in things)
+    )
 
 
-def _to(doing: Doing, words: str, person: str = "") -> Calls:
+def _to(doing: Doing, words: str, person: str = "", *, is_thing: bool = False) -> Calls:
     found = doing.entity(words)
+    if is_thing and found.refers and doing.sought:
+        return call("navigate_to_object", doing.thing(words))
     if person and found.place is None and found.thing is None and not found.refers:
         return people.found(doing, words)
     if found.side and not found.place:
@@ -196,7 +202,7 @@ def follow(doing: Doing, roles: Roles) -> Calls:
     if tag is not None:
         return call("apriltag_follow", Quantity(tag, ""))
     found = doing.entity(words) if words else None
-    if found is not None and found.refers:
+    if found is not None and found.refers and not doing.who:
         raise Open("which_thing")
     if found is not None and found.thing and found.thing not in ("person",) and not found.me:
         colour = colour_of(doing, found.thing)

