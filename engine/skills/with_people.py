@@ -202,7 +202,7 @@ def data_of(person: PersonSeen) -> dict[str, str | float]:
 
 _NAME_TOLD: Final = re.compile(
     r"(?:\b(?:[Ii] am|[Ii]'m|[Mm]y name is|[Cc]all me|[Ii]t is|[Ii]t's|[Tt]his is) (?:called )?)"
-    r"(?P<en>[A-Z][\w'-]*(?: [A-Z][\w'-]*)?)|(?:我叫|我是|我的名字是|叫我)(?P<zh>[\u3400-\u9fff\w]{1,6})"
+    r"(?P<en>[A-Z][\w'-]*(?: [A-Z][\w'-]*)?)|(?:我叫|我是|我的名字是|叫我)(?P<zh>[A-Za-z][\w'-]*|[\u3400-\u9fff]{1,6})"
 )
 _MALE: Final = re.compile(r"\b(?:man|boy|male|gentleman|he)\b|男|先生")
 _FEMALE: Final = re.compile(r"\b(?:woman|girl|female|lady|she)\b|女")

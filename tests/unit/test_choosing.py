@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import cast
 
 import pytest
 
@@ -12,6 +13,8 @@ from engine.perception.naming import UnknownObject, wanted
 from engine.perception.sighting import Colour, Kind
 from engine.robot.geometry import Pose
 from engine.skills.choosing import best_of
+from engine.skills.context import SkillContext
+from engine.skills.library import manipulation
 from engine.skills.places import Places
 from engine.skills.vocabulary import House, Vocabulary
 
@@ -94,3 +97,13 @@ def test_a_kind_of_this_house_is_any_of_its_things() -> None:
     assert words.object("the box next to the apple") == "box next to red ball"
     with pytest.raises(UnknownObject):
         words.object("the largest wombat")
+
+
+async def test_what_lies_under_another_thing_is_not_gripped_through_that(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def find(*_: object, **__: object) -> Thing:
+        return BOX
+
+    monkeypatch.setattr(manipulation, "find", find)
+    result = await manipulation.fetch(cast(SkillContext, None), wanted("thing under yellow ball"))
+    assert result.error_code == "out_of_reach"
+    assert result.message == "The green box lies under the yellow ball: I would have to take that away first."

@@ -75,7 +75,7 @@ def test_people_are_known_by_all_their_names() -> None:
     ("answer", "expected", "name"),
     [("I am Robin.", "", "Robin"), ("Yes.", "Robin", "Robin"), ("No, I am Mary.", "Robin", "Mary"),
      ("My name is Skyler", "", "Skyler"), ("Robin", "", "Robin"), ("I do not know.", "Robin", ""), ("No.", "Robin", ""),
-     ("我叫小明", "", "小明"), ("", "Robin", "")],
+     ("我叫小明", "", "小明"), ("我是Michael。", "", "Michael"), ("", "Robin", "")],
 )  # fmt: skip
 def test_the_name_in_an_answer(answer: str, expected: str, name: str) -> None:
     assert name_told(answer, expected) == name

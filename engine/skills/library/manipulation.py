@@ -133,6 +133,9 @@ async def fetch(context: SkillContext, what: Wanted, rooms: tuple[Room, ...] | N
         found = await find(context, what, rooms=rooms)
         if isinstance(found, Result):
             return found
+        if what.beside is not None and what.beside[0] == "under":
+            top = what.beside[1]
+            return fail("out_of_reach", f"The {found.name} lies under the {top}: I would have to take that away first.")
         picked = await pick(context, found)
         if picked.error_code != "object_not_found":
             return picked
