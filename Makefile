@@ -12,24 +12,19 @@ INSTALLED := $(VENV)/.installed
 # What a virtual microphone needs; the tests that speak into one are skipped without it.
 SOUND := libportaudio2 pulseaudio pulseaudio-utils libasound2-plugins
 
-# Tests of what acts in real time: sound, and whole programs at the pace of the world.
-ALONE := tests/audio tests/e2e tests/ros
-
 .PHONY: run test test-audio sound test-web test-ros check reader pictures clean
 
 run: $(INSTALLED)
 	@$(BIN)/sayso models pull
 	@$(BIN)/sayso $(ARGS)
 
-# What only computes is tried on all cores; what acts in real time has the machine for itself.
 test: check
 	@$(BIN)/sayso models pull whisper-base whisper-tiny.en qwen2.5-coder-1.5b piper-joe speech-embedding multilingual-e5-small
 	@$(BIN)/python -m tests.ros.environment
 ifdef ARGS
 	$(BIN)/pytest $(ARGS)
 else
-	$(BIN)/pytest --numprocesses logical --dist worksteal $(ALONE:%=--ignore %)
-	$(BIN)/pytest $(ALONE)
+	$(BIN)/python -m tests.whole
 endif
 
 # The tests at a virtual microphone, for certain. As root it installs what they need.

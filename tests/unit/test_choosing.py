@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
 from dataclasses import replace
 from typing import cast
@@ -99,11 +100,11 @@ def test_a_kind_of_this_house_is_any_of_its_things() -> None:
         words.object("the largest wombat")
 
 
-async def test_what_lies_under_another_thing_is_not_gripped_through_that(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_lies_under_another_thing_is_not_gripped_through_that(monkeypatch: pytest.MonkeyPatch) -> None:
     async def find(*_: object, **__: object) -> Thing:
         return BOX
 
     monkeypatch.setattr(manipulation, "find", find)
-    result = await manipulation.fetch(cast(SkillContext, None), wanted("thing under yellow ball"))
+    result = asyncio.run(manipulation.fetch(cast(SkillContext, None), wanted("thing under yellow ball")))
     assert result.error_code == "out_of_reach"
     assert result.message == "The green box lies under the yellow ball: I would have to take that away first."
