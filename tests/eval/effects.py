@@ -139,6 +139,8 @@ def _plain(step: Step, words: Words) -> tuple[Effect, ...]:
             return (Effect("tidy", (first, _places(args[1], words))),)
         case "clean_room":
             return (Effect("clean", (_places(first, words) if first else "",)),)
+        case "clear_rubbish":  # of this room first
+            return (Effect("clean", ("",)),)
         case "patrol":
             stations = str(first).replace("+", ",").split(",")
             return (Effect("patrol", (",".join(words.place(place.strip()) for place in stations if place),)),)

@@ -17,7 +17,7 @@ from engine.robot.geometry import Pose
 from engine.robot.sim.scene import Scene
 from engine.skills.context import SkillContext
 from engine.skills.grasp import pick
-from engine.skills.library.household import ask_user, carry, clean_room, tidy
+from engine.skills.library.household import ask_user, carry, clean_room, clear_rubbish, tidy
 from engine.skills.library.manipulation import pick_object
 from engine.skills.library.searching import locate, navigate_to_object, scan_room, seewhat
 from engine.skills.outcome import Result
@@ -148,6 +148,15 @@ def test_a_room_is_clean_when_everything_in_it_is_in_the_bin() -> None:
         assert not house.in_bin("green cup"), "it is in the other room"
 
     at_home(test)
+
+
+def test_rubbish_is_looked_for_in_the_next_room_where_none_lies_about_here() -> None:
+    async def test(house: House) -> None:
+        result = await clear_rubbish.run(house.context)
+        assert result.ok, result
+        assert house.in_bin("green cup")
+
+    at_home(test, **{"green cup": HOUSE["objects"]["green cup"]})
 
 
 def test_only_things_of_the_colour_are_put_where_they_belong() -> None:

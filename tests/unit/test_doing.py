@@ -55,7 +55,7 @@ def told(argument: Quantity | str) -> str:
         ("look | look {place: behind you}", "move_left(180 deg); seewhat()"),
         ("find | where is {thing: the blue cup}", "locate(blue cup)"),
         ("throw_away | dump {thing: the rubbish in the kitchen}", "clean_room(kitchen)"),
-        ("pick_up | gather up {thing: the litter} from the floor", "clean_room()"),
+        ("pick_up | gather up {thing: the litter} from the floor", "clear_rubbish()"),
         ("pick_up | pick up {thing: the nearest thing}", "pick_object(nearest thing)"),
         ("pick_up | {thing: 最大的盒子}", "pick_object(biggest box)"),
         ("bring | get {person: me} {thing: the left most object} from {source: the desk}",

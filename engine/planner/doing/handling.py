@@ -183,8 +183,8 @@ def throw_away(doing: Doing, roles: Roles) -> Calls:
     if source and doing.entity(source).surface == BIN:  # "into the bin"
         source = ""
     if len(things) == 1 and _is_rubbish(doing, things[0]):
-        where = doing.entity(source or source_of(doing, roles, things[0]) or "here")
-        return cleaned(where.room)
+        where = source or source_of(doing, roles, things[0])
+        return cleaned(doing.entity(where).room) if where else call("clear_rubbish")
     if not things:
         if doing.in_hand:
             return call("place_in_bin")

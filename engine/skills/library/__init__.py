@@ -13,7 +13,7 @@ from engine.skills.library.following import (
 )
 from engine.skills.library.gestures import arm_applaud, arm_down, arm_nod, arm_shake, arm_up, dance, drift
 from engine.skills.library.handing import hand_over, serve, take_from
-from engine.skills.library.household import ask_user, carry, clean_room, tidy
+from engine.skills.library.household import ask_user, carry, clean_room, clear_rubbish, tidy
 from engine.skills.library.manipulation import (
     close_gripper,
     grasp_obj,
@@ -67,6 +67,7 @@ LIBRARY: tuple[Skill, ...] = (
     place_in_bin,
     carry,
     clean_room,
+    clear_rubbish,
     tidy,
     color_follow,
     person_follow,

@@ -121,6 +121,23 @@ async def clean_room(context: SkillContext, room: RoomName = "") -> Result:
 
 
 @skill(occupies=["base", "arm", "camera"], lasting=True)
+async def clear_rubbish(context: SkillContext) -> Result:
+    """Put the rubbish that lies about into the bin: in this room, or where nothing lies about here, in the nearest one
+    that has some."""
+    looked_in: list[str] = []
+    for room in by_distance(context.robot.floor_map, context.pose):
+        cleaned = await clean_room.run(context, room.name)
+        if cleaned.error_code in NO_WAY:
+            continue
+        if not cleaned.ok or cleaned.data.get("moved"):
+            return cleaned
+        looked_in.append(room.name)
+    if not looked_in:
+        return fail("unreachable", "I cannot get into any room.")
+    return fail("object_not_found", f"I looked in the {' and the '.join(looked_in)} and saw nothing to throw away.")
+
+
+@skill(occupies=["base", "arm", "camera"], lasting=True)
 async def tidy(
     context: SkillContext, color: Annotated[str, Word("thing_colour")], surface: Annotated[str, Word("surface")]
 ) -> Result:

@@ -31,6 +31,7 @@ _SKILLS: Final[Mapping[str, tuple[What, ...]]] = {
     "answer_question": ("ask", "tell"), "report_answer": ("tell",), "learn_name": (),
     "count_people": ("look",), "describe_person": ("look",),
     "count": ("look",), "scan_room": ("look",), "seewhat": ("look",), "look": ("look",), "clean_room": ("clean",),
+    "clear_rubbish": ("clean",),
     "tidy": ("clean",), "list_things": ("look", "find"), "serve": ("pick", "give"),
 }  # fmt: skip
 _TELLING: Final = re.compile(r"tell|say|answer|introduce|report|joke")
