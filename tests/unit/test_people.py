@@ -21,7 +21,7 @@ from engine.robot.camera import Lens, Mount, Picture
 from engine.robot.company import Gesture, Posture
 from engine.robot.geometry import Pose
 from engine.skills.context import SkillContext
-from engine.skills.library.people import as_now
+from engine.skills.library.people import are_one, as_now
 
 LENS = Lens.of_view(160, 120, math.radians(48))
 AHEAD = Mount(np.array([[0, 0, 1.0], [-1.0, 0, 0], [0, -1.0, 0]]), np.array([0.0, 0.0, 0.5]))
@@ -95,6 +95,24 @@ def test_somebody_of_whom_no_clothes_show_is_not_taken_for_one_who_was_elsewhere
     (first,) = saw(memory, somebody("orange", trousers="blue", posture="standing"))
     (second,) = saw(memory, somebody(None, 6.0, 2.0), t=5.0)
     assert second.number != first.number
+
+
+@pytest.mark.parametrize(("apart", "posture", "later", "one"), [
+    (0.8, "lying", 1.0, True), (0.8, "lying", 0.0, False), (1.2, "lying", 1.0, False),
+    (0.8, "standing", 1.0, False), (0.3, "standing", 1.0, True),
+])  # fmt: skip
+def test_who_lies_is_long_and_two_in_one_picture_are_two(
+    apart: float, posture: Posture, later: float, one: bool
+) -> None:
+    memory = PeopleMemory()
+    if later:
+        (first,) = saw(memory, somebody("blue", posture=posture))
+        (second,) = saw(memory, somebody("white", 2.0 + apart, posture=posture), t=later)
+    else:
+        first, second = saw(
+            memory, *(somebody(c, x, posture=posture) for c, x in (("blue", 2.0), ("white", 2.0 + apart)))
+        )
+    assert are_one(first, second) == one
 
 
 @given(

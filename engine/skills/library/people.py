@@ -42,6 +42,8 @@ BETWEEN: Final = 0.6
 """m from one person to the next at least."""
 ONE: Final = 0.45
 """m within which two sightings are one person, of whom legs and shirt were seen apart."""
+LONG: Final = 0.9
+"""m, the same of one who lies."""
 
 
 @skill(occupies=["base", "arm", "camera"], changes=["pose"])
@@ -124,10 +126,19 @@ async def people_in(context: SkillContext, room_name: str) -> tuple[PersonSeen, 
     here = [p for p in context.world.people.everybody if p.seen_at >= began and room.holds(*p.position[:2])]
     here.sort(key=lambda p: (p.shirt is None, p.trousers is None))  # of two that are one, the one who showed better
     found: list[PersonSeen] = []
-    for person in here:
-        if all(math.dist(person.position[:2], other.position[:2]) > ONE for other in found):
+    for number, person in enumerate(here):
+        if not any(are_one(person, other) for other in here[:number]):
             found.append(person)
     return tuple(found)
+
+
+def are_one(one: PersonSeen, other: PersonSeen) -> bool:
+    """Whether two sightings may be one person. Of who lies one picture shows an end and another the other end, unless
+    both are in one."""
+    apart = math.dist(one.position[:2], other.position[:2])
+    if one.posture == other.posture == "lying" and one.seen_at != other.seen_at:
+        return apart < LONG
+    return apart < ONE
 
 
 async def those_in(context: SkillContext, who: str, where: str) -> tuple[str, tuple[PersonSeen, ...]] | Result:
