@@ -80,7 +80,8 @@ def _mistaken(thing: Thing, seen: Thing) -> bool:
 
 def too_wide(arm: ArmModel, thing: Thing) -> str:
     """Why it cannot be gripped at all, for people."""
-    return f"The {thing.name} is {100 * thing.size[0]:.0f} cm wide, and my fingers open {100 * arm.jaw:.0f} cm."
+    widest = 100 * (arm.jaw - _SLACK)
+    return f"The {thing.name} is {100 * thing.size[0]:.1f} cm wide, and my fingers grip {widest:.1f} cm at most."
 
 
 async def _fold(context: SkillContext, result: Result) -> Result:
