@@ -36,8 +36,8 @@ MOMENTS = {
     "robot": (b"\x1b[?1049h", b"at rest"),
 }
 """What is on the terminal then, and what was written some time before it."""
-REQUEST = "kitchen is where I need you to be in a minute, and honk when there"
-"""Nothing that phrases know, and short for a model: two actions."""
+REQUEST = "allez dans la cuisine et klaxonnez"
+"""In a language that the reader does not know, and short for a model: two actions."""
 PLANNED = ("plan.made", "plan.rejected", "clarification.asked", "refusal.made")
 READ_ANEW_S = 300.0
 """How long a model may take that has to read its instructions first, s."""
@@ -74,7 +74,7 @@ def first_plan(*, asked_with: str) -> float:
                 if event["body"].get("source") != "local":
                     break
                 return took
-    raise SystemExit("The model made no plan.")
+    raise SystemExit(f"The model made no plan of {REQUEST!r}.")
 
 
 def is_ready(part: str, event: dict[str, Any]) -> bool:
