@@ -152,7 +152,9 @@ def build(body: Body, seat: float | None) -> Build:
         tall = (top - hips_at) / (1 - HIP) if sits else top
     elif shoulders is not None:
         tall = (shoulders - hips_at) / (SHOULDER - HIP) if sits else shoulders / SHOULDER
-    tall = min(max(tall, _TALLEST[0]), _TALLEST[1])
+    if tall < _TALLEST[0]:  # nobody is so small: something hides the rest
+        top, shoulders, tall = None, None, _TALL
+    tall = min(tall, _TALLEST[1])
     hips = hips_at if sits else HIP * tall
     posture: Posture | None = "sitting" if sits else "standing" if _stands(body, axis) else None
     return Build(posture, (float(axis[0]), float(axis[1])), hips, tall, top is not None, (top or shoulders) is not None)

@@ -25,7 +25,7 @@ from engine.skills.legs import Legs
 from engine.skills.meeting import look_around, look_through
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.outfit import Outfit, clothes_of
-from engine.skills.search import room_at
+from engine.skills.search import places_in, room_at
 from engine.skills.servo import PICTURE_S, WHOLE_S, Wheels, chase, face, is_gazed_at, look_towards, place_of
 from engine.skills.travel import NOTHING_SEEN, SEEN_RANGE, back_off, go_to, way_to
 from engine.skills.walkers import Walker
@@ -285,9 +285,7 @@ class Pursuit:
             return bool(found)
 
         if math.dist((x, y), (pose.x, pose.y)) > _THERE:
-            direction = math.atan2(y - pose.y, x - pose.x)
-            goal = Pose(x, y, direction)
-            await go_to(context, goal, "where they stayed")
+            await self._go_near(x, y)
         await look_around(context, seen)
         if not found:
             await look_through(context, room_at(context.robot.floor_map, x, y), seen)
@@ -298,6 +296,18 @@ class Pursuit:
         self._seen_t = context.robot.state().t
         self._wheels = Wheels(context)
         return True
+
+    async def _go_near(self, x: float, y: float) -> None:
+        """To this point, or to the place nearest to it where there is room for the robot."""
+        context, pose = self._context, self._context.pose
+        floor, direction = context.robot.floor_map, math.atan2(y - pose.y, x - pose.x)
+        went = await go_to(context, Pose(x, y, direction), "where they stayed")
+        if went.error_code != "unreachable":
+            return
+        stands = places_in(room_at(floor, x, y), floor, context.robot.footprint, pose)
+        if len(stands):
+            near = stands[np.hypot(stands[:, 0] - x, stands[:, 1] - y).argmin()]
+            await go_to(context, Pose(float(near[0]), float(near[1]), direction), "where they stayed")
 
     def _lost(self) -> Result:
         x, y = self._legs.at
