@@ -73,9 +73,11 @@ def _mistaken(thing: Thing, seen: Thing) -> bool:
     """Whether a close look showed something else. Labels and caps are pale; a strong colour is a thing's own."""
     if thing.colour != seen.colour:
         return seen.colour not in _PALE
+    kinds = {thing.kind, seen.kind}
+    if not seen.whole or len(kinds) == 1 or "thing" in kinds or kinds == {"box", "block"}:
+        return False
     low, high = sorted((thing.size[1], seen.size[1]))
-    other_shape = {thing.kind, seen.kind} == {"cup", "bottle"} and (high > _TALLER * low or not thing.whole)
-    return seen.whole and other_shape
+    return high > _TALLER * low or (kinds == {"cup", "bottle"} and not thing.whole)
 
 
 def too_wide(arm: ArmModel, thing: Thing) -> str:

@@ -13,7 +13,7 @@ import pytest
 from engine.perception.looking import LOOK_POSES
 from engine.perception.memory import Thing, WorldMemory
 from engine.perception.naming import wanted
-from engine.perception.sighting import Colour
+from engine.perception.sighting import Colour, Kind
 from engine.robot.arm import ARM_INITIAL
 from engine.robot.geometry import Pose
 from engine.skills.aim import grip_height
@@ -128,20 +128,28 @@ def test_what_was_taken_for_neighbours_does_not_keep_the_fingers_off() -> None:
     on_a_bench(KITCHEN, test)
 
 
-@pytest.mark.parametrize(("colour", "size"), [("green", (0.06, 0.08)), ("white", (0.06, 0.06)), ("red", (0.06, 0.14))])
-def test_a_bottle_is_not_taken_for_the_cup_that_a_part_of_it_looked_like(
-    colour: Colour, size: tuple[float, float]
+@pytest.mark.parametrize(
+    ("kind", "colour", "size"),
+    [
+        ("cup", "green", (0.06, 0.08)),
+        ("cup", "white", (0.06, 0.06)),
+        ("cup", "red", (0.06, 0.14)),
+        ("box", "green", (0.05, 0.03)),
+    ],
+)
+def test_a_bottle_is_not_taken_for_what_a_part_of_it_looked_like(
+    kind: Kind, colour: Colour, size: tuple[float, float]
 ) -> None:
     async def test(bench: Bench) -> None:
         before = bench.robot.where("bottle")
         bottle = await bench.see("green bottle")
         bench.memory.forget(bottle)
         x, y, z = bottle.position
-        label = replace(bottle, kind="cup", colour=colour, size=size, position=(x, y, z), named_from=1.2, whole=False)
+        label = replace(bottle, kind=kind, colour=colour, size=size, position=(x, y, z), named_from=1.2, whole=False)
         bench.remember(label)
         result = await pick(bench.context, label)
         assert (result.outcome, result.error_code) == ("failed", "object_not_found")
-        assert result.message == f"What I took for the {colour} cup is the green bottle."
+        assert result.message == f"What I took for the {colour} {kind} is the green bottle."
         assert bench.memory.held is None
         assert math.dist(bench.robot.where("bottle"), before) < 0.003
         assert [thing.name for thing in bench.memory.things if thing.distance_to(x, y) < 0.05] == ["green bottle"]
