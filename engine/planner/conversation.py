@@ -15,7 +15,7 @@ from engine.planner import amounts
 from engine.planner.entities import Entities, Side
 from engine.planner.happened import last_question, open_command
 from engine.planner.options import chosen
-from engine.planner.request import PlanRequest, Said
+from engine.planner.request import Happened, NoPlan, PlanRequest, Said
 from engine.understanding.acts import ACTS, RoleName
 from engine.understanding.meaning import Do, If, Instead, Meaning, Node, Repeat, Role, walk
 
@@ -76,13 +76,15 @@ class Conversation:
         """The meaning of ``text`` with the act that it belongs to; None where it says an act itself, or where nothing
         was said that it could belong to."""
         question = last_question(request.happened) if request.happened else None
+        if question is not None and not question.leaves_open:
+            question = None
         answer = self._read(text)
         if question is not None and (name := chosen(question, text, request.seen)):
             then = answer.nodes[1:] if answer is not None else ()
             answer = Meaning(text, (Do("fragment", (Role("thing", name, 0, len(text)),)), *then))
         elif answer is None or not answer.nodes or not request.happened or not self._accounted(answer):
             return None
-        said = tuple(entry.text for entry in request.happened if isinstance(entry, Said))[-LONGEST:]
+        said = tuple(entry.text for entry in _kept(request.happened) if isinstance(entry, Said))[-LONGEST:]
         before = self._before(said if question is None else open_command(request.happened), whole=question is not None)
         if question is not None and question.lacks == "where":
             answer = _whither(answer)
@@ -153,6 +155,15 @@ def _roles(node: Node) -> tuple[Role, ...] | None:
     if isinstance(node, Instead) or (isinstance(node, Do) and node.act == "fragment"):
         return node.roles
     return None
+
+
+def _kept(happened: Sequence[Happened]) -> Sequence[Happened]:
+    """What came after the last request that was given up: nothing that is said later completes that."""
+    for number in range(len(happened), 0, -1):
+        entry = happened[number - 1]
+        if isinstance(entry, NoPlan) and entry.is_no_order:
+            return happened[number:]
+    return happened
 
 
 def _whither(answer: Meaning) -> Meaning:

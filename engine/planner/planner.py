@@ -121,10 +121,18 @@ class Planner:
             return await self._after_feedback(request, text, language)
         if (refused := await asyncio.to_thread(refusal, text)) is not None:
             return NoPlan(text, f"refused_{refused.kind}", refused.reason, ExitCode.REFUSED)
-        heard = Heard(request, text, language)
+        answered = False
+
+        def answers() -> None:
+            nonlocal answered
+            answered = True
+
+        heard = Heard(replace(request, answers=answers), text, language)
         for step in (self._stopped, self._agreed, self._asked_for, self._read, self._withheld):
             if (found := await step(heard)) is not None:
-                if self._is_answer(found, heard):
+                if answered and (again := self._once_more(found, heard)) is not None:
+                    return again
+                if answered or self._is_answer(found, heard):
                     request.answers()
                 return found
         found = await self._by_model(heard)
@@ -287,6 +295,16 @@ class Planner:
             if found.repeats:
                 return replace(found, answer=told)
             return NoPlan(request.text, error.code, told, ExitCode(error.exit_code))
+
+    @staticmethod
+    def _once_more(found: Plan | NoPlan, heard: Heard) -> NoPlan | None:
+        """The open question once more, after an answer that names nothing here: what it is about is not given up."""
+        question = last_question(heard.request.happened)
+        failed = isinstance(found, NoPlan) and found.exit_code is ExitCode.FAILED and not found.is_not_understood
+        if question is None or not question.leaves_open or not failed or was_repeated(heard.request.happened):
+            return None
+        told = f"{found.answer} {question.answer}" if isinstance(found, NoPlan) else question.answer
+        return replace(question, code="not_understood", answer=told, repeats=True)
 
     def _not_understood(self, heard: Heard) -> NoPlan:
         """That the request was not understood, and what would be; or the open question once more."""

@@ -98,6 +98,7 @@ async def test_a_file_that_was_written_is_a_link() -> None:
         desk.app.post_message(Told("saved in /home/me/a [b] c", file="/home/me/a [b] c"))
         await desk.until(lambda: desk.app._notifications)
         [told] = desk.app._notifications
+        assert told.markup, "else its address would be read"
         words = Content.from_markup(told.message)
         assert words.plain == "saved in /home/me/a [b] c"
         sent = "".join(strip.render(desk.app.console) for strip in Visual.to_strips(desk.app.main, words, 60, 1, STYLE))

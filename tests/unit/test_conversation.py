@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from dataclasses import replace
 
 import pytest
@@ -100,6 +101,35 @@ def test_who_is_asked_where_to_may_say_it_as_an_order(understood: Understood, re
     assert after(understood, (Said(reader.knows("go | go there")), open_), more) == "navigation(A); beep(0.2)"
     other = asked("Which one: the red box or the blue box?")
     assert after(understood, (Said(first), other), answer) == "navigation(A)"
+
+
+def test_what_was_given_up_is_not_completed_later(understood: Understood, reader: Written) -> None:
+    first = reader.knows("bring | fetch {person: me} {thing: the box}")
+    question = asked("Which one: the red box or the blue box?")
+    given_up = NoPlan("no", "no_order", "I heard “no”, so I do nothing. What shall I do?", ExitCode.CLARIFY)
+    history = (Said(first), question, Said("no"), given_up)
+    assert not after(understood, history, reader.knows("fragment | {thing: the red one}")).startswith("carry")
+
+
+def test_an_answer_that_names_nothing_here_leaves_the_question_open(
+    reader: Written, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(build, "learned_reader", lambda folder: reader)
+    planner = build.build_planner(at_home(load()))
+    answered: list[str] = []
+    history: tuple[Happened, ...] = (
+        Said(reader.knows("pick_up | take {thing: the box}")), asked("Which one: the red box or the blue box?")
+    )  # fmt: skip
+    request = PlanRequest(
+        reader.knows("fragment | {thing: the banana}"), history, answers=lambda: answered.append("yes")
+    )
+    found = asyncio.run(planner.plan(request))
+    assert isinstance(found, NoPlan)
+    assert found.repeats
+    assert found.answer.endswith("Which one: the red box or the blue box?")
+    assert answered == []
+    again = asyncio.run(planner.plan(replace(request, happened=(*history, Said(request.text), found))))
+    assert not (isinstance(again, NoPlan) and again.repeats)
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,7 @@ class Keeping:
         if file or level == "error" or not has_room(self.told, stage.shown, stage.size.width):
             severity: Literal["error", "information"] = "error" if level == "error" else "information"
             self._clear(self.told)
-            box = Notification(marked_up(self.told, printable(file)), severity=severity, timeout=TOLD_S)
+            box = Notification(marked_up(self.told, printable(file)), severity=severity, timeout=TOLD_S, markup=True)
             self._boxes[self.told] = box
             stage.post_message(Notify(box))
         stage.note(level, self.told)

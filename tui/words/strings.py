@@ -68,7 +68,7 @@ ABOUT_KEYS: Final = {
     "resume": "Continue: do what a stop cut off, from where the robot is.",
     "undo": "Undo: go back from what was done last, where there is a way back.",
     "again": "Do the last plan once more.",
-    "by_hand": "Drive by hand, which ends the plan, or no longer.",
+    "by_hand": "Drive by hand, or no longer: the first push ends the plan.",
     "help": "Show the keys, first those of where you are; or leave that page.",
     "leave": "Leave a page; on the main screen quit, which asks once more while a task is running.",
     "leave_now": "Quit at once; the robot stops.",
