@@ -14,9 +14,9 @@ from tui.words.language import Language
 
 
 def rows(desk: Desk) -> list[str]:
-    """What stands in the page, from top to bottom, also what there is no room for."""
-    page = desk.app.screen.query_one("#page")
-    return [str(cell.render()).strip() for cell in page.query(".about") if cell.display]
+    """What stands in the page, from top to bottom, also what there is no room for; nothing while it is written anew."""
+    cells = desk.app.screen.query("#page .about")
+    return [str(cell.render()).strip() for cell in cells if cell.display]
 
 
 @pytest.mark.parametrize(
