@@ -19,6 +19,7 @@ import numpy as np
 
 from engine.perception.gestures import LASTS_S, gesture_of
 from engine.perception.sighting import Colour, Sight, Sighting
+from engine.perception.someone import Gender, Someone
 from engine.robot.camera import Picture
 from engine.robot.company import Gesture, Posture
 
@@ -62,6 +63,17 @@ class PersonSeen:
     seen_at: float  # robot time, s
     tag: int | None = None
     gone: bool = False  # the robot has looked there since, and they were not there any more
+
+    def fits(self, who: Someone, gender: Gender | None) -> bool:
+        """Whether this may be who is meant, by what shows; ``gender`` is what is known of it, which does not show."""
+        return who.fits(
+            name=self.name,
+            gender=gender,
+            posture=self.posture,
+            gesture=self.gesture,
+            shirt=self.shirt,
+            trousers=self.trousers,
+        )
 
     def distance_to(self, x: float, y: float) -> float:
         """On the floor, m."""

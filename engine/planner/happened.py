@@ -21,10 +21,11 @@ def last_question(happened: Sequence[Happened]) -> NoPlan | None:
     return answer if isinstance(answer, NoPlan) and is_question(answer) else None
 
 
-def was_repeated(happened: Sequence[Happened]) -> bool:
-    """Whether the robot has put its last question twice."""
-    answer = _last_answer(happened)
-    return isinstance(answer, NoPlan) and answer.repeats
+def to_repeat(happened: Sequence[Happened]) -> NoPlan | None:
+    """The open question, where it may be put once more: it has been put once, and an answer completes a request."""
+    question, answer = last_question(happened), _last_answer(happened)
+    again = isinstance(answer, NoPlan) and answer.repeats
+    return question if question is not None and question.leaves_open and not again else None
 
 
 def is_question(answer: Plan | NoPlan) -> bool:

@@ -93,13 +93,13 @@ class Outcomes:
         try:
             doing = Doing(self._entities, heard.request.holding)
             calls_of(wanted[:index], doing)  # names what "it" and "there" are
-            looked_for = sought(doing, self._condition(node, doing, index))
+            condition = self._condition(node, doing, index)
+            looked_for = sought(doing, condition)
         except (Open, Which, NowhereKnown, Unable):
             return None
         if not isinstance(sees, bool) and looked_for.is_open(sees):
             key = "which_speaker" if looked_for.who == ME else "which_person"
             return _question(heard, "which_person", SAID[heard.language][key].format(who=looked_for.who))
-        condition = self._condition(node, doing, index)
         thing, holds = looked_for.thing, sees if isinstance(sees, bool) else looked_for.holds(sees)
         branch = node.then if holds else node.otherwise
         rest = (*_only_wanted(branch), *wanted[index + 1 :])

@@ -21,7 +21,7 @@ from engine.llm.chat import Chat, ChatError, Message
 from engine.plan import Action, ActionCall, InWords, Plan, parse_calls
 from engine.planner.afterthoughts import afterthought
 from engine.planner.completeness import completeness
-from engine.planner.happened import last_question, last_said, rounds, was_repeated
+from engine.planner.happened import last_question, last_said, rounds, to_repeat
 from engine.planner.not_an_order import marks
 from engine.planner.options import agreed
 from engine.planner.phrases.asked import Asked
@@ -299,19 +299,17 @@ class Planner:
     @staticmethod
     def _once_more(found: Plan | NoPlan, heard: Heard) -> NoPlan | None:
         """The open question once more, after an answer that names nothing here: what it is about is not given up."""
-        question = last_question(heard.request.happened)
-        failed = isinstance(found, NoPlan) and found.exit_code is ExitCode.FAILED and not found.is_not_understood
-        if question is None or not question.leaves_open or not failed or was_repeated(heard.request.happened):
+        if not isinstance(found, NoPlan) or found.exit_code is not ExitCode.FAILED or found.is_not_understood:
             return None
-        told = f"{found.answer} {question.answer}" if isinstance(found, NoPlan) else question.answer
-        return replace(question, code="not_understood", answer=told, repeats=True)
+        if (question := to_repeat(heard.request.happened)) is None:
+            return None
+        return replace(question, code="not_understood", answer=f"{found.answer} {question.answer}", repeats=True)
 
     def _not_understood(self, heard: Heard) -> NoPlan:
         """That the request was not understood, and what would be; or the open question once more."""
         shown = " ".join("".join(c if c.isprintable() else " " for c in heard.text[: 2 * MAX_SHOWN]).split())
         shown = shown if len(shown) <= MAX_SHOWN else f"{shown[:MAX_SHOWN].rstrip()}…"
-        question = last_question(heard.request.happened)
-        if question is not None and question.leaves_open and not was_repeated(heard.request.happened):
+        if (question := to_repeat(heard.request.happened)) is not None:
             said = SAID[language_of(question.answer)]["not_understood"]
             again = said.format(part=f": “{shown}”", understood=question.answer)
             return NoPlan(question.text, "not_understood", again, ExitCode.CLARIFY, repeats=True)

@@ -73,18 +73,8 @@ class Recall:
             return False
         if who.gender is not None:  # it does not show
             return False
-        return any(
-            who.fits(
-                name=person.name,
-                gender=None,
-                posture=person.posture,
-                gesture=person.gesture,
-                shirt=person.shirt,
-                trousers=person.trousers,
-            )
-            for person in self._memory.people.everybody
-            if person.seen_at >= t and not person.gone
-        )
+        everybody = self._memory.people.everybody
+        return any(person.seen_at >= t and not person.gone and person.fits(who, None) for person in everybody)
 
     async def picture(self) -> bytes | None:
         """What the camera shows now, as a PNG file; None where there is no picture to be had."""

@@ -62,14 +62,7 @@ def fits(context: SkillContext, who: Someone) -> Seen:
     people = context.people
 
     def fit(person: PersonSeen) -> bool:
-        return who.fits(
-            name=person.name,
-            gender=people.about(person.name).gender if person.name else None,
-            posture=person.posture,
-            gesture=person.gesture,
-            shirt=person.shirt,
-            trousers=person.trousers,
-        )
+        return person.fits(who, people.about(person.name).gender if person.name else None)
 
     return fit
 

@@ -34,8 +34,7 @@ Sentence = Annotated[str, Word("sentence")]
 ANYBODY: Final = "person"
 BESIDE: Final = 2.2
 """m within which somebody is there to talk with."""
-JUST_S: Final = 2.0
-"""s since somebody was seen, within which they are still there."""
+_JUST_S: Final = 2.0  # s since somebody was seen, within which they are still there
 _THEIR_PLACE: Final = 0.6  # m from where they were seen from afar
 _STEP_ASIDE: Final = 1.2  # m from there, where whoever fits is they
 NEAR: Final = BESIDE + 1.0
@@ -72,13 +71,13 @@ async def _there(context: SkillContext, person: PersonSeen, wanted: Seen) -> Per
     began, people = context.robot.state().t, context.world.people
     await context.see()
     now = people.of_number(person.number)
-    if now is not None and now.seen_at >= began - JUST_S:
+    if now is not None and now.seen_at >= began - _JUST_S:
         return now
 
     def away(other: PersonSeen) -> float:
         return other.distance_to(*person.position[:2])
 
-    just = [other for other in people.everybody if other.seen_at >= began - JUST_S]
+    just = [other for other in people.everybody if other.seen_at >= began - _JUST_S]
     here = [other for other in just if away(other) < _THEIR_PLACE or (wanted(other) and away(other) < _STEP_ASIDE)]
     if not here:
         return now or person

@@ -12,6 +12,7 @@ from engine.perception.sighting import Colour
 from engine.perception.someone import Someone
 from engine.planner.doing.doing import Doing, Unable
 from engine.planner.doing.moving import anybody
+from engine.planner.doing.sense import plain
 from engine.planner.entities import Entities
 from engine.planner.phrases.said import Calls, call
 from engine.planner.text.counts import Count, at_least, how_many
@@ -110,19 +111,19 @@ def sought(doing: Doing, condition: Condition) -> Sought:
 def _who(doing: Doing, words: str) -> tuple[str, str]:
     """Who these words mean, as skills know them (nothing: anybody), and the words for where they are said to be. Raises
     Unable for what may be nobody at all, and for the robot itself."""
-    plain = words.casefold().replace("’", "'").removesuffix("'s")
-    if _SPEAKER.fullmatch(plain):
+    lower = plain(words).removesuffix("'s")
+    if _SPEAKER.fullmatch(lower):
         return ME, ""
     try:
         who, where = doing.entities.somebody(words.replace("’", "'").removesuffix("'s"))
     except PlanError:
         who, where = Someone(), ""
-        if not anybody(plain):
+        if not anybody(lower):
             raise Unable("person", words) from None
     if who.is_anybody:
         return "", where
-    is_named = words[:1].isupper() and not plain.startswith(("the ", "a ", "my ", "your "))
-    if _PRONOUN.fullmatch(plain) or not (is_named or doing.entities.of(words).person or doing.entities.is_known(words)):
+    is_named = words[:1].isupper() and not lower.startswith(("the ", "a ", "my ", "your "))
+    if _PRONOUN.fullmatch(lower) or not (is_named or doing.entities.of(words).person or doing.entities.is_known(words)):
         raise Unable("person", words)
     return str(who), where
 
@@ -132,7 +133,7 @@ _PRONOUN: Final = re.compile(r"he|she|they|him|her|them|it|you(?:'re| are)?|[他
 
 def is_anything(words: str) -> bool:
     """Whether any thing is meant: "something lying there"."""
-    return _INDEFINITE.fullmatch(" ".join(words.casefold().replace("’", "'").split())) is not None
+    return _INDEFINITE.fullmatch(" ".join(plain(words).split())) is not None
 
 
 def as_seen(condition: Condition, entities: Entities) -> Condition:
