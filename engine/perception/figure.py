@@ -52,15 +52,16 @@ class Body:
     hsv: Hsv
     pixel: float  # m that a pixel covers there
     cut: bool  # the picture's upper edge ends it
+    covered: bool  # something nearer hides what is above
     clear: NDArray[np.bool_]  # for each pixel: the robot's hand hides nothing of its line
 
     @classmethod
-    def of(cls, found: Loose, hsv: Hsv, pixel: float) -> Body:
+    def of(cls, found: Loose, hsv: Hsv, pixel: float, *, covered: bool) -> Body:
         across = slice(int(found.columns.min()), int(found.columns.max()) + 1)
         hidden: NDArray[np.bool_] = np.any(found.own[:, across], axis=1)
         cut = bool(found.rows.min() == 0)
         return cls(
-            found.points, found.under, found.rows, found.columns, hsv, pixel, cut, ~hidden[found.rows]
+            found.points, found.under, found.rows, found.columns, hsv, pixel, cut, covered, ~hidden[found.rows]
         )  # fmt: skip
 
     @property
@@ -152,7 +153,7 @@ def build(body: Body, seat: float | None) -> Build:
         tall = (top - hips_at) / (1 - HIP) if sits else top
     elif shoulders is not None:
         tall = (shoulders - hips_at) / (SHOULDER - HIP) if sits else shoulders / SHOULDER
-    if tall < _TALLEST[0]:  # nobody is so small: something hides the rest
+    if body.covered or tall < _TALLEST[0]:  # nobody is so small: something hides the rest
         top, shoulders, tall = None, None, _TALL
     tall = min(tall, _TALLEST[1])
     hips = hips_at if sits else HIP * tall

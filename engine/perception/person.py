@@ -31,7 +31,7 @@ SMALLEST: Final = 0.95
 """m that somebody is tall at least, which backs of chairs are not; less shows where the picture ends above."""
 _CUT = 0.3  # m that must show of somebody whom the picture's upper edge cuts
 _FROM_FLOOR = 0.35  # m: what begins higher hangs, unless the picture's lower edge cuts it, or something hides it
-_LOWEST = 0.15  # m above its lowest point, where it reaches down
+_END = 0.15  # m from its lowest or highest point, where it reaches down or up
 _SITS = 0.4  # m that somebody rises above a seat at least
 _FLOOR = 0.06  # m above which something stands out
 _LEGS, _FILLED = (0.1, 0.34), 0.42  # m above the floor, and how much of their width legs fill there
@@ -88,7 +88,8 @@ def _people_in(found: Loose, picture: Picture) -> Iterator[Loose]:
 def _sighting(picture: Picture, found: Loose, hsv: Hsv) -> Sighting | None:
     if len(found.points) < _FEWEST:
         return None
-    body = Body.of(found, hsv[found.rows, found.columns], _pixel(found, picture))
+    pixel, covered = _pixel(found, picture), _hidden_above(picture, found)
+    body = Body.of(found, hsv[found.rows, found.columns], pixel, covered=covered)
     seat = figure.seat_under(body)
     if seat is not None and figure.lies(body, seat):
         return _lying(picture, body, found, seat)
@@ -116,7 +117,7 @@ def _is_figure(picture: Picture, body: Body, found: Loose, seat: float | None) -
         return False
     if seat is None and _bulges(body):
         return False
-    return body.cut or _has_head(body)
+    return body.cut or body.covered or _has_head(body)
 
 
 def _bulges(body: Body) -> bool:
@@ -130,14 +131,25 @@ def _bulges(body: Body) -> bool:
 
 def _hidden_below(picture: Picture, found: Loose) -> bool:
     """Whether something nearer is before the lower part of what reaches down farthest: legs, and not hands."""
+    return _goes_on_behind(picture, found, found.points[:, 2] < found.points[:, 2].min() + _END, 1)
+
+
+def _hidden_above(picture: Picture, found: Loose) -> bool:
+    """Whether something nearer is before what would be above the highest part."""
+    return _goes_on_behind(picture, found, found.points[:, 2] > found.points[:, 2].max() - _END, -1)
+
+
+def _goes_on_behind(picture: Picture, found: Loose, end: NDArray[np.bool_], down: int) -> bool:
+    """Whether most columns of this end go on behind something nearer, ``down`` the picture (1) or up (−1)."""
     depth = picture.depth[:: found.step, :: found.step]
-    low = found.points[:, 2] < found.points[:, 2].min() + _LOWEST
-    columns = np.unique(found.columns[low])
+    last = found.shape[0] - 1
+    columns = np.unique(found.columns[end])
     nearer = 0
     for column in columns.tolist():
-        lowest = int(found.rows[found.columns == column].max())
-        below = depth[min(lowest + 2, found.shape[0] - 1), column]
-        nearer += bool(below < depth[lowest, column] - 0.15)
+        rows = found.rows[found.columns == column]
+        edge = int(rows.max() if down > 0 else rows.min())
+        beyond = depth[min(max(edge + 2 * down, 0), last), column]
+        nearer += bool(0 < beyond < depth[edge, column] - 0.15)
     return nearer > 0.5 * len(columns)
 
 

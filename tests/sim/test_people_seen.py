@@ -6,6 +6,7 @@ import itertools
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from engine.perception.gestures import gesture_of
@@ -52,6 +53,18 @@ def test_the_posture_and_the_place_are_seen_from_all_sides(case: Case, away: flo
         assert person.figure is not None
         assert (person.figure.posture, person.figure.shirt) == (case.posture, "red"), side
         assert math.dist(person.position[:2], case.at) < 0.15
+
+
+@pytest.mark.parametrize("shows_to", [1.0, 1.15, 1.3])
+def test_whose_head_and_shoulders_something_hides_is_no_child(shows_to: float) -> None:
+    onlooker = Onlooker(Case())
+    picture = onlooker.look(2.5)
+    above = np.isfinite(picture.depth) & (picture.depth > 0)
+    above[above] = picture.points(above)[:, 2] > shows_to
+    depth = np.where(above, np.float32(1.0), picture.depth)
+    [person] = find_people(replace(picture, depth=depth), onlooker.map)
+    assert person.figure is not None
+    assert (person.figure.shirt, person.figure.trousers) == ("red", "blue")
 
 
 @pytest.mark.parametrize("away", [1.5, 2.5, 4.0])

@@ -19,7 +19,7 @@ def legs(high: float) -> Body:
     rows, columns = np.round((high - z) / 0.02).astype(int) + 20, np.round((y + 0.2) / 0.02).astype(int)
     hsv = np.tile((0.0, 0.0, 0.5), (len(z), 1))
     everywhere = np.zeros(len(z))
-    return Body(points, everywhere, rows, columns, hsv, 0.02, False, np.ones(len(z), dtype=np.bool_))
+    return Body(points, everywhere, rows, columns, hsv, 0.02, False, False, np.ones(len(z), dtype=np.bool_))
 
 
 @pytest.mark.parametrize("high", [0.5, 0.62, 0.8])
