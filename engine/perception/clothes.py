@@ -31,9 +31,11 @@ def is_skin(hsv: Hsv) -> NDArray[np.bool_]:
     return np.asarray((hue > reddest) & (hue < yellowest) & (saturation > palest) & (saturation < strongest))
 
 
+def is_dark(hsv: Hsv) -> NDArray[np.bool_]:
+    """As shoes are, and neither skin nor brown hair."""
+    return np.asarray(~is_skin(hsv) & (hsv[:, 2] < _DARK))
+
+
 def looks_like_a_head(hsv: Hsv) -> float:
     """How much of one end of somebody is skin and hair, less what is as dark as shoes: from -1 to 1."""
-    if not len(hsv):
-        return 0.0
-    skin = is_skin(hsv)
-    return float(np.mean(skin) - np.mean(~skin & (hsv[:, 2] < _DARK)))
+    return float(np.mean(is_skin(hsv)) - np.mean(is_dark(hsv))) if len(hsv) else 0.0

@@ -1,9 +1,9 @@
 """How somebody holds themselves and what they wear, from the points of a picture that show them.
 
 A body is measured from its trunk: heads are in line with it, hips and shoulders at known parts of its height. Whoever
-sits has a seat under the trunk, whoever lies is long and low. An arm that is up or points is what lies away from the
-trunk's axis above or beside the shoulders. Left and right are theirs, so that it must be known where they look: where
-the knees are of one who sits, else by how much of the head is face and how much hair.
+sits has a seat under the trunk; whoever lies is told in :mod:`engine.perception.lying`. An arm that is up or points is
+what lies away from the trunk's axis above or beside the shoulders. Left and right are theirs, so that it must be known
+where they look: where the knees are of one who sits, else by how much of the head is face and how much hair.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.perception.clothes import colour, is_skin, looks_like_a_head
+from engine.perception.clothes import colour, is_skin
 from engine.perception.colours import Hsv
 from engine.perception.loose import Loose
 from engine.perception.sighting import Colour
@@ -29,8 +29,6 @@ HIP, SHOULDER = 0.48, 0.82
 _OVER_SEAT = 0.08  # m that the hips are above a seat
 _TALL = 1.6  # m, where the head does not show
 _TALLEST = (0.9, 2.1)  # m that people are tall
-_LOW, _LONG = 0.5, 0.6  # m that somebody who lies rises above the bed at most, and measures from end to end at least
-_WHOLE, _HEAD_SHARE = 1.0, 0.3  # m that somebody on the floor measures; part of an end that a head is
 _THICK = 0.06  # m of an arm that shows of its 8 cm
 _HEAD = 0.12  # m around the trunk's axis that the head is within
 _HALF = 0.1  # m from somebody's front to their axis
@@ -96,39 +94,6 @@ def seat_under(body: Body) -> float | None:
     if np.count_nonzero(over) < 0.5 * np.count_nonzero(high):
         return None
     return float(np.percentile(body.under[high][over], 20))  # not its arms, nor its back
-
-
-def lies(body: Body, seat: float) -> bool:
-    """Whether it is long and low."""
-    return float(np.percentile(body.z, 98)) - seat < _LOW and length(body.points) > _LONG
-
-
-def lies_on_the_floor(body: Body) -> bool:
-    """Whether it is long and flat there, with a head at one end: skin and hair, and none in the middle."""
-    if float(np.percentile(body.z, 98)) > _LOW or length(body.points) < _WHOLE:
-        return False
-    along = _along(body)
-    ends = (body.hsv[along < 0.15], body.hsv[along > 0.85])
-    middle = body.hsv[(along > 0.3) & (along < 0.7)]
-    if min(map(len, (*ends, middle))) < _FEWEST:
-        return False
-    return max(map(looks_like_a_head, ends)) > _HEAD_SHARE and float(np.mean(is_skin(middle))) < _HEAD_SHARE
-
-
-def _along(body: Body) -> NDArray[np.float64]:
-    """How far along each point is from one end to the other, 0 to 1."""
-    flat = body.points[:, :2] - body.points[:, :2].mean(axis=0)
-    along = flat @ np.linalg.svd(flat, full_matrices=False)[2][0]
-    low, high = np.percentile(along, (0.5, 99.5))
-    return np.asarray((along - low) / (high - low))
-
-
-def length(points: Points) -> float:
-    """From end to end along the floor, m."""
-    flat = points[:, :2] - points[:, :2].mean(axis=0)
-    along = flat @ np.linalg.svd(flat, full_matrices=False)[2][0]
-    low, high = np.percentile(along, (1, 99))
-    return float(high - low)
 
 
 def build(body: Body, seat: float | None) -> Build:
@@ -237,16 +202,6 @@ def clothes(body: Body, built: Build) -> tuple[Colour | None, Colour | None]:
     else:
         legs = (off < 0.24) & (z > 0.16) & (z < hips - 0.1 * tall)
     return colour(body.hsv[trunk]), colour(body.hsv[legs]) if built.posture is not None else None
-
-
-def clothes_lying(body: Body) -> tuple[Colour | None, Colour | None]:
-    """The same of one who lies, from the end where the head is."""
-    part = _along(body)
-    if np.ptp(body.columns) * body.pixel < 0.5 * length(body.points):
-        return None, None  # they are seen from an end, which is all that shows
-    if looks_like_a_head(body.hsv[part > 0.88]) > looks_like_a_head(body.hsv[part < 0.12]):
-        part = 1 - part
-    return colour(body.hsv[(part > 0.2) & (part < 0.4)]), colour(body.hsv[(part > 0.63) & (part < 0.86)])
 
 
 def facing(body: Body, built: Build) -> float | None:

@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.perception import figure
+from engine.perception import figure, lying
 from engine.perception.colours import Hsv, colour_name, to_hsv
 from engine.perception.figure import Body
 from engine.perception.loose import Loose, loose
@@ -91,9 +91,9 @@ def _sighting(picture: Picture, found: Loose, hsv: Hsv) -> Sighting | None:
     pixel, covered = _pixel(found, picture), _hidden_above(picture, found)
     body = Body.of(found, hsv[found.rows, found.columns], pixel, covered=covered)
     seat = figure.seat_under(body)
-    if seat is not None and figure.lies(body, seat):
+    if seat is not None and lying.lies(body, seat):
         return _lying(picture, body, found, seat)
-    if seat is None and figure.lies_on_the_floor(body):
+    if seat is None and lying.lies_on_the_floor(body):
         return _lying(picture, body, found, 0.0)
     if not _is_figure(picture, body, found, seat):
         return None
@@ -221,7 +221,7 @@ def _upright(picture: Picture, body: Body, found: Loose, seat: float | None) -> 
 
 
 def _lying(picture: Picture, body: Body, found: Loose, seat: float) -> Sighting:
-    shirt, trousers = figure.clothes_lying(body)
+    shirt, trousers = lying.clothes_lying(body)
     x, y = body.points[:, :2].mean(axis=0)
     return _seen(picture, body, found, Figure("lying", None, shirt, trousers), (float(x), float(y)), seat)
 
@@ -243,7 +243,7 @@ def _seen(
         position=_placed(picture, place),
         sigma=0.05 + 0.02 * away,
         size=(
-            figure.length(body.points) if seen.posture == "lying" else min(_extent(body), WIDTHS[1]),
+            lying.length(body.points) if seen.posture == "lying" else min(_extent(body), WIDTHS[1]),
             high - min(low, _FLOOR),
         ),
         range=float(np.linalg.norm(place - picture.mount.position)),

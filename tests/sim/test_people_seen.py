@@ -88,6 +88,15 @@ def test_whoever_lies_on_the_floor_is_seen_from_aside(away: float) -> None:
         assert (person.figure.posture, person.figure.shirt, person.figure.trousers) == ("lying", "red", "blue"), side
 
 
+@pytest.mark.parametrize("shirt", ["red", "white"])
+def test_whoever_lies_on_the_floor_is_seen_from_their_head_and_their_feet(shirt: str) -> None:
+    onlooker = Onlooker(Case("lying", shirt=shirt))
+    for side in range(0, 360, 15):
+        [person] = find_people(onlooker.look(2.5, side), onlooker.map)
+        assert person.figure is not None
+        assert (person.figure.posture, person.figure.shirt) in {("lying", shirt), ("lying", None)}, side
+
+
 @pytest.mark.parametrize(("shirt", "trousers"), [("white", "black"), ("yellow", "purple"), ("grey", "orange"),
                                                  ("green", "red"), ("black", "white"), ("orange", "grey")])  # fmt: skip
 def test_shirt_and_trousers_are_told_apart(shirt: str, trousers: str) -> None:
