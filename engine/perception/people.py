@@ -34,6 +34,9 @@ MOST: Final = 50
 _GATE = 0.6  # m that the same person, standing, may seem to be elsewhere
 _UNTOLD_S = 1.0  # s that somebody is known for by their way alone, where nothing of their clothes shows
 _STAYED = 0.5  # m within which a posture that does not show now is still the one that did
+_ONE_PLACE = 0.3  # m within which there is room for one body, the robot's or somebody's
+_SHADES: Final = (frozenset(("white", "grey")), frozenset(("grey", "black")))
+"""Colours that light and shadow make of one another."""
 _BEHIND = 0.5  # m by which the picture must look past where somebody was
 _EDGE = 6  # pixels at the picture's edge where somebody may be cut off and not be noticed
 
@@ -199,7 +202,8 @@ class PeopleMemory:
                 seen.append(record)
             for record in seen:  # by name only when all of them are in: two who are dressed alike have none
                 self._rename(record)
-            self._leave(self._missing(sight.picture, [record.person.number for record in seen]))
+            numbers = [record.person.number for record in seen]
+            self._leave({*self._missing(sight.picture, numbers), *self._displaced(sight.picture, numbers)})
             self._forget_some()
             return tuple(record.person for record in seen)
 
@@ -224,9 +228,10 @@ class PeopleMemory:
         person, wears = record.person, _worn(sighting)
         if person.tag is not None and sighting.tag is not None:
             return (0, 0.0) if person.tag == sighting.tag else None
-        if not _may_be(Looks(person.shirt, person.trousers), wears):
-            return None
         away = person.distance_to(*sighting.position[:2])
+        worn = Looks(person.shirt, person.trousers)
+        if not _may_be(worn, wears) and not (away < _ONE_PLACE and _may_be(worn, wears, in_shadow=True)):
+            return None
         within = away < self._gate(person, sighting, t)
         if not within and (person.name is None or self._by_clothes(wears) != person.name):
             return None
@@ -305,6 +310,16 @@ class PeopleMemory:
             return []
         return [person.number for person in rest if not person.gone and _looks_past(picture, person)]
 
+    def _displaced(self, picture: Picture, seen: Collection[int]) -> list[int]:
+        """Those who were where the robot stands now, or where somebody else has just been seen."""
+        taken = [(picture.pose.x, picture.pose.y), *(self._records[number].person.position[:2] for number in seen)]
+        rest = [record.person for number, record in self._records.items() if number not in seen]
+        return [
+            person.number
+            for person in rest
+            if not person.gone and any(person.distance_to(*at) < _ONE_PLACE for at in taken)
+        ]
+
     def _leave(self, numbers: Collection[int]) -> None:
         """They are not where they were; whoever has a name is remembered all the same."""
         for number in numbers:
@@ -326,9 +341,10 @@ def _worn(sighting: Sighting) -> Looks:
     return Looks(figure.shirt, figure.trousers) if figure is not None else Looks(sighting.colour)
 
 
-def _may_be(one: Looks, other: Looks) -> bool:
-    """Whether nothing that shows of both differs."""
-    return all(a is None or b is None or a == b for a, b in ((one.shirt, other.shirt), (one.trousers, other.trousers)))
+def _may_be(one: Looks, other: Looks, *, in_shadow: bool = False) -> bool:
+    """Whether nothing that shows of both differs, or no more than a shadow makes it differ."""
+    pairs = ((one.shirt, other.shirt), (one.trousers, other.trousers))
+    return all(a is None or b is None or a == b or (in_shadow and {a, b} in _SHADES) for a, b in pairs)
 
 
 def _height(known: PersonSeen | None, sighting: Sighting, posture: Posture | None) -> float:
