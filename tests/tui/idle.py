@@ -17,6 +17,7 @@ from textual._context import active_app
 from textual.app import App
 from textual.message_pump import MessagePump
 from textual.pilot import Pilot
+from textual.screen import Screen
 
 _ROUNDS: Final = 3
 """Messages are answered by messages: that often in a row there must have been none."""
@@ -46,7 +47,10 @@ async def _rests(app: App[None]) -> bool:
         await asyncio.sleep(0 if turn < _TURNS else 0.001)
         if any(map(_is_busy, (app, *app.screen.walk_children(with_self=True)))):
             quiet = 0
-        elif _to_be_drawn(app):
+        elif app._resize_event is not None:
+            app._check_resize()
+            quiet = 0
+        elif _to_be_drawn(app.screen):
             app.screen._on_timer_update()
             quiet = 0
         else:
@@ -60,9 +64,9 @@ def _is_busy(pump: MessagePump) -> bool:
     return bool(queue.values) or not (queue.ready_event._waiters or pump._closed)  # type: ignore[attr-defined]
 
 
-def _to_be_drawn(app: App[None]) -> bool:
-    screen = app.screen
-    return bool(screen._dirty_widgets or screen._layout_required or screen._repaint_required or screen._callbacks)
+def _to_be_drawn(screen: Screen[object]) -> bool:
+    layout = screen._layout_required or screen._scroll_required or screen._recompose_required
+    return bool(layout or screen._repaint_required or screen._dirty_widgets or screen._callbacks)
 
 
 def use() -> None:

@@ -195,6 +195,7 @@ async def test_where_nobody_knows_where_the_robot_is_the_map_offers_to_go_nowher
         assert "Go to " not in desk.text
         assert desk.engine.sent == []
         desk.engine.robot = HERE
+        desk.app.redraw()
         await desk.press("tab", "enter")
         assert "Go to " in desk.text
 
