@@ -27,7 +27,7 @@ _TOPICS: Final = (
     ("name", re.compile(r"your (?:own )?name|who (?:are you|you are)")),
     ("about", re.compile(r"(?:something |a bit |a little )?about (?:yourself|you)")),
     ("time", re.compile("(?:现在)?是?(?:几点(?:了|钟)?|什么时间|时间)")),
-    ("month", re.compile("(?:今天|明天)?是?(?:几月)?(?:几号|日期|什么日子)")),
+    ("month", re.compile("(?:今天|明天)?是?(?:几月|(?:这个?|本)月的?第?)?(?:几号|几日|几天|哪一?天|日期|什么日子)")),
     ("day", re.compile("(?:今天|明天)?是?(?:星期几|周几|礼拜几)")),
     ("joke", re.compile("讲?个?笑话")),
     ("name", re.compile("你(?:的名字|叫什么(?:名字)?|是谁)")),

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 import threading
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
@@ -37,6 +38,7 @@ _STAYED = 0.5  # m within which a posture that does not show now is still the on
 _ONE_PLACE = 0.3  # m within which there is room for one body, the robot's or somebody's
 _SHADES: Final = (frozenset(("white", "grey")), frozenset(("grey", "black")))
 """Colours that light and shadow make of one another."""
+_MOST_VOTES = 20  # pictures that count for a colour
 _BEHIND = 0.5  # m by which the picture must look past where somebody was
 _EDGE = 6  # pixels at the picture's edge where somebody may be cut off and not be noticed
 
@@ -93,6 +95,15 @@ class _Record:
     said: str | None = None  # the name that they have told
     denied: set[str] = field(default_factory=set)  # names that they have said not to have
     lately: list[tuple[float, Sighting]] = field(default_factory=list)  # what they did in the last moments
+    shirts: Counter[Colour] = field(default_factory=Counter)  # in how many pictures it was which
+    trousers: Counter[Colour] = field(default_factory=Counter)
+
+    def wear(self, seen: Looks) -> None:
+        """One more picture of their clothes. One may show a colour wrong: most of them count."""
+        for votes, colour in ((self.shirts, seen.shirt), (self.trousers, seen.trousers)):
+            if colour is not None:
+                votes[colour] = min(votes[colour] + 1, _MOST_VOTES)
+        self.person = replace(self.person, shirt=_most(self.shirts), trousers=_most(self.trousers))
 
 
 @dataclass(frozen=True, slots=True)
@@ -259,8 +270,8 @@ class PeopleMemory:
         person = PersonSeen(
             number=known.number if known is not None else self._numbers,
             name=known.name if known is not None else None,
-            shirt=wears.shirt or (known.shirt if known is not None else None),
-            trousers=wears.trousers or (known.trousers if known is not None else None),
+            shirt=wears.shirt,
+            trousers=wears.trousers,
             posture=posture or (known.posture if known is not None and stayed else None),
             gesture=None,
             position=sighting.position,
@@ -272,6 +283,7 @@ class PeopleMemory:
         record = record or _Record(person)
         record.lately = [(at, seen) for at, seen in record.lately if 0 <= t - at <= LASTS_S] + [(t, sighting)]
         record.person = replace(person, gesture=gesture_of([seen for _, seen in record.lately]))
+        record.wear(wears)
         self._records[person.number] = record
         return record
 
@@ -339,6 +351,10 @@ def _worn(sighting: Sighting) -> Looks:
     """What shows of their clothes."""
     figure = sighting.figure
     return Looks(figure.shirt, figure.trousers) if figure is not None else Looks(sighting.colour)
+
+
+def _most(votes: Counter[Colour]) -> Colour | None:
+    return votes.most_common(1)[0][0] if votes else None
 
 
 def _may_be(one: Looks, other: Looks, *, in_shadow: bool = False) -> bool:

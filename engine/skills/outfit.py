@@ -6,6 +6,7 @@ person who stands apart from everybody else: beside other people a sighting may 
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable
 from typing import Final
@@ -17,6 +18,8 @@ _FIRST: Final = 5
 """Sightings that the first look counts for."""
 _MOST: Final = 60
 """Sightings of one colour that count."""
+_ENOUGH, _SURELY, _ASIDE = 4, 0.75, 0.6
+"""Pictures that tell who is there, the part of them that must fit, and m between two of the same person."""
 
 
 def clothes_of(sighting: Sighting) -> Looks:
@@ -72,6 +75,22 @@ class Outfit:
     def worn_since(self, t: float, people: Iterable[PersonSeen]) -> list[PersonSeen]:
         """Those of ``people`` who surely fit and were seen after ``t`` (robot time, s)."""
         return [p for p in people if p.seen_at > t and self.fits_surely(Looks(p.shirt, p.trousers))]
+
+
+class Glimpses:
+    """Who fitted in the pictures of a search, and where. One picture may show a colour wrong; most do not."""
+
+    def __init__(self) -> None:
+        self._all: list[tuple[tuple[float, float], bool]] = []
+
+    def add(self, spot: tuple[float, float], *, fits: bool) -> None:
+        """A picture has shown somebody there, map frame, m."""
+        self._all.append((spot, fits))
+
+    def tell(self, spot: tuple[float, float]) -> bool:
+        """Whether it is clear by now that whoever is there fits."""
+        there = [fits for where, fits in self._all if math.dist(where, spot) < _ASIDE]
+        return len(there) >= _ENOUGH and sum(there) >= _SURELY * len(there)
 
 
 def _most(votes: Counter[Colour]) -> Colour | None:

@@ -24,7 +24,7 @@ from engine.skills.drive import why_held
 from engine.skills.legs import Legs
 from engine.skills.meeting import look_around, look_through
 from engine.skills.outcome import Result, fail, ok
-from engine.skills.outfit import Outfit, clothes_of
+from engine.skills.outfit import Glimpses, Outfit, clothes_of
 from engine.skills.search import places_in, room_at
 from engine.skills.servo import PICTURE_S, WHOLE_S, Wheels, chase, face, is_gazed_at, look_towards, place_of
 from engine.skills.travel import NOTHING_SEEN, SEEN_RANGE, back_off, go_to, way_to
@@ -78,6 +78,7 @@ class Pursuit:
         self._seen_t = context.robot.state().t  # by the camera
         robot = context.robot
         self._doubts = 0  # pictures in a row in which it was somebody else
+        self._glimpses = Glimpses()
         self._searching = False
         self._free = distances(robot.floor_map.occupied, robot.floor_map.resolution, 1.0)
 
@@ -151,14 +152,23 @@ class Pursuit:
         self._learn(people)
         fits = self._outfit.fits_surely if self._searching else self._outfit.fits
         near = [p for p in people if fits(clothes_of(p))]
+        if self._searching:
+            for person in people:
+                if clothes_of(person).shirt is not None:
+                    self._glimpses.add((person.position[0], person.position[1]), fits=person in near)
         best = min(near, key=lambda p: math.dist(p.position[:2], at), default=None)
-        gate = math.inf if self._searching else _SAME + min(2.0, 1.2 * max(0.0, sight.t - self._seen_t))
-        if best is not None and math.dist(best.position[:2], at) <= gate:
+        if best is not None and self._is_they((best.position[0], best.position[1]), at, sight.t):
             self._seen_t, self._doubts = sight.t, 0
             self._legs.moved_to((best.position[0], best.position[1]))
         for person in people:
             if self._outfit.excludes(clothes_of(person)):
                 self._exclude((person.position[0], person.position[1]))
+
+    def _is_they(self, spot: tuple[float, float], at: tuple[float, float], t: float) -> bool:
+        """Whether whoever fits is near where they should be, or, where they are looked for, fits in most pictures."""
+        if math.dist(spot, at) <= _SAME + min(2.0, 1.2 * max(0.0, t - self._seen_t)):
+            return True
+        return self._searching and self._glimpses.tell(spot)
 
     def _exclude(self, at: tuple[float, float]) -> None:
         """Somebody else is there. One picture may show colours wrong: whom the lidar holds is let go after two."""
@@ -239,7 +249,7 @@ class Pursuit:
         context = self._context
         await self._wheels.stand()
         context.progress(None, f"looking for {self._name}")
-        self._searching = True
+        self._searching, self._glimpses = True, Glimpses()
         try:
             if await self._glance_round():
                 return True

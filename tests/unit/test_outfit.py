@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import pytest
+
 from engine.perception.people import Looks, PersonSeen
 from engine.perception.sighting import Colour, Figure, Sighting
-from engine.skills.outfit import Outfit
+from engine.skills.outfit import Glimpses, Outfit
 
 FIRST = PersonSeen(1, None, "grey", "blue", "standing", None, (1.0, 0.0, 0.9), 0.05, 1.7, 0.0)
 
@@ -50,3 +52,20 @@ def test_somebody_is_excluded_by_a_colour_that_shows() -> None:
     assert outfit.excludes(Looks("grey", "black"))
     assert not outfit.excludes(Looks(None, "blue"))
     assert not outfit.excludes(Looks())
+
+
+@pytest.mark.parametrize(
+    ("fits", "told"),
+    [
+        ([True, True, True], False),
+        ([True, True, True, True], True),
+        ([True, True, False, False, False, True, True, True, True], False),
+        ([False, *[True] * 4], True),
+    ],
+)
+def test_who_is_looked_for_is_told_by_most_pictures_of_them(fits: list[bool], told: bool) -> None:
+    glimpses = Glimpses()
+    for number, one in enumerate(fits):
+        glimpses.add((4.0 + 0.05 * number, 1.0), fits=one)
+        glimpses.add((1.0, 1.0), fits=not one)
+    assert glimpses.tell((4.2, 1.0)) == told

@@ -89,6 +89,7 @@ NOW = datetime.datetime(2026, 11, 27, 14, 5)
     [("the time", "It is 14:05."), ("what day is today", "It is Friday today."),
      ("what day is tomorrow", "It is Saturday tomorrow."), ("the day of the week", "It is Friday today."),
      ("the day of the month", "It is November the 27th today."), ("现在几点", "现在是14点05分。"),
+     ("今天是这个月的几号", "今天是11月27日。"), ("明天是几号", "明天是11月28日。"),
      ("今天星期几", "今天是星期五。"), ("your name", "I am called sayso."), ("dinner is ready", ""), ("", "")],
 )  # fmt: skip
 def test_what_it_knows_without_looking(words: str, answer: str) -> None:
