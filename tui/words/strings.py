@@ -250,6 +250,7 @@ TOUR: Final = (
 EXAMPLES: Final = ("turn left 90 degrees", "where are you?")
 TRY: Final = "Try:"
 STOPPED: Final = "stopped"
+STOPPED_BY: Final = "stopped: {reason}"
 WAITS: Final = "waits"
 MORE_WAIT: Final = "… and {} more"
 LOST: Final = {

@@ -241,6 +241,7 @@ TOUR: Final = (
 EXAMPLES: Final = ("向左转90度", "你在哪里？")
 TRY: Final = "试试："
 STOPPED: Final = "已停止"
+STOPPED_BY: Final = "已停止：{reason}"
 WAITS: Final = "等待中"
 MORE_WAIT: Final = "… 还有 {} 条"
 LOST: Final = {
