@@ -132,9 +132,8 @@ def figure_lines(robot: RobotState, wide: bool, held: Thing | None = None) -> li
     grip = strings.OPEN if robot.gripper > 0.8 else strings.CLOSED if robot.gripper < 0.1 else strings.HALF_OPEN
     how = posture(robot)
     arm = () if how == "folded" else _figure(strings.ARM, strings.ARM_WORDS[how])
-    holding_back = robot.halted or robot.blocked
-    if holding_back:
-        state: Piece = (f"▲ {told(holding_back)}", "bold $text-warning")
+    if robot.held_back:
+        state: Piece = (f"▲ {told(robot.held_back)}", "bold $text-warning")
     else:
         state = (
             (f"▸ {strings.MOVING}", "$text-success") if robot.moving else (f"○ {strings.AT_REST}", "$foreground 60%")
