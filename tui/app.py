@@ -152,7 +152,6 @@ class SaysoApp(Stage):
         self._choosing = Choosing(self, self.changing)
         self._start_engine = start_engine
         self._is_ready = False
-        self._has_failed = False  # the engine, when it was to start
         self._presses_early = False  # the emergency stop was pressed before the engine was there
         self._has_pressed = False  # it was pressed here, and not released since; the robot may not have told so yet
         self._stopped_at = -math.inf  # when a key that stops was read last, in the time of Textual's messages…
@@ -267,7 +266,6 @@ class SaysoApp(Stage):
         problem = replace(problem, message=printable(problem.message), hint=printable(problem.hint))
         if message.fatal:
             self.leaving.failed(code)
-            self._has_failed = True
             for command in self.early.take():
                 self._leave(command, strings.NO_ENGINE)
         model = self.drawing.model.with_log("error", "engine", problem.message, t=self.drawing.time)
@@ -398,7 +396,7 @@ class SaysoApp(Stage):
         elif self.shown.standstill:
             self.keeping.tell(strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")))
         elif self.handle is None or self.handle.robot_state() is None:
-            self.keeping.tell(no_robot(self.drawing.parts))
+            self.keeping.tell(no_robot(self.shown))
         else:
             self.main.drive_by_hand()
 
@@ -478,7 +476,7 @@ class SaysoApp(Stage):
         if self.handle is not None or self._is_stopped:
             self._send_or_leave(command)
             return
-        if self._has_failed:
+        if self.drawing.failed:
             self._leave(command, strings.NO_ENGINE)
             return
         self.early.add(command, self.queueing.place_of(command))

@@ -282,6 +282,12 @@ class Drawing:
         return moving
 
     @property
+    def failed(self) -> bool:
+        """The engine did not start, and will not."""
+        problem = self.model.problem
+        return self._stage.handle is None and problem is not None and problem.fatal
+
+    @property
     def time(self) -> float:
         """What the clock of the events says now; before there is any, the time of the newest."""
         return max(self.model.t, self._stage.clock() - self._lag)
@@ -293,6 +299,7 @@ class Drawing:
             model=model,
             now=self.time,
             started=handle is not None,
+            failed=self.failed,
             notice=self._notice(),
             newest=stage.acting("newest") or "" if stage.main.reads_conversation else "",
             session=self._session,

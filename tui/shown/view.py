@@ -50,6 +50,7 @@ class View(Struct, frozen=True):
     model: ConsoleModel
     now: float = 0.0  # s, event time
     started: bool = False  # the engine is there
+    failed: bool = False  # it did not start, and will not
     session: str = ""  # the engine's, by its id, as the event log is named
     notice: str = ""  # stands in the status line
     notice_does: str = ""  # the action that a click on it does

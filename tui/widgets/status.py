@@ -54,7 +54,8 @@ _IMPORTANCE: Final = (
 
 
 class StatusLine(Horizontal):
-    """Chip, the key that stops, how many requests wait, task, other keys. ``esc stop`` stands where it stood, whatever the rest says."""
+    """Chip, the key that stops, how many requests wait, task, other keys. ``esc stop`` stands where it stood, whatever
+    the rest says."""
 
     class Chosen(Message):
         """Somebody clicked on the key of this action."""
