@@ -69,7 +69,7 @@ from tui.rooms.queueing import Queueing
 from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
 from tui.screens.pages import Paged, Placed, Stepped
-from tui.shown.facts import Line, Problem, printable
+from tui.shown.facts import Problem, printable
 from tui.shown.offers import FollowUp, offered
 from tui.shown.readiness import deaf, no_robot
 from tui.shown.view import View
@@ -143,7 +143,7 @@ class SaysoApp(Stage):
         self.early = Early(self, self.drawing)
         self.queueing = Queueing(self, self.drawing, self.keeping, self.early)
         self.examining = Examining(self, self.keeping)
-        self.dressing = Dressing(self, Rooms(self.drawing, self.viewing, self.examining, self.leaving))
+        self.dressing = Dressing(self, Rooms(self.drawing, self.viewing, self.examining, self.leaving, self.early))
         self.drawing.on_event = self._heard
         self.dress, self.speak = self.dressing.dress, self.dressing.speak
         self.changing = Changing(self, self.dressing)
@@ -266,8 +266,7 @@ class SaysoApp(Stage):
         problem = replace(problem, message=printable(problem.message), hint=printable(problem.hint))
         if message.fatal:
             self.leaving.failed(code)
-            for command in self.early.take():
-                self._leave(command, strings.NO_ENGINE)
+            self.early.leave(strings.NO_ENGINE)
         model = self.drawing.model.with_log("error", "engine", problem.message, t=self.drawing.time)
         self.drawing.model = replace(model, problem=problem)
         self.redraw()
@@ -364,10 +363,8 @@ class SaysoApp(Stage):
     def _stop_dealt(self, by: Literal["interrupt", "estop"]) -> int:
         """A key that stops is dealt out: how many requests it took that had not been sent."""
         self._dealt_stop = self._stopped_at
-        for command in self.early.take():
-            self._leave_unsent(command, by)
         unsent, self._unsent = self._unsent, 0
-        return unsent
+        return unsent + self.early.leave(strings.LOST_BY.format(reason=strings.REASONS[by]))
 
     def action_release(self) -> None:
         """Where nothing is pressed, a release would stop what runs."""
@@ -479,9 +476,9 @@ class SaysoApp(Stage):
         if self.drawing.failed:
             self._leave(command, strings.NO_ENGINE)
             return
-        self.early.add(command, self.queueing.place_of(command))
-        for request in (command.text, *command.then):
-            self.note("info", strings.ASKED_EARLY.format(printable(request)))
+        if self.early.add(command, self.queueing.place_of(command)) == "estop":
+            self._press()
+            self.remark(strings.PRESSED_EARLY)
 
     @property
     def _is_stopped(self) -> bool:
@@ -506,9 +503,7 @@ class SaysoApp(Stage):
     def _leave(self, command: Say, note: str) -> None:
         """It comes to nothing, and has a row that says why."""
         for request in (command.text, *command.then):
-            text = printable(request)
-            self.drawing.model = self.drawing.model.with_end(text, note=note).with_line(Line("lost", text, note))
-        self.redraw()
+            self.drawing.left_out(request, note)
 
     def _follow(self) -> None:
         """The user asks for something: the end of the conversation is in sight again, and the turn that is looked at

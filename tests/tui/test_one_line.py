@@ -285,7 +285,7 @@ async def test_what_the_stop_key_drops_while_the_engine_starts_is_told_at_once()
         return engine()
 
     async with console(start=start, size=(100, 2), one_line=True, in_line=True) as desk:
-        await desk.press(*"nod", "enter", *"beep", "enter", "escape")
+        await desk.press(*"nod", "enter", *"beep", "ctrl+j", "escape")
         assert "■ never begun: the stop key (2): nod, beep" in desk.text
         gate.set()
 

@@ -22,7 +22,7 @@ from tui.rooms.noticing import Noticing
 from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
 from tui.screens.pages import Following
-from tui.shown.facts import Line
+from tui.shown.facts import Line, printable
 from tui.shown.model import ConsoleModel
 from tui.shown.view import RELEASE, Hint, View
 from tui.shown.watchdog import INTERVAL_S, Watchdog, engine_is_back, engine_is_silent, robot_is_back
@@ -189,9 +189,10 @@ class Drawing:
         """The waiting request of this id is dropped only to stand in the line."""
         self.model = replace(self.model, taken_back=request)
 
-    def left_out(self, text: str) -> None:
-        """A request that stood in the line is not wanted any more."""
-        self.model = self.model.with_line(Line("lost", text, strings.LOST["dropped"]))
+    def left_out(self, text: str, note: str) -> None:
+        """A request comes to nothing that the engine does not know of: it has a row with this note."""
+        text = printable(text)
+        self.model = self.model.with_end(text, note=note).with_line(Line("lost", text, note))
         self._frames.ask()
 
     def browse(self, step: int) -> None:
