@@ -63,7 +63,7 @@ from tui.rooms.dressing import Dressing, Rooms
 from tui.rooms.early import Early
 from tui.rooms.enabling import Enabling
 from tui.rooms.examining import Examining
-from tui.rooms.keeping import Keeping
+from tui.rooms.keeping import Keeping, while_still
 from tui.rooms.leaving import Leaving
 from tui.rooms.queueing import Queueing
 from tui.rooms.sending import Sending
@@ -137,7 +137,7 @@ class SaysoApp(Stage):
         self.sending = Sending(self)
         self.viewing = Viewing(self, self.sending)
         self.leaving = Leaving(self)
-        self.drawing = Drawing(self, self.sending, self.viewing, self.leaving, lambda: self.notice, fps)
+        self.drawing = Drawing(self, self.sending, self.viewing, self.leaving, self.notice, fps)
         self.enabling = Enabling(self, self.drawing, self.leaving, one_line=one_line)
         self.keeping = Keeping(self)
         self.early = Early(self, self.drawing)
@@ -189,17 +189,17 @@ class SaysoApp(Stage):
         self.drawing.log(level, text)
 
     def remark(self, text: str, *, here: bool = False) -> None:
-        self.keeping.remark(text, here=here)
+        self.keeping.remark(text, holds=while_still, here=here)
 
-    @property
-    def notice(self) -> str:
+    def notice(self, view: View) -> str:
         """What must be read in the status line now."""
+        told = self.keeping.notice(view)
         leave, ended = self.acting("leave") or self.acting("leave_now"), self.drawing.model.ended
         if ended is not None:
             return strings.SESSION_ENDED.format(reason=strings.REASONS.get(ended, ended), leave=leave)
         if self.leaving.asked:
             return strings.QUIT_QUESTION.format(leave=leave, interrupt=self.shown_keys["interrupt"])
-        return "" if self.keeping.while_still and self.drawing.model.busy else self.keeping.told
+        return told
 
     # Starting
 
@@ -354,11 +354,16 @@ class SaysoApp(Stage):
         if self.handle is None:
             self._press()
         unsent = self._stop_dealt("estop")
-        told = [strings.PRESSED_EARLY] if self.handle is None else []
-        told += [strings.WAITING_DROPPED[unsent == 1].format(unsent)] if unsent else []
-        if told:
-            self.remark(" · ".join(told))
+        dropped = [strings.WAITING_DROPPED[unsent == 1].format(unsent)] if unsent else []
+        if self.handle is None:
+            self._tell_pressed_early(*dropped)
+        elif dropped:
+            self.remark(*dropped)
         self.redraw()
+
+    def _tell_pressed_early(self, *dropped: str) -> None:
+        words = " · ".join((strings.PRESSED_EARLY, *dropped))
+        self.keeping.remark(words, holds=lambda view: self._presses_early)
 
     def _stop_dealt(self, by: Literal["interrupt", "estop"]) -> int:
         """A key that stops is dealt out: how many requests it took that had not been sent."""
@@ -369,11 +374,14 @@ class SaysoApp(Stage):
     def action_release(self) -> None:
         """Where nothing is pressed, a release would stop what runs."""
         if not (self.enabling.is_pressed or self._has_pressed):
-            self.keeping.remark(strings.NOT_PRESSED, while_still=False)
+            self.keeping.remark(strings.NOT_PRESSED, holds=lambda view: not self._is_pressed(view))
             return
         self._presses_early = self._has_pressed = False
         self.send(Release())
-        self.keeping.forget()  # that it is pressed
+        self.redraw()
+
+    def _is_pressed(self, view: View) -> bool:
+        return self.enabling.is_pressed
 
     async def action_back(self) -> None:
         """One step, and never a stop."""
@@ -391,9 +399,12 @@ class SaysoApp(Stage):
         if self.main.driving_by_hand:
             self.main.rest()
         elif self.shown.standstill:
-            self.keeping.tell(strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")))
+            self.keeping.tell(
+                strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")), holds=self._is_pressed
+            )
         elif self.handle is None or self.handle.robot_state() is None:
-            self.keeping.tell(no_robot(self.shown))
+            why = no_robot(self.shown)
+            self.keeping.tell(why, holds=lambda view: view.robot is None and no_robot(view) == why)
         else:
             self.main.drive_by_hand()
 
@@ -413,7 +424,7 @@ class SaysoApp(Stage):
         """Where nobody can be heard, that is said, and nothing stops for it."""
         parts = self.handle.status() if self.handle is not None else ()
         if (missing := deaf(parts)) is not None:
-            self.keeping.remark(strings.DEAF[missing], while_still=False)
+            self.keeping.remark(strings.DEAF[missing], holds=lambda view: deaf(view.parts) == missing)
             return
         self._follow()
         self.send(Wake("key"))
@@ -450,13 +461,15 @@ class SaysoApp(Stage):
         if kind in offered(model):
             self._ask(Say(strings.FOLLOW_UPS[kind]))
         elif model.pressed:
-            self.keeping.tell(strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")))
+            self.keeping.tell(
+                strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")), holds=self._is_pressed
+            )
         elif model.state not in REST:
-            self.keeping.tell(strings.NOT_NOW.format(**self.shown_keys))
-        elif kind == "undo" and model.offers.no_undo:
-            self.keeping.tell(told(model.offers.no_undo))
+            busy = strings.NOT_NOW.format(**self.shown_keys)
+            self.keeping.tell(busy, holds=lambda view: view.model.state not in REST)
         else:
-            self.keeping.tell(strings.NOT_OFFERED[kind])
+            why = told(model.offers.no_undo) if kind == "undo" else ""
+            self.keeping.tell(why or strings.NOT_OFFERED[kind], holds=lambda view: kind not in offered(view.model))
 
     def on_floor_view_touched(self) -> None:
         self.redraw()
@@ -478,7 +491,7 @@ class SaysoApp(Stage):
             return
         if self.early.add(command, self.queueing.place_of(command)) == "estop":
             self._press()
-            self.remark(strings.PRESSED_EARLY)
+            self._tell_pressed_early()
 
     @property
     def _is_stopped(self) -> bool:
@@ -543,7 +556,7 @@ class SaysoApp(Stage):
     async def _dispatch_action(self, namespace: DOMNode, action_name: str, params: Any) -> bool:
         """As Textual's; where all stands on one line, what needs panes or pages says so."""
         if namespace is self and action_name in self.enabling.without_room:
-            self.keeping.remark(strings.NO_ROOM_IN_LINE, while_still=False)
+            self.keeping.remark(strings.NO_ROOM_IN_LINE)
             return True
         return await super()._dispatch_action(namespace, action_name, params)
 
@@ -631,7 +644,7 @@ class SaysoApp(Stage):
         if self.screen is self.main and self.main.line.has_focus and self.main.line.value:
             self.main.line.submit(waits=True)
         else:
-            self.keeping.remark(strings.NOTHING_TO_ADD, while_still=False)
+            self.keeping.remark(strings.NOTHING_TO_ADD)
 
     def action_help(self) -> None:
         from tui.screens.help import HelpScreen  # pages are read when somebody wants them

@@ -65,7 +65,13 @@ class Drawing:
     """Holds what the console knows, and brings the screen up to date. In the UI thread."""
 
     def __init__(
-        self, stage: Stage, sending: Sending, viewing: Viewing, leaving: Leaving, notice: Callable[[], str], fps: float
+        self,
+        stage: Stage,
+        sending: Sending,
+        viewing: Viewing,
+        leaving: Leaving,
+        notice: Callable[[View], str],
+        fps: float,
     ) -> None:
         """``notice`` is what must be read in the status line; ``fps``: so many frames a second at most."""
         self.model = ConsoleModel()
@@ -301,7 +307,6 @@ class Drawing:
             now=self.time,
             started=handle is not None,
             failed=self.failed,
-            notice=self._notice(),
             newest=stage.acting("newest") or "" if stage.main.reads_conversation else "",
             session=self._session,
             hints=self._hints(),
@@ -313,19 +318,19 @@ class Drawing:
             link=self._sending.figures(),
             touring=self.tour is not None and self.tour.due,
         )
-        if handle is None:
-            return view
-        robot = handle.robot_state()
-        if robot is not None and robot.estop:
+        if handle is not None:
+            view = replace(
+                view,
+                robot=handle.robot_state(),
+                places=handle.places(),
+                world=handle.world(),
+                scan=None if bare else handle.scan(),
+            )
+        view = replace(view, notice=self._notice(view))
+        if view.robot is not None and view.robot.estop:
             words = strings.ESTOP_HOLDS.format(release=stage.reaching("release"))
             view = replace(view, notice=words, notice_does=RELEASE)
-        return replace(
-            view,
-            robot=robot,
-            places=handle.places(),
-            world=handle.world(),
-            scan=None if bare else handle.scan(),
-        )
+        return view
 
     def _with_ends(self, view: View) -> View:
         """With how requests ended, unless something more urgent is to be read."""
