@@ -35,7 +35,6 @@ from config.errors import ConfigError
 from engine import events as ev
 from engine.commands import Drive, EndTask, EStop, Here, Interrupt, LimitSpeed, Quit, Release, Say, Wake
 from engine.errors import ExitCode, SaysoError
-from engine.states import REST
 from tui.keys.bindings import BINDINGS
 from tui.keys.keys import ALL_KEYS, EDITING
 from tui.keys.speeds import limit_beside
@@ -70,7 +69,7 @@ from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
 from tui.screens.pages import Paged, Placed, Stepped
 from tui.shown.facts import Problem, printable
-from tui.shown.offers import FollowUp, offered
+from tui.shown.offers import FollowUp, offered, why_not
 from tui.shown.readiness import deaf, no_robot
 from tui.shown.view import View
 from tui.stage import Stage
@@ -87,7 +86,7 @@ from tui.widgets.text_line import TextLine, is_text
 from tui.widgets.timeline import Timeline
 from tui.words import strings
 from tui.words.hints import hint_line
-from tui.words.language import Language, of_environment, speak, told
+from tui.words.language import Language, of_environment, speak
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -252,6 +251,7 @@ class SaysoApp(Stage):
         if self._presses_early:
             self._presses_early = False
             self.send(EStop())
+            self.redraw()
         self.viewing.begin()
         for command in self.early.take():
             self._send_or_leave(command)
@@ -374,14 +374,11 @@ class SaysoApp(Stage):
     def action_release(self) -> None:
         """Where nothing is pressed, a release would stop what runs."""
         if not (self.enabling.is_pressed or self._has_pressed):
-            self.keeping.remark(strings.NOT_PRESSED, holds=lambda view: not self._is_pressed(view))
+            self.keeping.remark(strings.NOT_PRESSED, holds=lambda view: not view.pressed)
             return
         self._presses_early = self._has_pressed = False
         self.send(Release())
         self.redraw()
-
-    def _is_pressed(self, view: View) -> bool:
-        return self.enabling.is_pressed
 
     async def action_back(self) -> None:
         """One step, and never a stop."""
@@ -400,7 +397,7 @@ class SaysoApp(Stage):
             self.main.rest()
         elif self.shown.standstill:
             self.keeping.tell(
-                strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")), holds=self._is_pressed
+                strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")), holds=lambda view: view.pressed
             )
         elif self.handle is None or self.handle.robot_state() is None:
             why = no_robot(self.shown)
@@ -460,16 +457,9 @@ class SaysoApp(Stage):
         model = self.drawing.model
         if kind in offered(model):
             self._ask(Say(strings.FOLLOW_UPS[kind]))
-        elif model.pressed:
-            self.keeping.tell(
-                strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")), holds=self._is_pressed
-            )
-        elif model.state not in REST:
-            busy = strings.NOT_NOW.format(**self.shown_keys)
-            self.keeping.tell(busy, holds=lambda view: view.model.state not in REST)
         else:
-            why = told(model.offers.no_undo) if kind == "undo" else ""
-            self.keeping.tell(why or strings.NOT_OFFERED[kind], holds=lambda view: kind not in offered(view.model))
+            words, holds = why_not(kind, model, self.shown_keys | {"release": self.reaching("release")})
+            self.keeping.tell(words, holds=holds)
 
     def on_floor_view_touched(self) -> None:
         self.redraw()

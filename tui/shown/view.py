@@ -71,6 +71,11 @@ class View(Struct, frozen=True):
     link: LinkFigures | None = None  # how good the line is; None: nobody wants to know
 
     @property
+    def pressed(self) -> bool:
+        """The emergency stop is."""
+        return self.model.pressed or (self.robot is not None and self.robot.estop)
+
+    @property
     def standstill(self) -> str:
         """Why nothing can move the robot, and what changes that; empty where it can be moved."""
         return self.notice if self.notice_does == RELEASE else ""
