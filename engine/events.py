@@ -223,8 +223,8 @@ class QuestionEnded(Body, frozen=True):
 
     ``answered``: what was said next is the answer. ``declined``: it says no, or is no order, and the request is given
     up. ``replaced``: another request came in its place.
-    ``withdrawn``: it was interrupted, or what was said next asks for nothing, or was not understood, which it was not
-    before either: the first time that happens the question is put once more, and stays open."""
+    ``withdrawn``: it was interrupted, or what was said next asks for nothing; or it was not understood or named nothing
+    here, for the second time: the first time that happens the question is put once more, and stays open."""
 
     text: str  # the request that it was asked about
     outcome: Literal["answered", "declined", "replaced", "withdrawn"]

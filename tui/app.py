@@ -35,7 +35,6 @@ from config.errors import ConfigError
 from engine import events as ev
 from engine.commands import Drive, EndTask, EStop, Here, Interrupt, LimitSpeed, Quit, Release, Say, Wake
 from engine.errors import ExitCode, SaysoError
-from engine.states import REST
 from tui.keys.bindings import BINDINGS
 from tui.keys.keys import ALL_KEYS, EDITING
 from tui.keys.speeds import limit_beside
@@ -63,14 +62,14 @@ from tui.rooms.dressing import Dressing, Rooms
 from tui.rooms.early import Early
 from tui.rooms.enabling import Enabling
 from tui.rooms.examining import Examining
-from tui.rooms.keeping import Keeping
+from tui.rooms.keeping import Keeping, while_still
 from tui.rooms.leaving import Leaving
 from tui.rooms.queueing import Queueing
 from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
 from tui.screens.pages import Paged, Placed, Stepped
-from tui.shown.facts import Line, Problem, printable
-from tui.shown.offers import FollowUp, offered
+from tui.shown.facts import Problem, printable
+from tui.shown.offers import FollowUp, offered, why_not
 from tui.shown.readiness import deaf, no_robot
 from tui.shown.view import View
 from tui.stage import Stage
@@ -87,7 +86,7 @@ from tui.widgets.text_line import TextLine, is_text
 from tui.widgets.timeline import Timeline
 from tui.words import strings
 from tui.words.hints import hint_line
-from tui.words.language import Language, of_environment, speak, told
+from tui.words.language import Language, of_environment, speak
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -137,13 +136,13 @@ class SaysoApp(Stage):
         self.sending = Sending(self)
         self.viewing = Viewing(self, self.sending)
         self.leaving = Leaving(self)
-        self.drawing = Drawing(self, self.sending, self.viewing, self.leaving, lambda: self.notice, fps)
+        self.drawing = Drawing(self, self.sending, self.viewing, self.leaving, self.notice, fps)
         self.enabling = Enabling(self, self.drawing, self.leaving, one_line=one_line)
         self.keeping = Keeping(self)
         self.early = Early(self, self.drawing)
         self.queueing = Queueing(self, self.drawing, self.keeping, self.early)
         self.examining = Examining(self, self.keeping)
-        self.dressing = Dressing(self, Rooms(self.drawing, self.viewing, self.examining, self.leaving))
+        self.dressing = Dressing(self, Rooms(self.drawing, self.viewing, self.examining, self.leaving, self.early))
         self.drawing.on_event = self._heard
         self.dress, self.speak = self.dressing.dress, self.dressing.speak
         self.changing = Changing(self, self.dressing)
@@ -152,7 +151,6 @@ class SaysoApp(Stage):
         self._choosing = Choosing(self, self.changing)
         self._start_engine = start_engine
         self._is_ready = False
-        self._has_failed = False  # the engine, when it was to start
         self._presses_early = False  # the emergency stop was pressed before the engine was there
         self._has_pressed = False  # it was pressed here, and not released since; the robot may not have told so yet
         self._stopped_at = -math.inf  # when a key that stops was read last, in the time of Textual's messages…
@@ -190,17 +188,17 @@ class SaysoApp(Stage):
         self.drawing.log(level, text)
 
     def remark(self, text: str, *, here: bool = False) -> None:
-        self.keeping.remark(text, here=here)
+        self.keeping.remark(text, holds=while_still, here=here)
 
-    @property
-    def notice(self) -> str:
+    def notice(self, view: View) -> str:
         """What must be read in the status line now."""
+        told = self.keeping.notice(view)
         leave, ended = self.acting("leave") or self.acting("leave_now"), self.drawing.model.ended
         if ended is not None:
             return strings.SESSION_ENDED.format(reason=strings.REASONS.get(ended, ended), leave=leave)
         if self.leaving.asked:
             return strings.QUIT_QUESTION.format(leave=leave, interrupt=self.shown_keys["interrupt"])
-        return "" if self.keeping.while_still and self.drawing.model.busy else self.keeping.told
+        return told
 
     # Starting
 
@@ -253,6 +251,7 @@ class SaysoApp(Stage):
         if self._presses_early:
             self._presses_early = False
             self.send(EStop())
+            self.redraw()
         self.viewing.begin()
         for command in self.early.take():
             self._send_or_leave(command)
@@ -267,9 +266,7 @@ class SaysoApp(Stage):
         problem = replace(problem, message=printable(problem.message), hint=printable(problem.hint))
         if message.fatal:
             self.leaving.failed(code)
-            self._has_failed = True
-            for command in self.early.take():
-                self._leave(command, strings.NO_ENGINE)
+            self.early.leave(strings.NO_ENGINE)
         model = self.drawing.model.with_log("error", "engine", problem.message, t=self.drawing.time)
         self.drawing.model = replace(model, problem=problem)
         self.redraw()
@@ -357,28 +354,31 @@ class SaysoApp(Stage):
         if self.handle is None:
             self._press()
         unsent = self._stop_dealt("estop")
-        told = [strings.PRESSED_EARLY] if self.handle is None else []
-        told += [strings.WAITING_DROPPED[unsent == 1].format(unsent)] if unsent else []
-        if told:
-            self.remark(" · ".join(told))
+        dropped = [strings.WAITING_DROPPED[unsent == 1].format(unsent)] if unsent else []
+        if self.handle is None:
+            self._tell_pressed_early(*dropped)
+        elif dropped:
+            self.remark(*dropped)
         self.redraw()
+
+    def _tell_pressed_early(self, *dropped: str) -> None:
+        words = " · ".join((strings.PRESSED_EARLY, *dropped))
+        self.keeping.remark(words, holds=lambda view: self._presses_early)
 
     def _stop_dealt(self, by: Literal["interrupt", "estop"]) -> int:
         """A key that stops is dealt out: how many requests it took that had not been sent."""
         self._dealt_stop = self._stopped_at
-        for command in self.early.take():
-            self._leave_unsent(command, by)
         unsent, self._unsent = self._unsent, 0
-        return unsent
+        return unsent + self.early.leave(strings.LOST_BY.format(reason=strings.REASONS[by]))
 
     def action_release(self) -> None:
         """Where nothing is pressed, a release would stop what runs."""
         if not (self.enabling.is_pressed or self._has_pressed):
-            self.keeping.remark(strings.NOT_PRESSED, while_still=False)
+            self.keeping.remark(strings.NOT_PRESSED, holds=lambda view: not view.pressed)
             return
         self._presses_early = self._has_pressed = False
         self.send(Release())
-        self.keeping.forget()  # that it is pressed
+        self.redraw()
 
     async def action_back(self) -> None:
         """One step, and never a stop."""
@@ -396,9 +396,12 @@ class SaysoApp(Stage):
         if self.main.driving_by_hand:
             self.main.rest()
         elif self.shown.standstill:
-            self.keeping.tell(strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")))
+            self.keeping.tell(
+                strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")), holds=lambda view: view.pressed
+            )
         elif self.handle is None or self.handle.robot_state() is None:
-            self.keeping.tell(no_robot(self.drawing.parts))
+            why = no_robot(self.shown)
+            self.keeping.tell(why, holds=lambda view: view.robot is None and no_robot(view) == why)
         else:
             self.main.drive_by_hand()
 
@@ -418,7 +421,7 @@ class SaysoApp(Stage):
         """Where nobody can be heard, that is said, and nothing stops for it."""
         parts = self.handle.status() if self.handle is not None else ()
         if (missing := deaf(parts)) is not None:
-            self.keeping.remark(strings.DEAF[missing], while_still=False)
+            self.keeping.remark(strings.DEAF[missing], holds=lambda view: deaf(view.parts) == missing)
             return
         self._follow()
         self.send(Wake("key"))
@@ -454,14 +457,9 @@ class SaysoApp(Stage):
         model = self.drawing.model
         if kind in offered(model):
             self._ask(Say(strings.FOLLOW_UPS[kind]))
-        elif model.pressed:
-            self.keeping.tell(strings.NOT_WHILE_PRESSED.format(release=self.reaching("release")))
-        elif model.state not in REST:
-            self.keeping.tell(strings.NOT_NOW.format(**self.shown_keys))
-        elif kind == "undo" and model.offers.no_undo:
-            self.keeping.tell(told(model.offers.no_undo))
         else:
-            self.keeping.tell(strings.NOT_OFFERED[kind])
+            words, holds = why_not(kind, model, self.shown_keys | {"release": self.reaching("release")})
+            self.keeping.tell(words, holds=holds)
 
     def on_floor_view_touched(self) -> None:
         self.redraw()
@@ -478,12 +476,12 @@ class SaysoApp(Stage):
         if self.handle is not None or self._is_stopped:
             self._send_or_leave(command)
             return
-        if self._has_failed:
+        if self.drawing.failed:
             self._leave(command, strings.NO_ENGINE)
             return
-        self.early.add(command, self.queueing.place_of(command))
-        for request in (command.text, *command.then):
-            self.note("info", strings.ASKED_EARLY.format(printable(request)))
+        if self.early.add(command, self.queueing.place_of(command)) == "estop":
+            self._press()
+            self._tell_pressed_early()
 
     @property
     def _is_stopped(self) -> bool:
@@ -508,9 +506,7 @@ class SaysoApp(Stage):
     def _leave(self, command: Say, note: str) -> None:
         """It comes to nothing, and has a row that says why."""
         for request in (command.text, *command.then):
-            text = printable(request)
-            self.drawing.model = self.drawing.model.with_end(text, note=note).with_line(Line("lost", text, note))
-        self.redraw()
+            self.drawing.left_out(request, note)
 
     def _follow(self) -> None:
         """The user asks for something: the end of the conversation is in sight again, and the turn that is looked at
@@ -550,7 +546,7 @@ class SaysoApp(Stage):
     async def _dispatch_action(self, namespace: DOMNode, action_name: str, params: Any) -> bool:
         """As Textual's; where all stands on one line, what needs panes or pages says so."""
         if namespace is self and action_name in self.enabling.without_room:
-            self.keeping.remark(strings.NO_ROOM_IN_LINE, while_still=False)
+            self.keeping.remark(strings.NO_ROOM_IN_LINE)
             return True
         return await super()._dispatch_action(namespace, action_name, params)
 
@@ -638,7 +634,7 @@ class SaysoApp(Stage):
         if self.screen is self.main and self.main.line.has_focus and self.main.line.value:
             self.main.line.submit(waits=True)
         else:
-            self.keeping.remark(strings.NOTHING_TO_ADD, while_still=False)
+            self.keeping.remark(strings.NOTHING_TO_ADD)
 
     def action_help(self) -> None:
         from tui.screens.help import HelpScreen  # pages are read when somebody wants them

@@ -94,6 +94,12 @@ class RobotState:
         return self.t - self.paused_s
 
     @property
+    def held_back(self) -> str | None:
+        """Why it does not move, for people. A robot takes a moment to notice that its emergency stop is released."""
+        released = self.halted == EMERGENCY_STOP and not self.estop
+        return (None if released else self.halted) or self.blocked
+
+    @property
     def moving(self) -> bool:
         """The base still moves or is told to (3 mm/s and 0.6°/s count as rest)."""
         t = self.twist

@@ -81,7 +81,7 @@ def view(state: RobotState) -> RobotStateView:
         arm=tuple(round(joint, 3) for joint in state.joints),
         gripper=round(state.gripper, 3),
         moving=state.moving,
-        blocked=state.halted or state.blocked,
+        blocked=state.held_back,
         estop=state.estop,
         volts=None if state.battery is None else state.battery.volts,
     )

@@ -26,6 +26,7 @@ from engine.planner.phrases.stopping import is_stop, scope_of
 from engine.states import EXPRESSING, REST
 
 T = TypeVar("T")
+Busy = Literal["interrupt", "queue", "reject"]
 
 KEPT: Final = 64
 """So many interruptions are known by what they were."""
@@ -93,6 +94,13 @@ def _id_of(command: Command, at: int = 0) -> str:
     return next(filter(None, given), None) or str(ULID())
 
 
+def scope_said(command: Say, busy: Busy) -> Scope | None:
+    """What a request in words interrupts, unless it is an answer. ``busy`` is what a new one does while one runs."""
+    if (stop := _stop_in(command)) is not None:
+        return stop
+    return scope_of(command.text) or ("replaced" if busy == "interrupt" and not command.wait else None)
+
+
 def _stop_in(command: Say) -> Scope | None:
     """The strongest stop among its lines: none of them waits for those before it."""
     found = {scope_of(line) for line in (command.text, *command.then)}
@@ -110,7 +118,7 @@ class Inbox(Generic[T]):
     def __init__(
         self,
         epoch: Epoch,
-        busy: Literal["interrupt", "queue", "reject"],
+        busy: Busy,
         state: Callable[[], State],
         mark_wake: Callable[[Wake], None],
         press: Callable[[bool], None],
@@ -183,12 +191,9 @@ class Inbox(Generic[T]):
                 return None if adds or epoch < self._newest else "replaced"
             case Heard(text):
                 return scope_of(text) if self._state() in EXPRESSING and is_stop(text) else None
-            case Say() if (stop := _stop_in(command)) is not None:
-                return stop
-            case Say(text) if self._is_asked() and scope_of(text) is None:
-                return None  # it is the answer
-            case Say(text, wait=wait):
-                return scope_of(text) or ("replaced" if self._busy == "interrupt" and not wait else None)
+            case Say():
+                scope = scope_said(command, self._busy)
+                return None if scope == "replaced" and self._is_asked() else scope  # it is the answer
         return None
 
     # In the loop

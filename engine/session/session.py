@@ -485,8 +485,11 @@ class Session:
         if isinstance(found, NoPlan) and found.is_no_order:
             self._tell_question(question, "declined")
             return
-        nothing = found.is_not_understood if isinstance(found, NoPlan) else not found.actions
-        self._tell_question(question, "answered" if answered else "withdrawn" if nothing else "replaced")
+        if isinstance(found, NoPlan):  # of an answer that fails, too, nothing came, and the question is not put again
+            nothing = found.is_not_understood or (answered and found.exit_code is ExitCode.FAILED)
+        else:
+            nothing = not found.actions and not answered
+        self._tell_question(question, "withdrawn" if nothing else "answered" if answered else "replaced")
 
     def _withdraw_question(self, scope: Scope) -> None:
         """An interruption concerns an open question, too: nothing that is said later is its answer."""

@@ -493,6 +493,19 @@ def test_an_answer_may_complete_the_request_also_after_the_question_was_put_once
     converse(test)
 
 
+@pytest.mark.parametrize("answer", ["to the moon", NONSENSE[0]])
+def test_a_second_answer_that_names_nothing_here_gives_the_request_up(answer: str) -> None:
+    async def test(talk: Conversation) -> None:
+        for number, text in enumerate(("go", answer, answer), 1):
+            talk.send(Say(text))
+            await talk.result(number)
+        assert len(asked(talk)) == 2
+        assert questions(talk) == [("go", "withdrawn", None)]
+        assert names(talk) == []
+
+    converse(test)
+
+
 def test_a_stop_ends_a_question_that_was_put_twice_once() -> None:
     async def test(talk: Conversation) -> None:
         for number, text in enumerate((ASKS, NONSENSE[0]), 1):

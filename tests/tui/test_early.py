@@ -9,9 +9,10 @@ from contextlib import asynccontextmanager
 import pytest
 
 from engine import events as ev
-from engine.commands import Drop, Move
+from engine.commands import Drop, EStop, Move
 from engine.errors import SaysoError
 from engine.handle import EngineHandle
+from engine.session.inbox import Busy
 from tests.tui.desk import Desk, console
 from tests.tui.test_queue import listed, waits
 from tests.tui.test_stopping import lost, said_in, starting, there
@@ -20,10 +21,11 @@ from tui.shown.facts import Line
 
 @asynccontextmanager
 async def typed(*texts: str) -> AsyncIterator[tuple[Desk, threading.Event]]:
-    """A console at whose actions somebody is who has asked for these, and whose engine starts when the event is set."""
+    """A console at whose actions somebody is who has asked for these, each to be done after the one before, and whose
+    engine starts when the event is set."""
     async with starting() as (desk, gate):
         for text in texts:
-            await desk.press(*text, "enter")
+            await desk.press(*text, "ctrl+j")
         await desk.press("ctrl+g", "3")
         yield desk, gate
 
@@ -140,3 +142,59 @@ async def test_where_the_engine_does_not_start_what_was_asked_for_has_a_row() ->
         note = "never begun: the engine did not start"
         assert lost(desk) == [Line("lost", "nod", note), Line("lost", "beep", note)]
         assert shown(desk) == []
+
+
+# What is typed does at once what it would do with the engine there
+
+REPLACED = "replaced before it began"
+
+
+async def test_a_new_request_replaces_what_waits_and_the_engine_hears_of_that_one_alone() -> None:
+    async with starting() as (desk, gate):
+        await desk.press(*"go to the bedrom", "enter", *"beep", "ctrl+j", *"nod", "enter", *"and then wave", "enter")
+        assert shown(desk) == ["nod", "and then wave"]
+        assert lost(desk) == [Line("lost", "go to the bedrom", REPLACED), Line("lost", "beep", REPLACED)]
+        assert "2 waiting" in desk.text.splitlines()[0]
+        await start(desk, gate)
+        assert sent(desk) == [("nod", ()), ("and then wave", ())]
+
+
+@pytest.mark.parametrize(
+    ("busy", "waiting", "rows"),
+    [("queue", ["nod", "beep"], []), ("reject", ["nod"], [Line("lost", "beep", "not taken: the robot was busy")])],
+)
+async def test_as_the_settings_say(busy: Busy, waiting: list[str], rows: list[Line]) -> None:
+    async with starting() as (desk, _):
+        desk.app.early.busy = busy
+        await desk.press(*"nod", "enter", *"beep", "enter")
+        assert (shown(desk), lost(desk)) == (waiting, rows)
+
+
+@pytest.mark.parametrize(("said", "by"), [("stop", "stop"), ("end the task", "the end of the task")])
+async def test_a_stop_drops_what_waits_at_once_and_does_not_wait_itself(said: str, by: str) -> None:
+    async with starting() as (desk, gate):
+        await desk.press(*"nod", "enter", *"beep", "ctrl+j", *said, "enter")
+        assert shown(desk) == []
+        assert lost(desk) == [Line("lost", text, f"never begun: {by}") for text in ("nod", "beep")]
+        assert Line("you", said, "typed") in desk.app.drawing.model.conversation
+        await start(desk, gate)
+        assert sent(desk) == []
+
+
+async def test_of_lines_that_were_pasted_those_before_a_stop_never_begin() -> None:
+    async with starting() as (desk, gate):
+        desk.app.main.line.paste("nod\nstop\nbeep\ngo home")
+        await desk.press("enter")
+        assert lost(desk) == [Line("lost", "nod", "never begun: stop")]
+        assert shown(desk) == ["beep", "go home"]
+        await start(desk, gate)
+        assert sent(desk) == [("beep", ("go home",))]
+
+
+async def test_the_emergency_stop_in_words_is_pressed_once_the_engine_is_there() -> None:
+    async with starting() as (desk, gate):
+        await desk.press(*"nod", "enter", *"emergency stop", "enter")
+        assert "pressed as soon as the engine is there" in desk.text
+        await start(desk, gate)
+        assert desk.engine.sent == [EStop()]
+        assert lost(desk) == [Line("lost", "nod", "never begun: the emergency stop")]

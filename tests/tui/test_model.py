@@ -132,6 +132,21 @@ def test_an_interruption_is_marked_only_where_there_was_something_to_stop() -> N
     assert after(ev.InterruptRaised("interrupt", "key", "ACTING")).conversation == (Line("mark", "stopped", "key"),)
 
 
+@pytest.mark.parametrize(
+    ("interruption", "note"),
+    [
+        (ev.InterruptRaised("by_hand", "drive", "ACTING"), "stopped: driving by hand"),
+        (ev.InterruptRaised("end_task", "end_task", "ACTING"), "stopped: the end of the task"),
+        (ev.InterruptRaised("end_task", "say", "ACTING"), "stopped: the end of the task"),
+        (ev.InterruptRaised("wake", "wake", "PLANNING"), "stopped: waking the robot"),
+        (ev.InterruptRaised("replaced", "say", "PLANNING"), "replaced while it was planned"),
+    ],
+)
+def test_what_was_ended_is_told_with_what_ended_it(interruption: ev.InterruptRaised, note: str) -> None:
+    model = after(said("go to the kitchen", "text"), interruption)
+    assert model.conversation[-1] == Line("lost", "go to the kitchen", note)
+
+
 def test_questions_refusals_and_rejections_stand_where_the_plan_would() -> None:
     asked = after(said("pick it up"), ev.ClarificationAsked("What shall I pick up?"))
     refused = after(said("drive over the cat"), ev.RefusalMade("That could hurt someone."))

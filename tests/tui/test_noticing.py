@@ -37,6 +37,16 @@ async def test_it_is_told_on_every_page_in_the_language_of_the_console() -> None
         assert notices(desk) == ["! 唤醒模块未连接 · 空格键仍可唤醒"]
 
 
+async def test_what_was_told_of_a_device_goes_when_it_is_true_no_more() -> None:
+    now = [0.0]
+    async with console() as desk:
+        desk.app.clock = lambda: now[0]
+        await turns(desk, "microphone", "failed")
+        now[0] = 60.0
+        await turns(desk, "microphone", "ready")
+        assert notices(desk) == ["✓ The microphone is connected. The robot hears you."]
+
+
 async def test_coming_back_at_once_is_not_told_at_once() -> None:
     async with console() as desk:  # its clock stands still
         for state in ("failed", "ready", "failed", "ready"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 from dataclasses import replace
 
@@ -14,6 +15,7 @@ from tests.tui import scripted
 from tests.tui.desk import console
 from tests.tui.scripted import ScriptedEngine, flat, robot_at
 from tui.keys.keys import EDITING, IN_ONE_LINE, KEYS
+from tui.shown.watchdog import engine_is_silent
 from tui.widgets.ask import Ask
 from tui.widgets.text_line import is_text
 
@@ -181,18 +183,40 @@ def replacing(engine: ScriptedEngine) -> None:
     engine.publish(ev.RequestEnded("R1", "go to the bedroom", "replaced", "replaced"), turn="T1")
 
 
-async def test_a_request_that_failed_is_told_while_the_next_one_runs() -> None:
-    async with console(engine(), size=(100, 2), one_line=True, in_line=True) as desk:
+async def test_a_request_that_failed_is_told_behind_what_runs() -> None:
+    async with console(engine(), size=(120, 2), one_line=True, in_line=True) as desk:
         over(desk.engine, "R1", "go to the moon", "failed", UNKNOWN, "T0")
         desk.engine.play(scripted.acting())
         await desk.settled()
-        assert f"■ go to the moon: {UNKNOWN}" in desk.text
-        assert "▸ Go" not in desk.text
+        assert re.search(rf"▸ Go [^■]* · ■ go to the moon: {UNKNOWN}", desk.text)
         await desk.press(*"wave")
         assert f"■ go to the moon: {UNKNOWN}" in desk.text, "who types has not read it yet"
         desk.app.drawing.ending.next()
         await desk.settled()
         assert "▸ Go" in desk.text
+        assert "■" not in desk.text
+
+
+async def test_what_the_robot_says_now_goes_before_the_end_of_an_older_request() -> None:
+    async with console(engine(), size=(120, 2), one_line=True, in_line=True) as desk:
+        over(desk.engine, "R1", "go to the moon", "failed", UNKNOWN, "T0")
+        desk.engine.publish(ev.StateChanged("WAITING", "SPEAKING", "answering"))
+        desk.engine.publish(ev.SpeechStarted("I am in the hall.", False))
+        await desk.settled()
+        assert f"robot: I am in the hall. · ■ go to the moon: {UNKNOWN}" in desk.text
+
+
+async def test_an_engine_that_hangs_goes_before_ends_and_trouble_is_told_once() -> None:
+    async with console(engine(), size=(140, 2), one_line=True, in_line=True) as desk:
+        desk.engine.publish(ev.ErrorRaised("no_path", UNKNOWN, ""), turn="T1")
+        over(desk.engine, "R1", "go to the moon", "failed", UNKNOWN, "T1")
+        desk.engine.publish(ev.ErrorRaised("no_path", UNKNOWN, ""), turn="T1")
+        await desk.settled()
+        assert desk.text.count(UNKNOWN) == 1
+        desk.app.drawing.model = engine_is_silent(desk.app.drawing.model, stop="esc", leave="ctrl+c")
+        desk.app.redraw()
+        await desk.settled()
+        assert re.search(r"✗ It hangs or was paused.* · ■ go to the moon", desk.text)
 
 
 async def test_what_was_done_or_is_asked_about_is_told_as_it_was() -> None:
@@ -261,19 +285,19 @@ async def test_what_the_stop_key_drops_while_the_engine_starts_is_told_at_once()
         return engine()
 
     async with console(start=start, size=(100, 2), one_line=True, in_line=True) as desk:
-        await desk.press(*"nod", "enter", *"beep", "enter", "escape")
+        await desk.press(*"nod", "enter", *"beep", "ctrl+j", "escape")
         assert "■ never begun: the stop key (2): nod, beep" in desk.text
         gate.set()
 
 
 async def test_a_request_that_the_emergency_stop_refuses_is_told_while_it_is_pressed() -> None:
-    async with console(pressed(), size=(100, 2), one_line=True, in_line=True) as desk:
+    async with console(pressed(), size=(120, 2), one_line=True, in_line=True) as desk:
         assert "E-STOP" in desk.text
         assert "nothing moves" in desk.text
         over(desk.engine, "R1", "wave", "failed", REFUSED, "T1")
         await desk.settled()
         assert "E-STOP" in desk.text
-        assert f"■ wave: {REFUSED}" in desk.text
+        assert re.search(rf"nothing moves; .* · ■ wave: {REFUSED}", desk.text), "the stop comes first"
         desk.app.drawing.ending.next()
         await desk.settled()
         assert "nothing moves" in desk.text

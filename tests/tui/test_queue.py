@@ -13,6 +13,7 @@ from tests.tui import scripted
 from tests.tui.desk import Desk, console
 from tui.widgets.log import LogView
 from tui.widgets.queue import ActionQueue, Waits
+from tui.words.language import Language
 
 
 def queue_of(desk: Desk) -> ActionQueue:
@@ -408,6 +409,21 @@ async def test_a_turn_that_was_replaced_leaves_a_row_as_well(state: ev.State, to
         await desk.settled()
         assert desk.text.count(told) == 1
         assert f"■  go home  {told}" in desk.text
+
+
+@pytest.mark.parametrize("size", [(120, 40), (80, 24), (60, 20), (60, 16)], ids=str)
+@pytest.mark.parametrize("language", ["en", "zh"])
+async def test_how_many_wait_is_told_whichever_pane_stands_in_front(size: tuple[int, int], language: Language) -> None:
+    async with console(size=size, language=language) as desk:
+        desk.engine.play(scripted.acting())
+        desk.engine.publish(waits(*WAITING[:2]), turn=None)
+        await desk.press("5")
+        head = desk.text.splitlines()[0]
+        assert (" 2 waiting " if language == "en" else "2 个在等待") in head
+        assert "esc" in head
+        desk.engine.publish(waits(), turn=None)
+        await desk.settled()
+        assert " 2 " not in desk.text.splitlines()[0]
 
 
 # Adding to what waits

@@ -6,9 +6,11 @@ import pytest
 
 from engine import events as ev
 from engine.commands import Say
-from engine.handle import PartName, PartStatus
+from engine.errors import SaysoError
+from engine.handle import EngineHandle, PartName, PartStatus
 from tests.tui.desk import Desk, console
 from tests.tui.scripted import PARTS_READY, ScriptedEngine, flat, robot_at
+from tui.widgets.conversation import Conversation
 
 
 def loading(*names: PartName) -> tuple[PartStatus, ...]:
@@ -103,3 +105,29 @@ async def test_what_the_robot_does_is_shown_whatever_else_loads() -> None:
     async with console(ScriptedEngine(robot=robot_at(0, 0, 0), parts=loading("planner"), floor=flat())) as desk:
         desk.engine.publish(ev.StateChanged("IDLE", "ACTING", "x"))
         await desk.until(lambda: "ACTING" in line(desk, 0))
+
+
+# An engine that does not start
+
+
+def fail() -> EngineHandle:
+    raise SaysoError("The scene is broken.", hint="In five words, or more.\n" * 4)
+
+
+@pytest.mark.parametrize("size", [(120, 40), (80, 24), (60, 20)], ids=str)
+async def test_nothing_says_that_it_starts_once_it_did_not(size: tuple[int, int]) -> None:
+    async with console(start=fail, size=size, in_line=True) as desk:
+        await desk.until(lambda: desk.app.shown.failed)
+        await desk.settled()
+        assert "FAILED" in line(desk, 0)
+        assert "▲ The engine did not start" in desk.text, "at the microphone"
+        for untrue in ("start…", "starting", "loading", "Type what the robot should do."):
+            assert untrue not in desk.text, untrue
+        assert desk.app.main.query_one(Conversation).size.height >= 4, "there is room to read what was asked for"
+        assert ("The robot is not there." in desk.text) is (size[0] >= 80), "on the map"
+
+
+async def test_of_a_robot_that_cannot_be_had_no_map_is_loaded() -> None:
+    parts = (PartStatus("robot", "failed"), *PARTS_READY[1:])
+    async with console(ScriptedEngine(parts=parts)) as desk:
+        assert "loading the map" not in desk.text

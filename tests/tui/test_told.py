@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import pytest
 from textual.widgets._toast import Toast
 
 from engine import events as ev
+from engine.handle import PartStatus
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
+from tests.tui.scripted import PARTS_READY, ScriptedEngine, flat, robot_at
+from tests.tui.test_stopping import starting, there
 from tui.widgets.queue import ActionQueue
 from tui.words import strings
 from tui.words.language import Language
@@ -48,3 +54,75 @@ async def test_a_robot_that_is_at_nothing_is_ready_whatever_was_before(language:
         await desk.settled()
         assert desk.app.shown.model.state == "WAITING"
         assert desk.text.splitlines()[0][:16] == first
+
+
+# What is told goes when it is true no more
+
+
+async def off_the_screen(desk: Desk, words: str, change: Callable[[], object]) -> None:
+    """These words are told, and no more once that has happened; nor do they come back."""
+    assert words in desk.app.shown.notice
+    change()
+    desk.app.redraw()
+    await desk.settled()
+    assert words not in desk.text.splitlines()[0], "the log keeps it"
+    assert desk.app.keeping.told == ""
+
+
+async def test_that_nothing_is_to_be_stopped_goes_for_good_when_something_begins() -> None:
+    async with console() as desk:
+        desk.app.drawing.nothing_to_stop()
+        await desk.settled()
+        await off_the_screen(desk, "Nothing to stop", lambda: desk.engine.play(scripted.acting()))
+
+
+async def test_that_the_robot_is_at_something_goes_when_it_is_not() -> None:
+    async with console() as desk:
+        desk.engine.publish(ev.StateChanged("WAITING", "ACTING", "x"))
+        await desk.press("u")
+        over = ev.StateChanged("ACTING", "WAITING", "done", ev.TurnResult(0, "done", ""))
+        await off_the_screen(desk, "The robot is at something", lambda: desk.engine.publish(over))
+
+
+async def test_that_the_emergency_stop_is_pressed_goes_with_its_release_also_over_the_screen() -> None:
+    async with console(notices=True) as desk:
+        robot = desk.engine.robot
+        assert robot is not None
+        desk.engine.robot = replace(robot, estop=True)
+        desk.app.redraw()
+        await desk.press("g")
+        assert [box.message for box in desk.app._notifications] == [
+            "The emergency stop is pressed: ctrl+o releases it."
+        ]
+        desk.engine.robot = robot
+        desk.app.redraw()
+        await desk.settled()
+        assert not desk.app._notifications
+        assert desk.app.shown.notice == ""
+
+
+async def test_that_it_is_not_pressed_goes_when_it_is() -> None:
+    async with console() as desk:
+        robot = desk.engine.robot
+        assert robot is not None
+        await desk.press("R")
+        pressed = replace(robot, estop=True)
+        await off_the_screen(desk, "not pressed", lambda: setattr(desk.engine, "robot", pressed))
+
+
+async def test_that_the_robot_still_starts_goes_when_it_is_there() -> None:
+    engine = ScriptedEngine(parts=(PartStatus("robot", "loading"), *PARTS_READY[1:]), floor=flat())
+    async with console(engine) as desk:
+        await desk.press("g")
+        await off_the_screen(desk, "still starting", lambda: setattr(engine, "robot", robot_at(0.0, 0.0, 0.0)))
+
+
+async def test_that_the_emergency_stop_will_be_pressed_goes_when_it_is_released_or_the_engine_is_there() -> None:
+    async with starting() as (desk, gate):
+        await desk.press("ctrl+x")
+        await off_the_screen(desk, "as soon as the engine is there", desk.app.action_release)
+        await desk.press("ctrl+x")
+        assert "as soon as the engine is there" in desk.text
+        gate.set()
+        await there(desk)
+        assert "as soon as the engine is there" not in desk.text

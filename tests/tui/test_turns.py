@@ -107,6 +107,15 @@ def test_what_was_refused_or_asked_back_is_told_with_its_reason() -> None:
     assert [turn.result.outcome for turn in (refused, asked) if turn.result is not None] == ["refused", "clarify"]
 
 
+def test_a_turn_asks_back_no_more_once_its_question_has_ended() -> None:
+    steps = talk.ASKED_BACK.steps
+    again = Scene("T4", 5, (*steps, Step(0.1, ev.QuestionEnded("pick up the thing", "withdrawn"))))
+    assert [turn.outcome for turn in after(talk.ASKED_BACK).kept] == ["clarify"]
+    assert [turn.outcome for turn in after(talk.ASKED_BACK, again).kept] == ["withdrawn", "withdrawn"], "put twice"
+    no_order = Step(0.0, ev.ClarificationAsked("What shall I do?", "don't", leaves_open=False))
+    assert turn_of(steps[:-1], no_order, steps[-1]).outcome == "no_order"
+
+
 def test_a_turn_in_which_nobody_spoke_ends_with_its_recording() -> None:
     (turn,) = after(talk.NOBODY).kept
     assert list(milliseconds(turn)) == ["wake", "record"]

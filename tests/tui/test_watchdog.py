@@ -8,6 +8,8 @@ from engine import events as ev
 from engine.commands import Interrupt, Quit
 from engine.errors import ExitCode
 from engine.handle import PartStatus
+from engine.robot.robot import EMERGENCY_STOP
+from engine.robot.watch import view
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
 from tests.tui.scripted import PARTS_READY
@@ -108,3 +110,18 @@ async def test_a_robot_that_halted_by_itself_is_marked_in_the_conversation() -> 
         assert desk.engine.robot is not None
         desk.engine.robot = replace(desk.engine.robot, halted="heartbeat lost")
         await desk.until(lambda: strings.HALTED in desk.text and "heartbeat lost" in desk.text)
+
+
+async def test_nothing_says_that_the_emergency_stop_is_pressed_while_the_robot_notices_its_release() -> None:
+    async with console() as desk:
+        assert desk.engine.robot is not None
+        pressed = replace(desk.engine.robot, estop=True, halted=EMERGENCY_STOP)
+        desk.engine.robot = pressed
+        desk.app.redraw()
+        await desk.until(lambda: "▲ the emergency" in desk.text)
+        desk.engine.robot = released = replace(pressed, estop=False)
+        desk.app.redraw()
+        await desk.until(lambda: "READY" in desk.text)
+        await desk.settled()
+        assert "the emergency" not in desk.text
+        assert view(released).blocked is None

@@ -60,6 +60,7 @@ def run(arguments: Namespace) -> int:
             graphics=settings.console.camera_graphics,
             motion=settings.console.motion,
             notify=settings.console.notify,
+            busy=settings.session.busy,
             keys=settings.console.keys,
             history=RequestHistory(folders.requests) if settings.console.history else None,
             sizes=SizeFile(folders.panes),

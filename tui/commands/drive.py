@@ -157,7 +157,7 @@ class _Hand:
 
 def _line(state: RobotState, speed: float) -> str:
     pose, twist = state.pose, state.twist
-    why = "E-STOP: r releases" if state.estop else state.halted or state.blocked or ""
+    why = "E-STOP: r releases" if state.estop else state.held_back or ""
     volts = f"  {state.battery.volts:.1f} V" if state.battery else ""
     return (
         f"{speed:g} m/s  x {pose.x:.2f} y {pose.y:.2f} {heading_in_degrees(pose.yaw):3.0f}°"

@@ -22,7 +22,7 @@ from tui.rooms.noticing import Noticing
 from tui.rooms.sending import Sending
 from tui.rooms.viewing import Viewing
 from tui.screens.pages import Following
-from tui.shown.facts import Line
+from tui.shown.facts import Line, printable
 from tui.shown.model import ConsoleModel
 from tui.shown.view import RELEASE, Hint, View
 from tui.shown.watchdog import INTERVAL_S, Watchdog, engine_is_back, engine_is_silent, robot_is_back
@@ -65,7 +65,13 @@ class Drawing:
     """Holds what the console knows, and brings the screen up to date. In the UI thread."""
 
     def __init__(
-        self, stage: Stage, sending: Sending, viewing: Viewing, leaving: Leaving, notice: Callable[[], str], fps: float
+        self,
+        stage: Stage,
+        sending: Sending,
+        viewing: Viewing,
+        leaving: Leaving,
+        notice: Callable[[View], str],
+        fps: float,
     ) -> None:
         """``notice`` is what must be read in the status line; ``fps``: so many frames a second at most."""
         self.model = ConsoleModel()
@@ -189,9 +195,10 @@ class Drawing:
         """The waiting request of this id is dropped only to stand in the line."""
         self.model = replace(self.model, taken_back=request)
 
-    def left_out(self, text: str) -> None:
-        """A request that stood in the line is not wanted any more."""
-        self.model = self.model.with_line(Line("lost", text, strings.LOST["dropped"]))
+    def left_out(self, text: str, note: str) -> None:
+        """A request comes to nothing that the engine does not know of: it has a row with this note."""
+        text = printable(text)
+        self.model = self.model.with_end(text, note=note).with_line(Line("lost", text, note))
         self._frames.ask()
 
     def browse(self, step: int) -> None:
@@ -282,6 +289,12 @@ class Drawing:
         return moving
 
     @property
+    def failed(self) -> bool:
+        """The engine did not start, and will not."""
+        problem = self.model.problem
+        return self._stage.handle is None and problem is not None and problem.fatal
+
+    @property
     def time(self) -> float:
         """What the clock of the events says now; before there is any, the time of the newest."""
         return max(self.model.t, self._stage.clock() - self._lag)
@@ -293,7 +306,7 @@ class Drawing:
             model=model,
             now=self.time,
             started=handle is not None,
-            notice=self._notice(),
+            failed=self.failed,
             newest=stage.acting("newest") or "" if stage.main.reads_conversation else "",
             session=self._session,
             hints=self._hints(),
@@ -305,19 +318,19 @@ class Drawing:
             link=self._sending.figures(),
             touring=self.tour is not None and self.tour.due,
         )
-        if handle is None:
-            return view
-        robot = handle.robot_state()
-        if robot is not None and robot.estop:
+        if handle is not None:
+            view = replace(
+                view,
+                robot=handle.robot_state(),
+                places=handle.places(),
+                world=handle.world(),
+                scan=None if bare else handle.scan(),
+            )
+        view = replace(view, notice=self._notice(view))
+        if view.robot is not None and view.robot.estop:
             words = strings.ESTOP_HOLDS.format(release=stage.reaching("release"))
             view = replace(view, notice=words, notice_does=RELEASE)
-        return replace(
-            view,
-            robot=robot,
-            places=handle.places(),
-            world=handle.world(),
-            scan=None if bare else handle.scan(),
-        )
+        return view
 
     def _with_ends(self, view: View) -> View:
         """With how requests ended, unless something more urgent is to be read."""

@@ -16,6 +16,7 @@ from engine.commands import SetVolume
 from engine.scheduling import prefer, raise_priority
 from tui.messages import CameraChoice, Dressed, Measured, Recalled, Warned
 from tui.rooms.drawing import CALM_S, Drawing
+from tui.rooms.early import Early
 from tui.rooms.examining import Examining
 from tui.rooms.leaving import Leaving
 from tui.rooms.viewing import Viewing
@@ -27,6 +28,7 @@ from tui.words.language import Language, Telling, Wordy, speak
 if TYPE_CHECKING:
     from config.changing import Layers
     from config.schema import Settings
+    from engine.session.inbox import Busy
     from tui.doctor.examiner import Examiner
     from tui.graphics.asking import GraphicsChoice
     from tui.kept.history import RequestHistory
@@ -45,6 +47,7 @@ class Rooms(NamedTuple):
     viewing: Viewing
     examining: Examining
     leaving: Leaving
+    early: Early
 
 
 class Dressing:
@@ -77,6 +80,7 @@ class Dressing:
         graphics: GraphicsChoice = "blocks",
         motion: Motion = "full",
         notify: Notify = "auto",
+        busy: Busy = "interrupt",
         language: Language | None = None,
         wording: Telling | None = None,
         keys: Mapping[str, str] | None = None,
@@ -94,6 +98,7 @@ class Dressing:
         ``graphics``: what pictures are drawn with.
         ``motion``: whether anything moves by itself oftener than once a second.
         ``notify``: whether the end of a long task is told to people who look at something else.
+        ``busy``: what a new request does while there is another one.
         ``language``: that of all words; None: as it is. ``wording``: puts what the engine says into it.
         ``keys``: those to use in place of the usual ones, by action id.
         ``history``: where what is typed is kept for later sessions; None: nowhere.
@@ -105,7 +110,7 @@ class Dressing:
         """
         stage, rooms = self._stage, self._rooms
         rooms.leaving.secrets = tuple(secrets)
-        rooms.drawing.alerting.on = notify != "off"
+        rooms.drawing.alerting.on, rooms.early.busy = notify != "off", busy
         if prompt and (reader := getattr(stage.terminal, "reader", None)) is not None:
             raise_priority(reader)
             prefer(threading.main_thread().native_id or 0)

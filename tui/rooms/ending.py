@@ -1,5 +1,5 @@
-"""Tells on one line how requests ended that were not done: one after the other, each for some seconds, whatever else
-runs by then. Those that ended alike, one right after the other, are told together. The full console has a row for each.
+"""Tells on one line how requests ended that were not done: one after the other, each for some seconds, behind what runs
+by then. Those that ended alike, one right after the other, are told together. The full console has a row for each.
 
 What was refused or stopped because of the emergency stop is told no more once that is released.
 """

@@ -6,6 +6,7 @@ What has become of it stands in the status line for a while.
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Final, Literal
 
 from textual.notifications import Notification, Notify
@@ -14,6 +15,7 @@ from engine.errors import StorageError
 from tui.messages import Told
 from tui.screens.pages import Copied
 from tui.shown.facts import printable
+from tui.shown.view import View
 from tui.widgets.status import has_room
 from tui.words import strings
 from tui.words.hints import hint_line
@@ -24,8 +26,20 @@ if TYPE_CHECKING:
     from tui.rooms.copying import Part
     from tui.stage import Stage
 
+Holds = Callable[[View], bool]
+"""Whether what is told is true, as things are."""
 TOLD_S: Final = 6.0
 """How long the status line says what was copied or saved."""
+
+
+def always(view: View) -> bool:
+    """Of what has happened."""
+    return True
+
+
+def while_still(view: View) -> bool:
+    """Of what is true unless something is under way."""
+    return not view.model.busy
 
 
 class Keeping:
@@ -34,8 +48,8 @@ class Keeping:
     def __init__(self, stage: Stage) -> None:
         self.told = ""
         """What stands in the status line for a while."""
-        self.while_still = False
-        """It is true only while nothing is under way."""
+        self._holds: Holds = always
+        self._has_held = False  # since it is told
         self._stage = stage
         self._untold: Timer | None = None
         self._boxes: dict[str, Notification] = {}  # what was told over the screen, by its words
@@ -71,12 +85,14 @@ class Keeping:
         session = self._stage.shown.session
         threading.Thread(target=self._save, args=(session, picture), name="save", daemon=True).start()
 
-    def tell(self, text: str, level: Literal["info", "error"] = "info", file: str = "") -> None:
+    def tell(
+        self, text: str, level: Literal["info", "error"] = "info", file: str = "", *, holds: Holds = always
+    ) -> None:
         """In the status line for a while, and in the log for good. Where the status line has no room for it, and where
-        the ``file`` that it names can be opened, it lies over the screen."""
+        the ``file`` that it names can be opened, it lies over the screen. ``holds``: as in :meth:`remark`."""
         from tui.words.links import marked_up
 
-        self.remark(text, while_still=False)
+        self.remark(text, holds=holds)
         stage = self._stage
         if file or level == "error" or not has_room(self.told, stage.shown, stage.size.width):
             severity: Literal["error", "information"] = "error" if level == "error" else "information"
@@ -98,14 +114,24 @@ class Keeping:
         if (box := self._boxes.pop(told, None)) is not None:
             self._stage.call_later(self._stage.withdraw, box)  # behind the message that brings it
 
-    def remark(self, text: str, *, while_still: bool = True, here: bool = False) -> None:
-        """In the status line for a while; ``while_still``: unless something begins; ``here``: until the keyboard goes
+    def remark(self, text: str, *, holds: Holds = always, here: bool = False) -> None:
+        """In the status line for a while, and no longer than it ``holds``; ``here``: until the keyboard goes
         elsewhere."""
-        self.told, self.while_still, self._copied, self._here = printable(text), while_still, None, here
+        self.told, self._holds, self._copied, self._here = printable(text), holds, None, here
+        self._has_held = False
         if self._untold is not None:
             self._untold.stop()
         self._untold = self._stage.set_timer(TOLD_S, self.forget)
         self._stage.redraw()
+
+    def notice(self, view: View) -> str:
+        """What stands in the status line, as things are now. What held and does no more is told no more."""
+        if not self.told or self._holds(view):
+            self._has_held = True
+            return self.told
+        if self._has_held:
+            self.take_away(self.told)
+        return ""
 
     def forget(self) -> None:
         """It has stood there for long enough."""

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
+from textual.notifications import Notification, Notify
+
 from engine.events import Log
 from tui.shown.devices import Devices, News
 from tui.words import strings
@@ -30,6 +32,7 @@ class Noticing:
         self._stage = stage
         self._devices = Devices()
         self._parts: Sequence[PartStatus] = ()
+        self._boxes: dict[str, Notification] = {}  # what was told of each device last
         self._again: Timer | None = None
 
     def look(self, parts: Sequence[PartStatus]) -> None:
@@ -51,12 +54,16 @@ class Noticing:
             words = hint_line((strings.DEVICE_BACK if one.there else strings.DEVICE_GONE)[one.device], self._reaching)
             if one.times > 1:
                 words = f"{words} {strings.DEVICE_LOOSE.format(times=one.times)}"
-            stage.notify(
+            box = Notification(
                 f"{'✓' if one.there else '!'} {words}",
                 severity="information" if one.there else "warning",
                 timeout=NOTICE_S,
                 markup=False,
             )
+            if (before := self._boxes.pop(one.device, None)) is not None:  # which is true no more
+                stage.call_later(stage.withdraw, before)  # behind the message that brings it
+            self._boxes[one.device] = box
+            stage.post_message(Notify(box))
         if self._again is not None:
             self._again.stop()
             self._again = None

@@ -55,7 +55,7 @@ class Queueing:
     def drop(self, request: Waiting) -> None:
         """It is not wanted any more."""
         if (text := self._early.drop(request.id)) is not None:
-            self._drawing.left_out(text)
+            self._drawing.left_out(text, strings.LOST["dropped"])
         else:
             self._stage.send(Drop(request.id))
 
@@ -130,7 +130,7 @@ class Queueing:
             taken.written = True
         elif taken.written:  # else it was empty before
             self._end()
-            self._drawing.left_out(taken.request.text)
+            self._drawing.left_out(taken.request.text, strings.LOST["dropped"])
             if not self._stage.main.line.value:
                 self._stage.main.line.write(taken.draft)
 

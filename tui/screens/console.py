@@ -5,7 +5,6 @@ The screen owns the arrangement and hands each pane its part of the view. It dec
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from textual import events
@@ -23,7 +22,7 @@ from tui.plan.targets import asked_to_go
 from tui.screens.panes import Pane, PaneName, Panes
 from tui.shown.model import ConsoleModel
 from tui.shown.offers import in_pieces, offered
-from tui.shown.readiness import loading, named, waited_for
+from tui.shown.readiness import loading, named, no_map, waited_for
 from tui.terminal.spans import WholeCompositor
 from tui.terminal.terminal import SHORT_ROWS, TALL_ROWS, layout_for, too_small
 from tui.widgets.ask import Ask, AskLine
@@ -49,7 +48,6 @@ from tui.words.language import told
 if TYPE_CHECKING:
     from textual.geometry import Size
 
-    from engine.handle import PartStatus
     from engine.perception.sighting import Sight
     from tui.palette.form import Form
     from tui.palette.palette import Palette
@@ -220,20 +218,23 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._status.update_from(view)
         self._problem.update_from(model.problem)
         self.set_class(self._problem.display, "-trouble")
-        notice, trouble = _microphone(view.parts, view.started)
+        notice, trouble = _microphone(view)
         begin = [sentence(strings.WELCOME, self._acting) or strings.WELCOME_TYPING]
         begin += [hint_line(line, self._acting) for line in strings.TOUR] if view.touring else []
         somewhere = (asked_to_go(place.name) for place in list(view.places.values())[:1])
         examples = (*strings.EXAMPLES, *somewhere)
+        if view.failed:  # nothing can be asked
+            begin, examples = [], ()
         self._conversation.update_from(model, [line for line in begin if line], examples, view.newest)
         self._plan.update_from(model, named(waited_for(model, view.parts)))
         self._queue.update_from(model, view.now)
-        self._figures.update_from(view.robot, view.parts, view.world.held if view.world is not None else None)
+        self._figures.update_from(view)
         self._figures.tell(view.link)
         kept = model.turns.kept
         self._timeline.offer({turn.id: in_pieces(offered(model, turn.id), self._acting) for turn in kept})
         self._timeline.update_from(kept, view.turn, view.now, view.fresh)
         self._mic.update_from(model.trace, notice=notice, trouble=trouble)
+        self._floor.wait_for(no_map(view))
         if view.floor_map is not None:
             self._floor.show_map(view.floor_map, view.places)
         world = view.world
@@ -557,10 +558,13 @@ def _has_room(widget: Widget) -> bool:
     return all(part.display for part in widget.ancestors_with_self if isinstance(part, Widget))
 
 
-def _microphone(parts: Sequence[PartStatus], started: bool) -> tuple[str, bool]:
+def _microphone(view: View) -> tuple[str, bool]:
     """What the microphone's row says while nobody listens, and whether that is bad news."""
+    parts = view.parts
     part = next((part for part in parts if part.name == "microphone"), None)
-    if not started or part is None or part.state == "loading":
+    if view.failed:
+        return strings.ENGINE_FAILED, True
+    if not view.started or part is None or part.state == "loading":
         return strings.MIC_LOADING, False
     if part.state == "ready" and any(ears.name == "recogniser" and ears.state == "loading" for ears in parts):
         return f"{strings.LOADING} · {strings.PART_WORDS['recogniser']}", False  # a wake waits for it

@@ -193,9 +193,8 @@ def _parts(name: str, found: Iterator[Row]) -> Iterator[Row]:
 
 
 def _title(turn: Turn) -> Iterator[Row]:
-    outcome = turn.result.outcome if turn.result is not None else "open" if turn.open else "interrupted"
-    sign, style = RESULTS[outcome]
-    yield Row("", ((asked(turn), "bold $foreground"),), ((f"{sign} {strings.OUTCOMES[outcome]}", style),))
+    sign, style = RESULTS[turn.outcome]
+    yield Row("", ((asked(turn), "bold $foreground"),), ((f"{sign} {strings.OUTCOMES[turn.outcome]}", style),))
 
 
 def _heard(turn: Turn) -> Iterator[Row]:

@@ -193,9 +193,10 @@ def _(body: ev.InterruptRaised, model: ConsoleModel, event: ev.Event) -> Console
     if body.scope == "halted":
         return model.with_line(Line("mark", strings.HALTED))
     turn = next((turn for turn in model.turns.kept if turn.id == event.turn), None)
-    if body.scope == "replaced" and turn is not None and turn.text:
-        return model.with_line(Line("lost", turn.text, _replaced(body.state)))
-    return model
+    if turn is None or not turn.text:
+        return model
+    by = strings.STOPPED_BY.format(reason=strings.REASONS[body.scope])
+    return model.with_line(Line("lost", turn.text, _replaced(body.state) if body.scope == "replaced" else by))
 
 
 @_fold.register

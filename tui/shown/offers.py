@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Literal, get_args
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Literal, get_args
 
 from engine.states import REST
 from tui.shown.model import ConsoleModel
 from tui.words import strings
 from tui.words.hints import JOINT, Acting
+from tui.words.language import told
+
+if TYPE_CHECKING:
+    from tui.shown.view import View
 
 FollowUp = Literal["resume", "undo", "again"]
 
@@ -22,6 +26,16 @@ def offered(model: ConsoleModel, turn: str | None = None) -> tuple[FollowUp, ...
     about: Mapping[FollowUp, str | None] = {"resume": offers.resume, "undo": offers.undo, "again": offers.again}
     kinds: tuple[FollowUp, ...] = get_args(FollowUp)
     return tuple(kind for kind in kinds if about[kind] is not None and turn in (None, about[kind]))
+
+
+def why_not(kind: FollowUp, model: ConsoleModel, keys: Mapping[str, str]) -> tuple[str, Callable[[View], bool]]:
+    """Why this is not offered, for people, and how long that is so. ``keys`` are those of each action."""
+    if model.pressed:
+        return strings.NOT_WHILE_PRESSED.format(**keys), lambda view: view.pressed
+    if model.state not in REST:
+        return strings.NOT_NOW.format(**keys), lambda view: view.model.state not in REST
+    why = told(model.offers.no_undo) if kind == "undo" else ""
+    return why or strings.NOT_OFFERED[kind], lambda view: kind not in offered(view.model)
 
 
 def in_pieces(kinds: Sequence[FollowUp], acting: Acting) -> tuple[tuple[str, str], ...]:

@@ -14,6 +14,7 @@ from tui.words import strings
 if TYPE_CHECKING:
     from engine.handle import PartName, PartStatus
     from tui.shown.model import ConsoleModel
+    from tui.shown.view import View
 
 NEEDED: Final[tuple[PartName, ...]] = ("robot", "planner")
 """What every request waits for; only a spoken one waits for the recogniser as well."""
@@ -36,10 +37,18 @@ def deaf(parts: Sequence[PartStatus]) -> PartName | None:
     return next((part.name for part in parts if part.name in HEARS and part.state in ("failed", "missing")), None)
 
 
-def no_robot(parts: Sequence[PartStatus]) -> str:
+def no_robot(view: View) -> str:
     """Why no robot is shown, for people: it is gone, or still starts."""
-    gone = any(part.name == "robot" and part.state in ("failed", "missing") for part in parts)
-    return strings.ROBOT_GONE if gone else strings.NO_ROBOT
+    return strings.ROBOT_GONE if _is_gone(view) else strings.NO_ROBOT
+
+
+def no_map(view: View) -> str:
+    """Why no map is shown, for people: there is no robot that has one, or it is still read."""
+    return strings.ROBOT_GONE if _is_gone(view) else strings.NO_MAP
+
+
+def _is_gone(view: View) -> bool:
+    return view.failed or any(part.name == "robot" and part.state in ("failed", "missing") for part in view.parts)
 
 
 def waited_for(model: ConsoleModel, parts: Sequence[PartStatus]) -> tuple[PartName, ...]:

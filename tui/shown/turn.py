@@ -16,6 +16,8 @@ Stage = Literal["wake", "record", "endpoint", "recognise", "decide", "plan", "ac
 """``record`` is a recording up to the last sound of speech, ``endpoint`` the silence until it was clear that this was
 all. For ``act`` and ``speak`` nobody waits, they are what was asked for."""
 STAGES: Final[tuple[Stage, ...]] = ("wake", "record", "endpoint", "recognise", "decide", "plan", "act", "speak")
+Question = Literal["answered", "declined", "replaced", "withdrawn", "no_order"]
+"""``no_order``: nothing was open; else as in the event ``question.ended``."""
 WAITED_FOR: Final[tuple[Stage, ...]] = ("wake", "endpoint", "recognise", "decide", "plan")
 
 VOICE: Final = 0.5
@@ -106,6 +108,7 @@ class Turn(Struct, frozen=True):
     ended: float | None = None
     moved: float | None = None  # when the robot first moved for it
     resting: float | None = None  # since when nobody thinks, acts or speaks between two plans
+    question: Question | None = None  # what became of what it asked back; None: that is open, or it asked nothing
 
     @property
     def text(self) -> str:
@@ -118,6 +121,13 @@ class Turn(Struct, frozen=True):
     def open(self) -> bool:
         """The turn goes on."""
         return self.ended is None
+
+    @property
+    def outcome(self) -> str:
+        """How it ended, if it has; where it asked back, what became of that."""
+        if self.result is None:
+            return "open" if self.open else "interrupted"
+        return self.question if self.question and self.result.outcome == "clarify" else self.result.outcome
 
     def of(self, stage: Stage) -> tuple[Span, ...]:
         """The stretches of a stage, in the order in which they began."""

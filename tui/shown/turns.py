@@ -17,7 +17,7 @@ from msgspec.structs import replace
 from engine import events as ev
 from engine.robot.geometry import heading_in_degrees
 from tui.shown.facts import call, figure, in_words, printable, printable_lines
-from tui.shown.turn import STAGES, VOICE, Action, Answer, Asked, Sample, Span, Stage, Thought, Turn
+from tui.shown.turn import STAGES, VOICE, Action, Answer, Asked, Question, Sample, Span, Stage, Thought, Turn
 from tui.words import strings
 
 MAX_TURNS: Final = 40
@@ -62,6 +62,8 @@ class Turns(Struct, frozen=True):
             )
         if isinstance(body, ev.RobotStateView):
             return self._moving(body, event.t)
+        if isinstance(body, ev.QuestionEnded):  # which may have been put in two turns
+            return replace(self, kept=tuple(_settled(turn, body.outcome) for turn in self.kept))
         if event.turn is None:
             return self
         turn = next((turn for turn in reversed(self.kept) if turn.id == event.turn), None)
@@ -131,6 +133,13 @@ def _over(turn: Turn, t: float, result: ev.TurnResult | None = None) -> Turn:
     turn = _done(turn, t, *STAGES, outcome="ok" if whole else "interrupted")
     actions = tuple(replace(a, phase="interrupted") if a.phase in ("queued", "running") else a for a in turn.actions)
     return replace(turn, ended=max(turn.began, t), actions=actions, result=result, resting=None)
+
+
+def _settled(turn: Turn, question: Question) -> Turn:
+    """What it asked back, if it did, is not open any more."""
+    if turn.result is None or turn.result.outcome != "clarify" or turn.question is not None:
+        return turn
+    return replace(turn, question=question)
 
 
 # One function per kind of event
@@ -251,7 +260,8 @@ def _(body: ev.PlanRejected, turn: Turn, event: ev.Event) -> Turn:
 @_fold.register
 def _(body: ev.ClarificationAsked, turn: Turn, event: ev.Event) -> Turn:
     unclear = body.about or (body.intent.ambiguity if body.intent is not None else "") or ""
-    return _thought(_done(turn, event.t, "decide", "plan"), Thought("question", printable(body.question), unclear))
+    turn = replace(_done(turn, event.t, "decide", "plan"), question=None if body.leaves_open else "no_order")
+    return _thought(turn, Thought("question", printable(body.question), unclear))
 
 
 @_fold.register

@@ -50,6 +50,7 @@ class View(Struct, frozen=True):
     model: ConsoleModel
     now: float = 0.0  # s, event time
     started: bool = False  # the engine is there
+    failed: bool = False  # it did not start, and will not
     session: str = ""  # the engine's, by its id, as the event log is named
     notice: str = ""  # stands in the status line
     notice_does: str = ""  # the action that a click on it does
@@ -68,6 +69,11 @@ class View(Struct, frozen=True):
     bare: bool = False  # the line bears no more than what one has to know
     touring: bool = False  # somebody sits here for the first time
     link: LinkFigures | None = None  # how good the line is; None: nobody wants to know
+
+    @property
+    def pressed(self) -> bool:
+        """The emergency stop is."""
+        return self.model.pressed or (self.robot is not None and self.robot.estop)
 
     @property
     def standstill(self) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from rich.cells import cell_len
@@ -22,9 +21,9 @@ from tui.words.hints import EDGES, Acting, fitting
 from tui.words.language import told
 
 if TYPE_CHECKING:
-    from engine.handle import PartStatus
     from engine.perception.memory import Thing
     from engine.robot.robot import RobotState
+    from tui.shown.view import View
 
 _PART_SIGNS: Final = {
     "failed": ("✗", "$text-error"),
@@ -49,7 +48,7 @@ class Figures(Lines[tuple[Piece, ...]]):
     """Pose, speed and gripper, rounded to what can be read, and one line about the parts."""
 
     _link: LinkFigures | None = None
-    _given: tuple[RobotState | None, Sequence[PartStatus], Thing | None] = (None, (), None)
+    _view: View | None = None
 
     class Limited(Message):
         """The robot may drive so many steps faster."""
@@ -66,7 +65,7 @@ class Figures(Lines[tuple[Piece, ...]]):
 
     def entitle(self) -> None:
         """Write the title: how fast the robot may drive, and those of the keys that change that which act now."""
-        robot = self._given[0]
+        robot = self._view.robot if self._view is not None else None
         title = strings.PANE_ROBOT
         self._signs = ()
         if robot is not None:
@@ -94,9 +93,8 @@ class Figures(Lines[tuple[Piece, ...]]):
         key = self._acting(action) or ""
         return _MINUS if key == "-" else key
 
-    def update_from(self, robot: RobotState | None, parts: Sequence[PartStatus], held: Thing | None = None) -> None:
-        """``held`` is what the gripper holds."""
-        self._given = robot, parts, held
+    def update_from(self, view: View) -> None:
+        self._view = view
         self.entitle()
         self._arrange()
 
@@ -106,10 +104,12 @@ class Figures(Lines[tuple[Piece, ...]]):
         super().on_resize(event)
 
     def _arrange(self) -> None:
-        robot, parts, held = self._given
-        wide = self.size.width >= WIDE
-        lines = [((no_robot(parts), "$foreground 60%"),)] if robot is None else figure_lines(robot, wide, held)
-        self.show([*lines, part_line(parts, wide, self.size.width)], matters=0)
+        if (view := self._view) is None:
+            return
+        wide, held = self.size.width >= WIDE, view.world.held if view.world is not None else None
+        robot = view.robot
+        lines = [((no_robot(view), "$foreground 60%"),)] if robot is None else figure_lines(robot, wide, held)
+        self.show([*lines, part_line(view, wide, self.size.width)], matters=0)
 
     def tell(self, link: LinkFigures | None) -> None:
         """Say in the frame how good the line to the terminal is."""
@@ -132,9 +132,8 @@ def figure_lines(robot: RobotState, wide: bool, held: Thing | None = None) -> li
     grip = strings.OPEN if robot.gripper > 0.8 else strings.CLOSED if robot.gripper < 0.1 else strings.HALF_OPEN
     how = posture(robot)
     arm = () if how == "folded" else _figure(strings.ARM, strings.ARM_WORDS[how])
-    holding_back = robot.halted or robot.blocked
-    if holding_back:
-        state: Piece = (f"▲ {told(holding_back)}", "bold $text-warning")
+    if robot.held_back:
+        state: Piece = (f"▲ {told(robot.held_back)}", "bold $text-warning")
     else:
         state = (
             (f"▸ {strings.MOVING}", "$text-success") if robot.moving else (f"○ {strings.AT_REST}", "$foreground 60%")
@@ -162,8 +161,11 @@ def link_words(link: LinkFigures, columns: int) -> str:
     return words if cell_len(words) <= columns else fitting(f"{delay} · {rates}", columns, last=0)
 
 
-def part_line(parts: Sequence[PartStatus], wide: bool, columns: int) -> tuple[Piece, ...]:
+def part_line(view: View, wide: bool, columns: int) -> tuple[Piece, ...]:
     """How the engine's parts are: all of them, or on little space what is not ready. What is wrong comes first."""
+    parts = view.parts
+    if view.failed:
+        return (("✗ ", "$text-error"), (strings.ENGINE_FAILED, "$foreground 60%"))
     if not parts:
         return (("◌ ", "$text-primary"), (strings.ENGINE_STARTING, "$foreground 60%"))
     telling = next((part for part in parts if part.state == "loading" and part.detail), None)

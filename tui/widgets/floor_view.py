@@ -95,6 +95,7 @@ class FloorView(Widget, can_focus=True):
         super().__init__()
         self._acting = acting
         self._map: FloorMap | None = None
+        self._no_map = strings.NO_MAP  # why there is none
         self._places: Mapping[str, Place] = {}
         self._moving = Moving()
         self._scan: Scan | None = None
@@ -115,6 +116,13 @@ class FloorView(Widget, can_focus=True):
     def viewport(self) -> Viewport:
         """Which part of the map is shown."""
         return self._viewport
+
+    def wait_for(self, why: str) -> None:
+        """Why there is no map, while there is none."""
+        if why != self._no_map:
+            self._no_map = why
+            if self._map is None:
+                self.refresh()
 
     def show_map(self, floor_map: FloorMap, places: Mapping[str, Place]) -> None:
         """Set what stays."""
@@ -205,7 +213,7 @@ class FloorView(Widget, can_focus=True):
     def render_line(self, y: int) -> Strip:
         width = self.size.width
         if self._frame is None or y >= len(self._cells):
-            text = centred(strings.NO_MAP, width) if y == self.size.height // 2 else " " * width
+            text = centred(self._no_map, width) if y == self.size.height // 2 else " " * width
             return Strip([Segment(text, self.get_component_rich_style("floor--hint"))], width)
         if self._cursor is not None and y == self.size.height - 1:
             return self._captioned(width)

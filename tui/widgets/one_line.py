@@ -12,6 +12,7 @@ from rich.cells import cell_len
 from textual.content import Content
 from textual.widgets import Static
 
+from engine.states import REST
 from tui.widgets.conversation import STYLES, as_told
 from tui.widgets.status import chip
 from tui.words import strings
@@ -58,26 +59,41 @@ class OneLine(Static):
 
 
 def happening(view: View) -> Piece:
-    """The most urgent of what one has to know: how a request ended that was not done, a notice, trouble, what is heard,
-    what is done, the last that was said. Where something else is more urgent than the ends, the view has none."""
-    model = view.model
+    """What one has to know: what is the case now, and behind it how requests ended that were not done; where neither is
+    to be told, the last that was said."""
+    now = _now(view)
     if view.ends:
-        return _ended(view.ends), "$text-warning"
+        words, style = now or ("", "$text-warning")
+        return JOINT.join(filter(None, (words, _ended(view.ends)))), style
+    return now or _said_last(view) or (strings.ONE_LINE, "$foreground 60%")
+
+
+def _now(view: View) -> Piece | None:
+    """A notice, trouble of which no end tells, what is heard, done or said: the most urgent of them."""
+    model = view.model
     if view.notice:
         return view.notice, "bold $text-warning"
     if model.problem is not None:
-        return f"✗ {told(model.problem.message)}", "$text-error"
+        trouble = told(model.problem.message)
+        if not any(told(end.message).startswith(trouble) for end in view.ends):
+            return f"✗ {trouble}", "$text-error"
     if model.partial:
         return f"“{model.partial}…”", "$text-accent"
     if (row := model.running) is not None:
         return JOINT.join(filter(None, (f"▸ {told(row.call)}", told(row.message)))), "$text-success"
     if model.plan is not None and model.plan.stage == "thinking":
         return f"{strings.YOU}: {model.plan.goal}", "$foreground"
+    speaks = model.state not in REST and model.conversation and model.conversation[-1].who == "robot"
+    return _said_last(view) if speaks else None
+
+
+def _said_last(view: View) -> Piece | None:
+    model = view.model
     if model.conversation and model.conversation[-1] is not view.outdated:
         kind, text, note = as_told(model.conversation[-1])
         who = STYLES[kind][0] or {"you": f"{strings.YOU}:", "robot": f"{strings.ROBOT}:"}[kind]
         return f"{who} {text}" + (f"  {note}" if note and kind != "you" else ""), "$foreground"
-    return strings.ONE_LINE, "$foreground 60%"
+    return None
 
 
 def _ended(ends: Sequence[Ended]) -> str:

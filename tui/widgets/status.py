@@ -54,7 +54,8 @@ _IMPORTANCE: Final = (
 
 
 class StatusLine(Horizontal):
-    """Chip, the key that stops, task, other keys. ``esc stop`` stands where it stood, whatever the rest says."""
+    """Chip, the key that stops, how many requests wait, task, other keys. ``esc stop`` stands where it stood, whatever
+    the rest says."""
 
     class Chosen(Message):
         """Somebody clicked on the key of this action."""
@@ -69,22 +70,30 @@ class StatusLine(Horizontal):
         self._notice_does = ""  # the action that a click on the notice does
         self._chip_part = Static(id="chip", markup=False)
         self._stop_part = Static(id="stop", markup=False)
+        self._waiting_part = Static(id="waiting", markup=False)
         self._task_part = Static(id="task", markup=False)
         self._keys_part = Static(id="keys", markup=False)
 
     def compose(self) -> ComposeResult:
         yield self._chip_part
         yield self._stop_part
+        yield self._waiting_part
         yield self._task_part
         yield self._keys_part
 
     def update_from(self, view: View) -> None:
-        """Show state and keys; a notice stands in the task's place, and goes before keys."""
+        """Show state and keys; a notice stands in the task's place, and goes before keys. How many requests wait goes
+        before keys as well, and is left out as a whole."""
         columns = self.app.size.width  # our own is not known before the first layout
         urgent = [hint for hint in view.hints if hint.urgent]
         stop = _keys(urgent)
         room = columns - _CHIP - stop.cell_length
         notice = f" {view.notice} " if view.notice else ""
+        count = len(view.model.waiting)
+        waiting = f" {strings.REQUESTS_WAIT.format(count)} " if count else ""
+        if cell_len(waiting + notice) > room:
+            waiting = ""
+        room -= cell_len(waiting)
         others = [hint for hint in view.hints if not hint.urgent]
         fit = _fitting(others, room - cell_len(notice))
         keys = _keys(fit)
@@ -92,6 +101,7 @@ class StatusLine(Horizontal):
         self._shown = {self._stop_part: urgent, self._keys_part: fit}
         _put(self._chip_part, chip(view))
         _put(self._stop_part, stop)
+        _put(self._waiting_part, Content.styled(waiting, "$text-accent"))
         style = "bold $text-error" if is_pressed(view) else "bold $text-warning"
         shown = Content.styled(notice.rstrip(), style) if notice else None
         _put(self._task_part, shown or _task(view, columns >= WIDE_COLUMNS, room - keys.cell_length))

@@ -27,6 +27,11 @@ RESULTS: Final = {
     "done": ("✓", "$text-success"),
     "failed": ("✗", "$text-error"),
     "clarify": ("?", "$text-warning"),
+    "answered": ("?", "$foreground 60%"),
+    "declined": ("■", "$text-warning"),
+    "replaced": ("■", "$text-warning"),
+    "withdrawn": ("■", "$text-warning"),
+    "no_order": ("∅", "$foreground 60%"),
     "refused": ("⊘", "$text-error"),
     "interrupted": ("■", "$text-warning"),
     "timeout": ("✗", "$text-error"),
@@ -157,8 +162,7 @@ class Timeline(FromTop[Head | Bar | Offered | str]):
 
 def head(turn: Turn, *, shown: bool) -> Head:
     """The line above the bars of a turn."""
-    outcome = turn.result.outcome if turn.result is not None else "open" if turn.open else "interrupted"
-    return Head(turn.number, asked(turn), outcome, total(turn), shown)
+    return Head(turn.number, asked(turn), turn.outcome, total(turn), shown)
 
 
 def asked(turn: Turn) -> str:

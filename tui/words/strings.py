@@ -250,6 +250,7 @@ TOUR: Final = (
 EXAMPLES: Final = ("turn left 90 degrees", "where are you?")
 TRY: Final = "Try:"
 STOPPED: Final = "stopped"
+STOPPED_BY: Final = "stopped: {reason}"
 WAITS: Final = "waits"
 MORE_WAIT: Final = "… and {} more"
 LOST: Final = {
@@ -428,6 +429,11 @@ OUTCOMES: Final = {
     "done": "done",
     "failed": "failed",
     "clarify": "asked back",
+    "answered": "asked back, answered",
+    "declined": "asked back, given up",
+    "replaced": "asked back, replaced",
+    "withdrawn": "asked back, withdrawn",
+    "no_order": "no order",
     "refused": "refused",
     "interrupted": "interrupted",
     "timeout": "timed out",

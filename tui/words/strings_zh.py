@@ -241,6 +241,7 @@ TOUR: Final = (
 EXAMPLES: Final = ("向左转90度", "你在哪里？")
 TRY: Final = "试试："
 STOPPED: Final = "已停止"
+STOPPED_BY: Final = "已停止：{reason}"
 WAITS: Final = "等待中"
 MORE_WAIT: Final = "… 还有 {} 条"
 LOST: Final = {
@@ -415,6 +416,11 @@ OUTCOMES: Final = {
     "done": "完成",
     "failed": "失败",
     "clarify": "反问",
+    "answered": "反问，已回答",
+    "declined": "反问，已放弃",
+    "replaced": "反问，已被取代",
+    "withdrawn": "反问，已撤回",
+    "no_order": "不是指令",
     "refused": "拒绝",
     "interrupted": "被打断",
     "timeout": "超时",
