@@ -10,8 +10,6 @@ import math
 from collections.abc import Callable
 from typing import Final
 
-import numpy as np
-
 from engine.perception.people import PersonSeen
 from engine.perception.someone import Someone
 from engine.robot.clearance import gaps
@@ -24,7 +22,7 @@ from engine.skills.drive import turn
 from engine.skills.find import NO_WAY, by_distance, furniture_called
 from engine.skills.hand import move_to
 from engine.skills.outcome import Result, fail, ok
-from engine.skills.search import places_in, room_at
+from engine.skills.search import nearest_place, places_in, room_at
 from engine.skills.servo import gaze
 from engine.skills.strewn import seen_from
 from engine.skills.travel import go_to, way_to
@@ -224,8 +222,7 @@ def _viewpoints(context: SkillContext, room: Room) -> list[tuple[float, float]]:
         for j in range(across[1]):
             x = room.x_min + (i + 0.5) * (room.x_max - room.x_min) / across[0]
             y = room.y_min + (j + 0.5) * (room.y_max - room.y_min) / across[1]
-            best = stands[np.hypot(stands[:, 0] - x, stands[:, 1] - y).argmin()]
-            found.append((float(best[0]), float(best[1])))
+            found.append(nearest_place(stands, (x, y)))
     pose = context.pose
     return sorted(dict.fromkeys(found), key=lambda at: math.dist(at, (pose.x, pose.y)))
 
@@ -276,9 +273,7 @@ async def _go_in_sight(context: SkillContext, at: Point, name: str) -> Result:
     stands = places_in(room, context.robot.floor_map, context.robot.footprint, context.pose)
     if not len(stands):
         return fail("unreachable", f"I cannot get to the {name}.")
-    away = np.hypot(stands[:, 0] - at[0], stands[:, 1] - at[1])
-    best = stands[np.abs(away - 1.9).argmin()]
-    x, y = float(best[0]), float(best[1])
+    x, y = nearest_place(stands, at[:2], away=1.9)
     return await go_to(context, Pose(x, y, math.atan2(at[1] - y, at[0] - x)), f"the {name}")
 
 

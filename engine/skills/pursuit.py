@@ -25,7 +25,7 @@ from engine.skills.legs import Legs
 from engine.skills.meeting import look_around, look_through
 from engine.skills.outcome import Result, fail, ok
 from engine.skills.outfit import Glimpses, Outfit, clothes_of
-from engine.skills.search import places_in, room_at
+from engine.skills.search import nearest_place, places_in, room_at
 from engine.skills.servo import PICTURE_S, WHOLE_S, Wheels, chase, face, is_gazed_at, look_towards, place_of
 from engine.skills.travel import NOTHING_SEEN, SEEN_RANGE, back_off, go_to, way_to
 from engine.skills.walkers import Walker
@@ -316,8 +316,7 @@ class Pursuit:
             return
         stands = places_in(room_at(floor, x, y), floor, context.robot.footprint, pose)
         if len(stands):
-            near = stands[np.hypot(stands[:, 0] - x, stands[:, 1] - y).argmin()]
-            await go_to(context, Pose(float(near[0]), float(near[1]), direction), "where they stayed")
+            await go_to(context, Pose(*nearest_place(stands, (x, y)), direction), "where they stayed")
 
     def _lost(self) -> Result:
         x, y = self._legs.at

@@ -268,6 +268,13 @@ def places_in(room: Room, floor: FloorMap, hull: Footprint, now: Pose) -> NDArra
     return np.array(found, dtype=np.float64).reshape(-1, 2)
 
 
+def nearest_place(places: NDArray[np.float64], at: tuple[float, float], away: float = 0.0) -> tuple[float, float]:
+    """The one of these places (shape (n, 2), n > 0) that is nearest to ``away`` m from a point."""
+    distance = np.hypot(places[:, 0] - at[0], places[:, 1] - at[1])
+    x, y = places[np.abs(distance - away).argmin()]
+    return float(x), float(y)
+
+
 def _occupied(floor: FloorMap, x: float, y: float) -> bool:
     return bool(floor.occupied[_cell(floor, x, y)])
 
