@@ -54,7 +54,7 @@ _ARTICLE: Final = re.compile(r"^(?:the|my|your)\s+(?=\S)")
 _COMMA: Final = re.compile(r",\s+(?:(and|or|then:)\s+)?(?![^()]*\))|\s+(and|or)\s+")
 _CALL: Final = re.compile(r"([a-z]\w*)\((.*)\)")
 _QUOTED: Final = re.compile(r"(['\"“])(.*)(?:\1|”)", re.DOTALL)
-_LAST: Final[Mapping[str | None, str]] = {"and": "和", "or": "还是", "then:": "，然后", None: "、"}
+_LAST: Final[Mapping[str | None, str]] = {"and": "和", "or": "或", "then:": "，然后", None: "、"}
 _LONGEST: Final = 150  # characters of a part of a sentence of ours
 _SHORT: Final = 3  # words of a name that nobody has put into Chinese
 
@@ -146,7 +146,8 @@ class Wording:
         for name in (words, bare):
             if (word := catalogue().words.get(name.casefold())) is not None:
                 return word
-        return next(filter(is_chinese, self._called(bare)), "")
+        called = (name for name in self._called(bare) if is_chinese(name))
+        return next((name for name in called if name != bare or not _COMMA.search(name)), "")
 
     def _composed(self, words: str) -> str:
         """A thing by its colour and its kind."""

@@ -153,9 +153,15 @@ class Understood:
             return found
         if not found.finished:
             return None
-        if any(meaning.has(kind) for kind in (Not, Retract, About)) or self._moves(found):
+        if any(meaning.has(kind) for kind in (Not, Retract, About)):
             return self._asked_about(found, heard)
-        return found
+        return self._unless_asked(found, heard) if self._moves(found) else found
+
+    def _unless_asked(self, found: Plan, heard: Heard) -> Plan | NoPlan:
+        """The question whether that is meant; the plan itself where the answer to that question says the same anew."""
+        question, before = self._asked_about(found, heard), last_question(heard.request.happened)
+        said_anew = before is not None and before.code == question.code and before.offer == question.offer
+        return found if said_anew else question
 
     def decided(self, heard: Heard) -> Plan | NoPlan | None:
         """What a condition decides after a look; None where there is no such condition."""

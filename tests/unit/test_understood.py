@@ -157,6 +157,19 @@ def test_a_reader_that_is_not_sure_asks_before_anything_moves(understood: Unders
     assert isinstance(plan(understood, beep), Plan)
 
 
+def test_whoever_says_the_same_to_that_question_means_it(understood: Understood, reader: Written) -> None:
+    text = reader.knows("go | off to {place: the desk}", SURE - 0.01)
+    asked = plan(understood, text)
+    assert isinstance(asked, NoPlan)
+    heard = Heard(PlanRequest(text, happened=(Said(text), asked)), text, "en")
+    assert actions(understood.plan(heard)) == ["navigation(N)"]
+    other = reader.knows("go | off to {place: the kitchen}", SURE - 0.01)
+    heard = Heard(PlanRequest(other, happened=(Said(text), asked)), other, "en")
+    again = understood.plan(heard)
+    assert isinstance(again, NoPlan)
+    assert again.answer == "Do I understand you right: Go to the kitchen?"
+
+
 def test_a_yes_does_what_was_asked_about(planner: Planner, reader: Written) -> None:
     text = reader.knows("go | wander {place: the kitchen}", MAYBE - 0.05)
     reader.knows("go | wander the {place: kitchen}", MAYBE - 0.1)  # the likeliest plan, though no meaning of it is

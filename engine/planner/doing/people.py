@@ -249,9 +249,12 @@ def take(doing: Doing, thing: str, words: str, where: str = "") -> Calls:
 
 def count(doing: Doing, roles: Roles) -> Calls:
     words, place = roles.words("person"), roles.words("place")
-    state = _ARE.search(doing.said)
+    if (state := _ARE.search(doing.said)) is not None:
+        words = f"{words} {state[1]}"
+    elif (state := _ARE_ZH.search(doing.said)) is not None:
+        words = words.rpartition("是")[2] if state[1] in words else f"{state[1]}的{words}"
     try:
-        who, at = doing.entities.somebody(f"{words} {state[1]}" if state is not None else words)
+        who, at = doing.entities.somebody(words)
     except PlanError:
         raise Unable("person", words) from None
     room = spot(doing, place or at)
@@ -264,6 +267,8 @@ _ARE: Final = re.compile(
     re.I,
 )
 """What is asked of them behind the place: "how many people in the kitchen are sitting"."""
+_ARE_ZH: Final = re.compile(r"人.*?((?:坐|站|躺|挥|举|指|穿)[^，。？！?的]*|男|女)(?:的)?[呢啊吗]?[。？！?!]?$")
+"""The same in Chinese, where it stands at the end, too."""
 
 
 def describe(doing: Doing, roles: Roles) -> Calls:
