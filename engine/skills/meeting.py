@@ -228,8 +228,9 @@ def _viewpoints(context: SkillContext, room: Room) -> list[tuple[float, float]]:
 
 
 async def _find_at(context: SkillContext, who: Someone, wanted: Seen, where: str) -> PersonSeen | Result:
-    """Somebody at a piece of furniture or a place: the one next to it."""
-    at = place_called(context, where)
+    """Somebody at a piece of furniture or a place: the one next to it; whoever has a name may have stepped aside, and be
+    elsewhere in that room."""
+    at, began = place_called(context, where), context.robot.state().t
     if at is None:
         return fail("unknown_place", f"I don't know where the {where} is.")
     piece = furniture_called(context, where)
@@ -253,7 +254,9 @@ async def _find_at(context: SkillContext, who: Someone, wanted: Seen, where: str
     trouble = await look_around(context, lambda: found() is not None, gestures=gestures)
     if found() is None and trouble is None:
         trouble = await look_through(context, room, lambda: found() is not None, gestures=gestures)
-    if (person := found()) is not None:
+    aside = [p for p in context.world.people.everybody if wanted(p) and p.seen_at >= began and not p.gone]
+    aside = [p for p in aside if who.name and room.holds(*p.position[:2])]
+    if (person := found() or min(aside, key=away, default=None)) is not None:
         return person
     return trouble or fail("object_not_found", f"I looked at the {where} and saw {_no(who)} there.")
 

@@ -150,6 +150,11 @@ def test_a_stranger_is_met_and_known_from_then_on(family: Family) -> None:
     assert [p.name for p in family.world.people.everybody if p.name == "Robin"] == ["Robin"]
 
 
+def test_whoever_has_a_name_may_have_stepped_aside_from_where_they_are_to_be_met(family: Family) -> None:
+    (met,) = family.do(("meet", {"who": "Robin", "where": "wardrobe"}))
+    assert met.message == "I met Robin in the bedroom."
+
+
 def test_who_is_asked_answers_and_the_answer_is_reported(family: Family) -> None:
     asked, reported = family.do(
         ("ask_person", {"who": "Anna", "question": "What would you like to drink?"}), ("report_answer", {})
