@@ -228,8 +228,8 @@ def _viewpoints(context: SkillContext, room: Room) -> list[tuple[float, float]]:
 
 
 async def _find_at(context: SkillContext, who: Someone, wanted: Seen, where: str) -> PersonSeen | Result:
-    """Somebody at a piece of furniture or a place: the one next to it; whoever has a name may have stepped aside, and be
-    elsewhere in that room."""
+    """Somebody at a piece of furniture or a place: the one next to it. Whoever has a name may have stepped aside, and
+    be elsewhere in that room."""
     at, began = place_called(context, where), context.robot.state().t
     if at is None:
         return fail("unknown_place", f"I don't know where the {where} is.")
