@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -37,6 +37,7 @@ _PILED = 0.03  # m between the middles of things in one picture that are not the
 _LARGER = 1.2  # times as wide as what shows of it
 _ACROSS = 0.5  # m that somebody takes
 _HANDED = (0.05, 0.08)  # m, of what was never seen
+_ON_THE_FLOOR = 0.05  # m: what stands lower
 _EDGE = 6  # pixels at the picture's edge where a thing may be cut off and not be noticed
 
 
@@ -95,9 +96,12 @@ class WorldMemory:
 
     @property
     def things(self) -> tuple[Thing, ...]:
-        """Everything that lies or stands about, the newest sighting first."""
+        """Everything that lies or stands about, the newest sighting first. What may be a shoe or a leg of somebody who
+        stands there is none: a picture of the floor does not show the rest of them."""
+        people = self.people.everybody
         with self._lock:
-            return tuple(sorted(self._things.values(), key=lambda thing: -thing.seen_at))
+            newest = sorted(self._things.values(), key=lambda thing: -thing.seen_at)
+        return tuple(thing for thing in newest if not _is_part_of_somebody(thing, people))
 
     def snapshot(self) -> World:
         """Everything, for those who only look."""
@@ -281,6 +285,12 @@ class WorldMemory:
             if inside and picture.depth[int(row), int(column)] > z + 0.03 + 2 * thing.sigma:
                 gone.add(thing.number)
         return gone
+
+
+def _is_part_of_somebody(thing: Thing, people: Sequence[PersonSeen]) -> bool:
+    if thing.tag is not None or thing.surface > _ON_THE_FLOOR:
+        return False
+    return any(person.may_be_part(thing.colour, thing.position[:2], thing.seen_at) for person in people)
 
 
 def _as_thing(person: PersonSeen) -> Thing:

@@ -32,6 +32,8 @@ PLAIN: Final = 3.0
 """m within which somebody who is in the picture is certain to be noticed."""
 MOST: Final = 50
 """People who are remembered: beyond that whoever was seen longest ago is forgotten, those with a name last."""
+REACH: Final[Mapping[Posture | None, float]] = {None: 0.3, "standing": 0.3, "sitting": 0.5, "lying": 0.9}
+"""m around somebody within which what looks like a thing may be a shoe, a leg or a hand."""
 _GATE = 0.6  # m that the same person, standing, may seem to be elsewhere
 _UNTOLD_S = 1.0  # s that somebody is known for by their way alone, where nothing of their clothes shows
 _STAYED = 0.5  # m within which a posture that does not show now is still the one that did
@@ -83,6 +85,17 @@ class PersonSeen:
     def distance_to(self, x: float, y: float) -> float:
         """On the floor, m."""
         return math.hypot(self.position[0] - x, self.position[1] - y)
+
+    def may_be_part(self, colour: Colour, at: tuple[float, float], t: float) -> bool:
+        """Whether what was seen low there at ``t`` (robot time, s) may be one of their shoes or legs."""
+        worn = {self.trousers, "black"}
+        alike = self.trousers is None or colour in worn or any({colour, one} in _SHADES for one in worn)
+        return (
+            alike
+            and not self.gone
+            and abs(t - self.seen_at) < LONGEST_S
+            and self.distance_to(*at) < REACH[self.posture]
+        )
 
     def is_stale(self, now: float) -> bool:
         """Whether they may be elsewhere at ``now`` (robot time, s)."""

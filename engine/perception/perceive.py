@@ -9,6 +9,7 @@ from typing import Final
 
 import cv2
 
+from engine.perception.people import REACH
 from engine.perception.person import find_people
 from engine.perception.sighting import EVERYTHING, Part, Sight, Sighting, TagSighting
 from engine.perception.tags import find_tags
@@ -20,8 +21,6 @@ from engine.robot.floor_map import FloorMap
 cv2.setNumThreads(1)  # more threads cost more than they bring at this size, and take the recogniser's cores
 
 
-_OF_A_PERSON: Final[dict[Posture | None, float]] = {None: 0.3, "standing": 0.3, "sitting": 0.5, "lying": 0.9}
-"""m around a person within which what looks like a thing may be a shoe or a hand."""
 _WORN: Final = 0.35  # m from the middle of somebody within which a tag is on their clothes
 
 
@@ -38,7 +37,7 @@ def perceive(picture: Picture, floor_map: FloorMap, parts: Collection[Part] = EV
 
 def _part_of(thing: Sighting, people: Sequence[Sighting]) -> bool:
     return any(
-        math.dist(thing.position[:2], person.position[:2]) < _OF_A_PERSON[_posture(person)]
+        math.dist(thing.position[:2], person.position[:2]) < REACH[_posture(person)]
         and person.box[0] - 2 <= (thing.box[0] + thing.box[2]) / 2 <= person.box[2] + 2
         for person in people
     )

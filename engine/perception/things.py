@@ -35,6 +35,7 @@ _FIXED_NEAR, _FIXED_GROWS = 0.1, 0.05
 _TOP_CUT, _TOP_CLEAR = 0.9, 0.3  # m away from which, near what is fixed, the upper edge cuts off no small thing
 _FEWEST: Final = 4  # pixels
 _SLIVER, _RIM = 3, 0.3  # pixels across, and how much of the outline ends at something nearer
+_UPRIGHT: Final = 3  # times as high as wide, which no far bottle is that is so narrow
 _COVERED: Final = 0.15  # of the outline, from which on it may be another thing than it looks
 _FAR_PIXEL: Final = 0.01  # m that a pixel covers where thin strips are lost
 _OVERHANG: Final = 0.55  # of its height, that a ball hides of its own lower half when it is seen from above
@@ -94,10 +95,13 @@ def _plausible(piece: Piece, surface: float) -> bool:
         return False
     if piece.around.carries > 0.3 or piece.around.hidden > 0.5:
         return False
-    left, top, right, bottom = piece.box
-    narrow = min(right - left, bottom - top)
     # Else it is what shows of something beside a finger, or behind another thing.
-    return narrow > _SLIVER or piece.around.hidden <= _RIM
+    return not _is_sliver(piece) or piece.around.hidden <= _RIM
+
+
+def _is_sliver(piece: Piece) -> bool:
+    left, top, right, bottom = piece.box
+    return min(right - left, bottom - top) <= _SLIVER
 
 
 def _sighting(
@@ -125,6 +129,10 @@ def _sighting(
         doubtful = not _on_a_table(floor_map, x, y, surface)
     if doubtful and (not complete or piece.n < 10 or height > 3.5 * shape.width):
         return None
+    left, top, right, bottom = piece.box
+    upright = _is_sliver(piece) and bottom - top > _UPRIGHT * (right - left)
+    if upright and clearance < 2 * (_FIXED_NEAR + _FIXED_GROWS * away):
+        return None  # the edge of a wall, past which depth errs
     if "top" in piece.cut and (height > 3 * shape.width or (away > _TOP_CUT and clearance < _TOP_CLEAR)):
         return None
     tag = _tag_on(piece, tags)

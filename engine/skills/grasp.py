@@ -19,6 +19,7 @@ from engine.robot.robot import RobotState
 from engine.skills.aim import Grasp, plan, reach_of, top_of, view
 from engine.skills.approach import stand_before
 from engine.skills.context import SkillContext
+from engine.skills.feet import is_part_of_somebody
 from engine.skills.hand import (
     close_fingers,
     fold,
@@ -52,6 +53,8 @@ async def pick(context: SkillContext, thing: Thing) -> Result:
         return fail("hand_full", f"I hold the {held.name} already.")
     if thing.named_from < _CLEAR and thing.size[0] > context.robot.arm.jaw - _SLACK:
         return fail("out_of_reach", too_wide(context.robot.arm, thing))
+    if await is_part_of_somebody(context, thing):
+        return fail("object_not_found", f"What I took for the {thing.name} is part of somebody who is there.")
     wanted, trouble = thing, fail("grasp_failed", f"I could not grip the {thing.name}.")
     for attempt in range(ATTEMPTS):
         found = await _meet(context, thing)

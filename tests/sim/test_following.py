@@ -27,6 +27,7 @@ from engine.skills.context import SkillContext
 from engine.skills.external.host import external_skill
 from engine.skills.library import following
 from engine.skills.library.accompanying import person_follow
+from engine.skills.library.manipulation import pick_object
 from engine.skills.outcome import Result
 from engine.skills.registry import Skill
 from tests.eval.gpsr.three_people import among
@@ -195,6 +196,20 @@ def test_a_robot_that_is_held_on_three_sides_says_so_and_does_not_try_for_ever()
     result = run.do(person_follow)
     assert result.error_code == "path_blocked"
     assert result.message.startswith("I cannot get any nearer to the person in blue: obstacle 0.0")
+
+
+@pytest.mark.parametrize(("trousers", "facing"), [("grey", 180), ("blue", 0)])
+def test_shoes_and_legs_are_not_taken_for_things_that_lie_about(trousers: str, facing: int) -> None:
+    def watch(robot: HandRobot, t: float) -> None:
+        if t > 25:
+            raise _EnoughError
+
+    worker = {"path": [[1.6, 0.5]], "trousers": trousers, "facing": facing}
+    run = Run(hall(people={"worker": worker}), watch)
+    with pytest.raises(_EnoughError):
+        run.do(pick_object, "black thing")
+    assert run.told
+    assert not any("black" in words for words in run.told), "it went for a shoe"
 
 
 def test_a_glance_finds_what_it_asks_for_and_what_it_does_not_look_for_is_not_forgotten() -> None:
