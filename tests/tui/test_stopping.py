@@ -146,7 +146,7 @@ def test_a_key_that_stops_in_one_read_with_the_enter_before_it_stops_that_reques
             assert terminal.next_command() == command
             return
         assert first == command
-        terminal.read_until(b"never begun")
+        terminal.read_until(b"begun")  # a space that is there already is not written
         os.write(terminal.terminal, b"\x18")
         assert terminal.next_command() == "estop", "nothing was said"
 
