@@ -61,7 +61,7 @@ class Stage(App[None]):
         self.offer: Offer | None = None
         """What can be asked of it."""
         self._bound: _Bound | None = None
-        self.main = ConsoleScreen(self.command_in_line, self.acting, one_line=one_line)
+        self.main = ConsoleScreen(self.command_in_line, self.acting, self.reaching, one_line=one_line)
 
     def command_in_line(self, key: str) -> str:
         """The action of this key in an empty line."""

@@ -27,6 +27,7 @@ from tui.widgets.lines import Lines
 from tui.widgets.log import LogView
 from tui.widgets.plan import PlanView
 from tui.widgets.queue import ActionQueue
+from tui.widgets.said import Said
 from tui.widgets.timeline import Timeline
 
 SIZES = [(120, 40), (80, 24), (60, 18)]
@@ -104,13 +105,14 @@ async def test_numbers_that_follow_each_other_at_once_lead_to_the_last() -> None
 async def test_z_gives_a_pane_the_whole_middle_and_takes_it_back(size: tuple[int, int]) -> None:
     async with console(robot(), size=size) as desk:
         desk.engine.play(scripted.acting())
-        below = 3 if size == (120, 40) else 2  # microphone strip and input
+        strips = 3 if size == (120, 40) else 2  # microphone strip and input
         for (key, kind), title in zip(PANES, TITLES, strict=True):
             await desk.press(key)
             before = area(desk, kind)
             await desk.press("z")
             pane = desk.app.screen.query_one(kind)
             frame = pane.parent if kind in (FloorView, CameraView) else pane
+            below = strips + (kind is not Conversation)  # what was said last
             assert isinstance(frame, Widget)
             assert frame.region == Region(0, 1, size[0], size[1] - 1 - below)
             for words in ("ACTING", "esc stop", "mic", "Press / and type", f"{title} · z back"):
@@ -162,7 +164,7 @@ async def test_what_is_zoomed_stays_while_one_types_and_through_every_size() -> 
                 await desk.pilot.resize_terminal(*other)
                 await desk.settled()
                 if other != (40, 10):
-                    assert f"─ {title} ─" in desk.text, "digits and letters are text now"
+                    assert f"─ {title} · ctrl+g z back ─" in desk.text, "digits and letters are text now"
                     assert area(desk, kind).area > 0, (key, other)
             assert desk.app.screen.query_one(Ask).value.endswith("z")
             await desk.press("ctrl+g", "z")
@@ -407,3 +409,44 @@ async def test_the_sessions_of_several_turns_are_browsed_where_they_are_zoomed()
 
 def test_every_number_is_shown_as_it_is_typed() -> None:
     assert [shown(key) for key in (NARROWER, WIDER, "7", "z")] == ["<", ">", "7", "z"]
+
+
+@pytest.mark.parametrize(
+    ("size", "keys"),
+    [
+        ((120, 40), ("4", "z", "slash")),
+        ((80, 24), ("m",)),
+        ((80, 24), ("l",)),
+        ((60, 18), ("4",)),
+        ((120, 40), ("3", "z")),
+    ],
+    ids=lambda value: "".join(map(str, value)),
+)
+async def test_what_the_robot_says_and_asks_is_in_sight_whichever_pane_is_in_front(
+    size: tuple[int, int], keys: tuple[str, ...]
+) -> None:
+    async with console(robot(), size=size) as desk:
+        await desk.press(*keys)
+        assert area(desk, Conversation).area == 0
+        desk.engine.publish(conversation.typed("go to the exit"))
+        desk.engine.publish(ev.SpeechStarted("I am at the exit.", False))
+        await desk.settled()
+        assert "I am at the exit." in desk.text
+        question = "I cannot fly. Shall I drive there?"
+        desk.engine.publish(ev.ClarificationAsked(question, "fly to the moon"))
+        desk.engine.publish(ev.SpeechStarted(question, False))
+        desk.engine.publish(ev.RequestEnded("R1", "text", "nod", "dropped"), turn=None)
+        await desk.settled()
+        assert question in desk.text, "also when something else has happened since"
+        await desk.press("ctrl+g", "1")
+        said = desk.app.screen.query_one(Said)
+        assert not said.display and area(desk, Conversation).area > 0
+
+
+async def test_a_question_needs_no_row_where_there_is_room_for_none() -> None:
+    async with console(robot()) as desk:
+        await desk.press("4", "z")
+        desk.engine.publish(ev.SpeechStarted("I am at the exit.", False))
+        await desk.pilot.resize_terminal(38, 9)
+        await desk.settled()
+        assert "exit" not in desk.text

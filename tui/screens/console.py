@@ -5,6 +5,7 @@ The screen owns the arrangement and hands each pane its part of the view. It dec
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from textual import events
@@ -38,6 +39,7 @@ from tui.widgets.one_line import OneLine
 from tui.widgets.plan import PlanView
 from tui.widgets.problem import ProblemPanel
 from tui.widgets.queue import ActionQueue
+from tui.widgets.said import Said
 from tui.widgets.status import StatusLine
 from tui.widgets.text_line import Commands
 from tui.widgets.timeline import Timeline
@@ -64,13 +66,17 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
     AUTO_FOCUS = ""
     focused: Reactive[Widget | None] = Reactive(None, repaint=False)  # Textual's sends the whole screen each time
 
-    def __init__(self, commands: Commands, acting: Acting, *, one_line: bool = False) -> None:
-        """``commands`` says which keys act in an empty line (``TextLine``), ``acting`` which act now; ``one_line``: all
-        of it stands on one line, and on a second one that is typed in where there are two."""
+    def __init__(
+        self, commands: Commands, acting: Acting, reaching: Callable[[str], str], *, one_line: bool = False
+    ) -> None:
+        """``commands`` says which keys act in an empty line (``TextLine``), ``acting`` which act now, ``reaching`` which
+        lead to an action, after a step back if need be; ``one_line``: all of it stands on one line, and on a second one
+        that is typed in where there are two."""
         super().__init__()
         self._one_line = OneLine() if one_line else None
         self._compositor = WholeCompositor()
         self._acting = acting
+        self._reaching = reaching
         self._status = StatusLine()
         self._problem = ProblemPanel(acting)
         self._conversation = Conversation(classes="pane")
@@ -81,6 +87,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._figures = Figures(acting, classes="pane")
         self._log_view = LogView(acting, classes="pane")
         self._timeline = Timeline(acting, classes="pane")
+        self._said = Said()
         self._mic = MicStrip()
         self._ask = AskLine(acting, commands)
         self._by_hand = ByHand(acting)
@@ -130,6 +137,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         with Horizontal(id="below"):
             yield self._log_view
             yield self._timeline
+        yield self._said
         yield self._mic
         yield self._by_hand
         yield self._ask
@@ -138,6 +146,9 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
 
     def on_mount(self) -> None:
         self.type()
+
+    def on_conversation_covered(self, message: Conversation.Covered) -> None:
+        self._said.cover(message.covered)
 
     def on_screen_suspend(self) -> None:
         """Another page has the keyboard: nobody drives on when it comes back."""
@@ -226,6 +237,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         if view.failed:  # nothing can be asked
             begin, examples = [], ()
         self._conversation.update_from(model, [line for line in begin if line], examples, view.newest)
+        self._said.update_from(model)
         self._plan.update_from(model, named(waited_for(model, view.parts)))
         self._queue.update_from(model, view.now)
         self._figures.update_from(view)
@@ -335,7 +347,8 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._ask.offer()
         if self._one_line is not None:
             return
-        self._panes.entitle(self._acting)
+        back = self._reaching("zoom") if self.line.has_focus else self._acting("zoom")
+        self._panes.entitle(self._acting, back)
         self._hint_at_map()
         self._timeline.hint()
         self._log_view.entitle()

@@ -7,6 +7,7 @@ from typing import Final
 
 from rich.cells import cell_len
 from textual.content import Content
+from textual.message import Message
 
 from tui.shown.facts import Line
 from tui.shown.model import ConsoleModel
@@ -39,8 +40,21 @@ class Conversation(Growing[tuple[str, str, str]]):
     """The transcript, oldest first; what waits for its turn and words still being heard stand last, in italics where
     they may still change."""
 
+    class Covered(Message):
+        """Another pane stands in its place, or none any more."""
+
+        def __init__(self, covered: bool) -> None:
+            super().__init__()
+            self.covered = covered
+
     _said: Sequence[Line] = ()
     _newest = ""  # the key that leads to the newest line
+
+    def on_show(self) -> None:
+        self.post_message(self.Covered(False))
+
+    def on_hide(self) -> None:
+        self.post_message(self.Covered(True))
 
     def update_from(
         self, model: ConsoleModel, welcome: Sequence[str], examples: Sequence[str], newest: str = ""
