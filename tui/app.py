@@ -148,7 +148,7 @@ class SaysoApp(Stage):
         self.changing = Changing(self, self.dressing)
         self.leaving.at_the_end(self.dressing.close)
         self.leaving.at_the_end(self.changing.close)
-        self._choosing = Choosing(self, self.changing)
+        self._choosing = Choosing(self, self.changing, self.keeping)
         self._start_engine = start_engine
         self._is_ready = False
         self._presses_early = False  # the emergency stop was pressed before the engine was there

@@ -11,6 +11,7 @@ import pytest
 from textual import events
 
 from config.changing import Layers, described
+from engine import events as ev
 from engine.commands import EndTask, Interrupt, Quit, Say, Wake
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
@@ -27,6 +28,7 @@ from tui.screens.turn import TurnScreen
 from tui.widgets.ask import Ask
 from tui.widgets.floor_view import FloorView
 from tui.words import strings
+from tui.words.language import Language
 
 
 def engine_of_the_house() -> ScriptedEngine:
@@ -494,3 +496,30 @@ def test_the_palette_is_not_loaded_before_it_is_opened() -> None:
     code = "import sys, tui.app; print([name for name in sys.modules if 'palette' in name or 'option_list' in name])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True)
     assert "tui.palette" not in done.stdout
+
+
+async def test_the_map_keeps_the_keyboard_and_is_the_pane_that_is_enlarged() -> None:
+    async with console(engine_of_the_house()) as desk:
+        await desk.press("1", "4", "ctrl+p", "backspace")
+        assert desk.app.screen.query_one(FloorView).has_focus
+        await chosen(desk, "zoom")
+        assert "Map · z back" in desk.text
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+@pytest.mark.parametrize("action", ["queue_drop", "queue_earlier", "queue_change", "turn_back", "turn_on", "zoom"])
+async def test_what_does_nothing_now_says_so(action: str, language: Language) -> None:
+    async with console(engine_of_the_house(), language=language) as desk:
+        await chosen(desk, action)
+        said = strings.NO_USE.get("queue" if action.startswith("queue") else action)
+        if said is None:
+            assert desk.app.keeping.told == ""
+        else:
+            assert said in desk.text.splitlines()[0]
+
+
+async def test_what_does_nothing_with_what_waits_says_so() -> None:
+    async with console(engine_of_the_house()) as desk:
+        desk.engine.publish(ev.RequestsWaiting(("nod",), (ev.WaitingRequest("R1", "nod"),)))
+        await chosen(desk, "queue_earlier")
+        assert strings.NO_USE[""] in desk.text.splitlines()[0]

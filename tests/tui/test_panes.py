@@ -440,7 +440,8 @@ async def test_what_the_robot_says_and_asks_is_in_sight_whichever_pane_is_in_fro
         assert question in desk.text, "also when something else has happened since"
         await desk.press("ctrl+g", "1")
         said = desk.app.screen.query_one(Said)
-        assert not said.display and area(desk, Conversation).area > 0
+        assert not said.display
+        assert area(desk, Conversation).area > 0
 
 
 async def test_a_question_needs_no_row_where_there_is_room_for_none() -> None:

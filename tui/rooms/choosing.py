@@ -5,25 +5,31 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from textual.actions import parse
+
 from engine.commands import EStop
 from tui.keys.keys import KEYS, LINE_KEYS
 from tui.shown.facts import printable
 from tui.words import strings
 
 if TYPE_CHECKING:
+    from textual.dom import DOMNode
+
     from engine.skills.registry import Skill
     from tui.palette.entries import Choice, Entry, Where
     from tui.rooms.changing import Changing
+    from tui.rooms.keeping import Keeping
     from tui.stage import Stage
 
 
 class Choosing:
     """Opens panels over the main screen and acts on their answers; their modules are read when one is opened."""
 
-    def __init__(self, stage: Stage, changing: Changing) -> None:
-        """``changing`` changes settings, and opens their page."""
+    def __init__(self, stage: Stage, changing: Changing, keeping: Keeping) -> None:
+        """``changing`` changes settings, and opens their page; ``keeping`` tells what is to be read."""
         self._stage = stage
         self._changing = changing
+        self._keeping = keeping
 
     async def open(self) -> None:
         """Everything that can be done; once more: not that."""
@@ -117,19 +123,19 @@ class Choosing:
         if action == "estop" and not stage.is_headless:  # where its own key has not been pressed, which does it
             stage.send(EStop())
         if where == "console":
-            await stage.run_action(action)
+            await self._run(action, stage, action)
             return
         if where == "map":
             stage.main.point(stay=True)
-            await stage.run_action(action, stage.main.floor)
+            await self._run(action, stage.main.floor, where)
             return
         if where == "queue":
             stage.main.go_to("actions")
-            await stage.run_action(action, stage.main.queue)
+            await self._run(action, stage.main.queue, where if not stage.main.queue.has_waiting else "")
             return
         if where == "log":
             stage.main.go_to("log")
-            await stage.run_action(action, stage.main.log_pane)
+            await self._run(action, stage.main.log_pane, where)
             return
         if where == "hand" and not stage.check_action("by_hand", ()):
             await stage.run_action("by_hand")  # which says why not
@@ -142,6 +148,13 @@ class Choosing:
             return
         await stage.run_action("turn")
         stage.screen.call_after_refresh(stage.run_action, action, stage.screen)
+
+    async def _run(self, action: str, target: DOMNode, about: str) -> None:
+        """Do it there. Where it does nothing now, that is said, unless it says so itself."""
+        _, name, parameters = parse(action)
+        if not target.check_action(name, parameters):
+            self._keeping.remark(strings.NO_USE.get(about, strings.NO_USE[""]))
+        await self._stage.run_action(action, target)
 
     async def _fill(self, skill: Skill) -> None:
         """Ask for the arguments of a skill, if it has any."""

@@ -69,9 +69,9 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
     def __init__(
         self, commands: Commands, acting: Acting, reaching: Callable[[str], str], *, one_line: bool = False
     ) -> None:
-        """``commands`` says which keys act in an empty line (``TextLine``), ``acting`` which act now, ``reaching`` which
-        lead to an action, after a step back if need be; ``one_line``: all of it stands on one line, and on a second one
-        that is typed in where there are two."""
+        """``commands`` says which keys act in an empty line (``TextLine``), ``acting`` which act now, ``reaching``
+        which lead to an action, after a step back if need be; ``one_line``: all of it stands on one line, and on a
+        second one that is typed in where there are two."""
         super().__init__()
         self._one_line = OneLine() if one_line else None
         self._compositor = WholeCompositor()
@@ -110,6 +110,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._too_small = Static(id="too-small", markup=False)
         self._camera_frame = camera
         self._over: Palette | Form | None = None  # what lies over everything
+        self._covered: Widget | None = None  # had the keyboard when that came
         self._rest: Widget | None = self.line  # where the keyboard was before something took it for a while
 
     def _on_screen_resume(self, event: events.ScreenResume) -> None:
@@ -509,7 +510,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
     async def cover(self, panel: Palette | Form) -> None:
         """Show a panel over everything, which gets the keyboard before the next key is dealt out."""
         await self.uncover()
-        self._over = panel
+        self._over, self._covered = panel, self.focused
         await self.mount(panel)
         panel.begin()
         panel.hint()
@@ -519,7 +520,10 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         panel = self._over
         if panel is None or not self._is_covered:
             return False
-        self.rest()
+        if self._covered is self._floor and _has_room(self._floor):
+            self.set_focus(self._floor)  # which keeps it; a hand does not drive on
+        else:
+            self.rest()
         self._over = None
         await panel.remove()
         return True

@@ -126,6 +126,11 @@ class ActionQueue(Lines[Shown | Waits]):
             self._held = False
         self._place = next((at for at, request in enumerate(waiting) if request.id == self._chosen), 0)
 
+    @property
+    def has_waiting(self) -> bool:
+        """There is a request that waits, and can be chosen."""
+        return bool(self._waiting)
+
     def hint(self) -> None:
         """Write into the frame what belongs there now."""
         if self._known is None:

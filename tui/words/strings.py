@@ -493,6 +493,13 @@ PASTED_TOO_LONG: Final = "Too long to be pasted: the line holds {} characters. N
 ADDS: Final = "{add} afterwards"
 """Behind the line, while something runs: the key that adds what is written to what waits."""
 NOTHING_TO_ADD: Final = "Nothing is written to be done afterwards"
+NO_USE: Final = {
+    "queue": "No request waits",
+    "turn_back": "There is no turn before",
+    "turn_on": "There is no turn after",
+    "": "That does nothing now",
+}
+"""Why what was chosen in the palette does nothing: by where it acts, or by its action; empty: any other."""
 PHRASES: Final = (
     "go to the ", "turn left 90 degrees", "turn right 90 degrees", "turn around", "move forward 1 metre",
     "move back 1 metre", "where are you?", "what can you do?", "what do you see?", "look around", "pick up the ",
