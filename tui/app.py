@@ -643,7 +643,7 @@ class SaysoApp(Stage):
             self.step_back()
         else:
             commands = self.command_in_line
-            self.open_page(HelpScreen(self, commands, self._place))
+            self.open_page(HelpScreen(self, commands, self._place, self.enabling.idle_borders()))
 
     @property
     def _place(self) -> str:

@@ -112,3 +112,12 @@ async def test_keys_for_more_are_named_where_there_is_more() -> None:
         await desk.press(*"emergency")
         assert "more ·" not in desk.text
         assert "ctrl+g back · esc stops" in desk.text
+
+
+@pytest.mark.parametrize(("size", "named"), [((80, 24), False), ((120, 40), True)])
+@pytest.mark.parametrize("key", ["5", "6"])
+async def test_a_border_is_named_first_only_where_there_is_one(key: str, size: tuple[int, int], named: bool) -> None:
+    async with console(size=size) as desk:
+        await desk.press(key, "question_mark")
+        first = rows(desk)[: rows(desk).index("To begin")]
+        assert any("left panes" in row for row in first) is named, first

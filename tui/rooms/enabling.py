@@ -78,6 +78,11 @@ class Enabling:
         use = self._uses.get(action)
         return True if use is None or use(*parameters) else None
 
+    def idle_borders(self) -> frozenset[str]:
+        """The keys of borders where none is in sight: a pane has the whole width."""
+        moves = any(self._stage.main.can_shift(step) for step in (-1, 1))
+        return frozenset(() if moves else ("border_left", "border_right"))
+
     def possible(self, action: str) -> bool:
         """Whether there is anything here by which it could ever act: nobody is heard without a microphone."""
         return action != "wake" or deaf(self._drawing.parts) is None

@@ -3,7 +3,7 @@ fit what is typed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar, Final, NamedTuple, Protocol
 
 from rich.cells import cell_len
@@ -90,13 +90,16 @@ class HelpScreen(Screen[None]):
         Binding("down", "scroll(1)", show=False),
     ]
 
-    def __init__(self, keyboard: Keyboard, commands: Commands, place: str = "") -> None:
+    def __init__(
+        self, keyboard: Keyboard, commands: Commands, place: str = "", idle: Collection[str] = frozenset()
+    ) -> None:
         """``commands`` as in ``TextLine``. ``place`` is where one was: the name of a pane, ``line``, ``hand``, ``turn``
-        or ``settings``; empty: nowhere in particular."""
+        or ``settings``; empty: nowhere in particular. ``idle`` are actions for which there is nothing to do there."""
         super().__init__()
         self._keyboard = keyboard
         self._commands = commands
         self._place = place
+        self._idle = idle
         self._typed = ""
         self._status = StatusLine()
         self._view: View | None = None
@@ -160,7 +163,7 @@ class HelpScreen(Screen[None]):
         }
         about = strings.ABOUT_LINE_KEYS
         line = tuple(Row(key, about[name]) for name, key in all_shown({name: name for name in about}).items())
-        of_pane = PANE_KEYS.get(self._place, ())
+        of_pane = [name for name in PANE_KEYS.get(self._place, ()) if name not in self._idle]
         first = tuple(key for key in KEYS if key.id in of_pane)
         if self._place == "line":
             yield Section(strings.HELP_LINE, (*line, *self._rows(first)))
