@@ -164,6 +164,7 @@ class SaysoApp(Stage):
 
     def _heard(self, body: ev.Body) -> None:
         """As it is drawn."""
+        self.keeping.hear(body)
         self.queueing.hear(body)
         self.dressing.hear(body)
 

@@ -33,7 +33,7 @@ async def test_y_copies_the_newest_turn_and_says_so(monkeypatch: pytest.MonkeyPa
         text = await copied(desk, monkeypatch, "y")
         assert "recognise" in text
         assert "4552 ms" in text
-        assert f"turn copied · {len(text.splitlines())} lines" in desk.text.splitlines()[0]
+        assert f"to clipboard: turn · {len(text.splitlines())} lines" in desk.text.splitlines()[0]
         assert "y again: conversation" in desk.text
 
 
@@ -47,7 +47,7 @@ async def test_the_turn_that_is_looked_at_is_the_one_that_is_copied(monkeypatch:
         before = await copied(desk, monkeypatch, "y")
         assert before
         assert before != newest
-        assert "turn copied" in desk.text.splitlines()[0]
+        assert "to clipboard: turn" in desk.text.splitlines()[0]
 
 
 async def test_y_again_copies_conversation_plan_actions_and_log_one_after_the_other(
@@ -59,7 +59,7 @@ async def test_y_again_copies_conversation_plan_actions_and_log_one_after_the_ot
         texts = [await copied(desk, monkeypatch, "y") for _ in range(4)]
         for text, words in zip(texts, ("you  ", "Go to", "▸ ", "sayso"), strict=True):
             assert words in text
-        assert "log copied" in desk.text.splitlines()[0]
+        assert "to clipboard: log" in desk.text.splitlines()[0]
         assert "y again: turn" in desk.text.splitlines()[0]
 
 
@@ -79,7 +79,7 @@ async def test_the_pane_with_the_keyboard_is_the_one_that_is_copied(
         await desk.settled()
         desk.app.action_pane(pane)
         assert await copied(desk, monkeypatch, "y")
-        assert f"{pane} copied" in desk.text.splitlines()[0]
+        assert f"to clipboard: {pane}" in desk.text.splitlines()[0]
 
 
 async def test_where_nothing_happened_nothing_is_copied_and_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -96,7 +96,7 @@ async def test_the_status_line_is_free_again_and_y_begins_anew() -> None:
         await desk.settled()
         assert "copied" not in desk.text.splitlines()[0]
         await desk.press("y")
-        assert "turn copied" in desk.text.splitlines()[0]
+        assert "to clipboard: turn" in desk.text.splitlines()[0]
 
 
 async def test_a_y_that_is_typed_is_a_y_and_escape_still_stops() -> None:
@@ -120,4 +120,16 @@ async def test_one_line_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
         desk.engine.publish(ev.Log("warning", "robot", "the wheel slipped"))
         await desk.press("5")
         assert len((await copied(desk, monkeypatch, "y")).splitlines()) == 1
-        assert "log copied · 1 line ·" in desk.text.splitlines()[0]
+        assert "to clipboard: log · 1 line ·" in desk.text.splitlines()[0]
+
+
+async def test_the_key_that_copies_more_is_named_only_where_it_does() -> None:
+    async with console() as desk:
+        desk.engine.play(scripted.acting())
+        await desk.press("1", "y")
+        assert "y again: plan" in desk.text.splitlines()[0]
+        await desk.press("slash")
+        assert "to clipboard: conversation" in desk.text.splitlines()[0]
+        assert "y again: plan" not in desk.text
+        await desk.press("ctrl+g", "question_mark")
+        assert "y again: plan" not in desk.text.splitlines()[0]

@@ -126,7 +126,7 @@ async def test_y_copies_what_was_found(monkeypatch: pytest.MonkeyPatch) -> None:
         lines = (await copied(desk, monkeypatch, "y")).splitlines()
         assert lines[0] == "✓ fine      python          3.13.1, 2 cores"
         assert lines[2].strip() == "→ sayso models pull piper"
-        assert f"{len(lines)} lines copied" in desk.text.splitlines()[0]
+        assert f"to clipboard: {len(lines)} lines" in desk.text.splitlines()[0]
 
 
 @pytest.mark.parametrize("size", [(120, 40), (80, 24)])

@@ -488,6 +488,18 @@ async def test_the_robot_is_told_on_the_map_where_it_is() -> None:
         assert turned.yaw == pytest.approx(HERE.pose.yaw + TURN)
 
 
+@pytest.mark.parametrize("key", ["p", "comma", "full_stop"])
+async def test_why_it_is_not_there_is_said_where_one_looks(key: str) -> None:
+    async with console(ScriptedEngine(robot=HERE, floor=flat()), size=(80, 24), notices=True) as desk:
+        await desk.press("m", "right", key)
+        desk.engine.publish(ev.Ack("here", False, "Not while it does something: stop it first."), turn=None)
+        await desk.settled()
+        assert "Not while it does something" in desk.text
+        desk.engine.publish(ev.Ack("here", False, "That is not on the map."), turn=None)
+        await desk.settled()
+        assert "That is not on the map." in desk.text
+
+
 # Where the robot is, and what the signs mean
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final, Literal
 
 from textual.notifications import Notification, Notify
 
+from engine import events as ev
 from engine.errors import StorageError
 from tui.messages import Told
 from tui.screens.pages import Copied
@@ -18,7 +19,8 @@ from tui.shown.facts import printable
 from tui.shown.view import View
 from tui.widgets.status import has_room
 from tui.words import strings
-from tui.words.hints import hint_line
+from tui.words.hints import Acting, hint_line
+from tui.words.language import told
 
 if TYPE_CHECKING:
     from textual.timer import Timer
@@ -53,7 +55,8 @@ class Keeping:
         self._stage = stage
         self._untold: Timer | None = None
         self._boxes: dict[str, Notification] = {}  # what was told over the screen, by its words
-        self._copied: Part | None = None  # while the status line says so
+        self._copied: Part | None = None  # while the status line says so…
+        self._words: Callable[[], str] = str  # …in these words, with the key that copies more where that acts
         self._here = False  # what stands there is true only where the keyboard is now
 
     def copy(self) -> None:
@@ -70,12 +73,17 @@ class Keeping:
         part = next_part(self._copied) if self._copied is not None else self._in_sight
         words = strings.COPY_PARTS
         named, other = words[part], words[next_part(part)]
-        if text := plain(part, stage.shown):
+        text = plain(part, stage.shown)
+        if text:
             stage.copy_to_clipboard(text)
-            self.tell(hint_line(strings.COPIED, stage.acting, lines=_lines(text), part=named, other=other))
-        else:
-            self.tell(hint_line(strings.NOTHING_TO_COPY, stage.acting, part=named, other=other))
-        self._copied = part
+        told_so = strings.COPIED if text else strings.NOTHING_TO_COPY
+
+        def wording(acting: Acting = stage.acting) -> str:
+            return hint_line(told_so, acting, lines=_lines(text), part=named, other=other)
+
+        self._show(wording(), "info")
+        stage.note("info", wording(lambda action: None))
+        self._copied, self._words = part, wording
 
     def save(self) -> None:
         """The session and a picture of the screen; behind the screen, as a disk takes its time."""
@@ -90,6 +98,16 @@ class Keeping:
     ) -> None:
         """In the status line for a while, and in the log for good. Where the status line has no room for it, and where
         the ``file`` that it names can be opened, it lies over the screen. ``holds``: as in :meth:`remark`."""
+        self._show(text, level, file, holds=holds)
+        self._stage.note(level, self.told)
+
+    def hear(self, body: ev.Body) -> None:
+        """A key was refused: why is said where one looks. The log has it already; how a request in words ended has a
+        row."""
+        if isinstance(body, ev.Ack) and not body.ok and body.do != "say" and (why := told(body.message)) != self.told:
+            self._show(why, "info")
+
+    def _show(self, text: str, level: Literal["info", "error"], file: str = "", *, holds: Holds = always) -> None:
         from tui.words.links import marked_up
 
         self.remark(text, holds=holds)
@@ -100,7 +118,6 @@ class Keeping:
             box = Notification(marked_up(self.told, printable(file)), severity=severity, timeout=TOLD_S, markup=True)
             self._boxes[self.told] = box
             stage.post_message(Notify(box))
-        stage.note(level, self.told)
 
     def take_away(self, text: str) -> None:
         """What was told is over: it stands nowhere any longer but in the log."""
@@ -126,6 +143,8 @@ class Keeping:
 
     def notice(self, view: View) -> str:
         """What stands in the status line, as things are now. What held and does no more is told no more."""
+        if self._copied is not None:
+            self.told = printable(self._words())
         if not self.told or self._holds(view):
             self._has_held = True
             return self.told

@@ -93,7 +93,7 @@ ABOUT_KEYS: Final = {
     "zoom": "Enlarge the pane with the keyboard, or make it small again.",
     "border_left": "Make the left panes narrower; from the log or the turns, the log.",
     "border_right": "Make the left panes wider; from the log or the turns, the log.",
-    "copy": "Copy the turn; pressed again: conversation, plan, actions, log.",
+    "copy": "Copy the turn; pressed again: conversation, plan, actions, log. In tmux: set -s set-clipboard on.",
     "save": "Save the session and a picture of the screen; it says where.",
     "link": "Show or hide how fast the connection to this terminal is.",
     "settings": "Settings: look at them and change them, or leave that page.",
@@ -690,7 +690,7 @@ NOT_KEPT: Final = "Your requests are not saved for later sessions: {}"
 # Copying and saving
 LINES: Final = ("{} line", "{} lines")
 """So many: one, and any other number."""
-COPIED: Final = "{part} copied · {lines} · {copy} again: {other}"
+COPIED: Final = "to clipboard: {part} · {lines} · {copy} again: {other}"
 NOTHING_TO_COPY: Final = "no {part} to copy · {copy} again: {other}"
 COPY_PARTS: Final = {
     "turn": "turn",
@@ -707,7 +707,7 @@ DOCTOR_TITLE: Final = "Doctor"
 DOCTOR_KEYS: Final = "{older} {newer} more · {examine} again · {copy} copies · {back} back · {interrupt} stops"
 EXAMINING: Final = "◌ {name} … {count} examined so far"
 NOTHING_TO_EXAMINE: Final = "The settings are not read yet. Try again in a moment."
-COPIED_PAGE: Final = "{lines} copied"
+COPIED_PAGE: Final = "to clipboard: {lines}"
 NOTHING_FOUND_YET: Final = "nothing to copy yet"
 FINDINGS: Final = {"ok": "fine", "limited": "limited", "missing": "missing"}
 CHECKS: Final = {

@@ -97,7 +97,7 @@ ABOUT_KEYS: Final = {
     "zoom": "让当前窗格占满，或恢复原样。",
     "border_left": "左侧窗格变窄；在日志和各轮处是日志变窄。",
     "border_right": "左侧窗格变宽；在日志和各轮处是日志变宽。",
-    "copy": "复制本轮；再按一次：对话、计划、动作、日志。",
+    "copy": "复制本轮；再按一次：对话、计划、动作、日志。在 tmux 中须先 set -s set-clipboard on。",
     "save": "保存会话和屏幕截图，并说明保存在哪里。",
     "link": "显示或隐藏终端连接的速度。",
     "settings": "设置：查看、更改，或离开该页。",
@@ -647,7 +647,7 @@ NOT_KEPT: Final = "你的请求没有保存到以后的会话：{}"
 
 # Copying and saving
 LINES: Final = ("{} 行", "{} 行")
-COPIED: Final = "已复制{part} · {lines} · 再按 {copy}：{other}"
+COPIED: Final = "送往剪贴板：{part} · {lines} · 再按 {copy}：{other}"
 NOTHING_TO_COPY: Final = "没有{part}可复制 · 再按 {copy}：{other}"
 COPY_PARTS: Final = {
     "turn": "本轮",
@@ -664,7 +664,7 @@ DOCTOR_TITLE: Final = "检查"
 DOCTOR_KEYS: Final = "{older} {newer} 翻页 · {examine} 再检查 · {copy} 复制 · {back} 返回 · {interrupt} 停止"
 EXAMINING: Final = "◌ {name} … 已检查 {count} 项"
 NOTHING_TO_EXAMINE: Final = "设置尚未读取，请稍后再试。"
-COPIED_PAGE: Final = "已复制 {lines}"
+COPIED_PAGE: Final = "送往剪贴板：{lines}"
 NOTHING_FOUND_YET: Final = "还没有可复制的"
 FINDINGS: Final = {"ok": "正常", "limited": "受限", "missing": "缺少"}
 CHECKS: Final = {
