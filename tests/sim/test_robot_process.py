@@ -37,6 +37,24 @@ def test_after_a_stop_the_very_next_tick_commands_zero() -> None:
     run(main)
 
 
+def test_at_full_speed_a_robot_that_is_stopped_comes_to_rest_though_nobody_waits_for_it() -> None:
+    async def main() -> None:
+        async with running() as robot:
+            assert (await keep_driving(robot, FORWARD, 1, 50)).moving
+            robot.stop(2)
+            for _ in range(200):
+                await asyncio.sleep(0)
+            rest = robot.state()
+            assert not rest.moving
+            assert rest.epoch == 2
+            robot.stop(3)
+            for _ in range(200):
+                await asyncio.sleep(0)
+            assert robot.state().t == rest.t, "time stands still again"
+
+    run(main)
+
+
 def test_commands_of_an_epoch_that_is_over_never_move_the_robot() -> None:
     async def main() -> None:
         async with running() as robot:

@@ -11,6 +11,7 @@ and what was commanded before moves nothing. The camera is nothing of the host's
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import itertools
 import math
 import os
@@ -18,7 +19,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 
@@ -41,6 +42,8 @@ from engine.robot.robot import SLOWEST, BatteryState, Capability, Footprint, Goi
 
 ANSWER_LIMIT = 2.5
 """s of silence after which a robot process that has not ended counts as lost."""
+BRAKE_TICKS: Final = 25
+"""Ticks in which a robot at full speed comes to rest after a stop; from its highest speed it needs 5."""
 _AGAIN = "Start it again."
 
 
@@ -103,6 +106,7 @@ class HostedRobot:
         self._lost: str | None = "The robot has not been started."
         self._waiters: dict[asyncio.Future[None], int] = {}  # each waits for a tick later than this one
         self._exchange_due = False
+        self._braking: asyncio.Task[None] | None = None
         self._on_camera = on_camera
         self._camera: Eye | None = None
         self._looking = 0  # who waits for a picture
@@ -192,6 +196,8 @@ class HostedRobot:
 
     async def close(self) -> None:
         """Stop the robot, end its processes and release everything. Harmless when nothing runs."""
+        if self._braking is not None:
+            self._braking.cancel()
         process = self._process
         if process is not None and self._lost is None:
             self._lose("The robot has been closed.")
@@ -232,6 +238,9 @@ class HostedRobot:
         memory = self._memory  # also while there is no process: the next one obeys it
         if memory is not None:
             memory.ints[m.STOP_EPOCH] = epoch
+            if not self._in_real_time and (loop := self._loop) is not None:
+                with contextlib.suppress(RuntimeError):  # the loop has ended
+                    loop.call_soon_threadsafe(self._come_to_rest)
 
     def press(self, pressed: bool) -> None:
         self._pressed = pressed
@@ -394,6 +403,19 @@ class HostedRobot:
         except OSError:
             answered = False
         self._answer(process, answered)
+
+    def _come_to_rest(self) -> None:
+        """At full speed: time stands still where nobody waits for it, and after a stop nobody need do. Let the robot
+        brake, and not move for ever."""
+        if self._lost is None and self._memory is not None and (self._braking is None or self._braking.done()):
+            self._braking = asyncio.ensure_future(self._brake())
+
+    async def _brake(self) -> None:
+        with contextlib.suppress(RobotError):
+            for _ in range(BRAKE_TICKS):
+                if not self.state().moving:
+                    return
+                await self._next_tick()
 
     def _on_link(self) -> None:
         """In real time: a tick has passed, or the process has ended."""
