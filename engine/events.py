@@ -424,6 +424,7 @@ class ActionStarted(Body, frozen=True):
     name: str
     args: Mapping[str, Value]
     told: str = ""  # as when it was queued
+    robot_t: float | None = None  # s, robot time, by which its duration is measured as well; None: nobody knows
 
 
 @kind("action.progress")

@@ -204,7 +204,8 @@ class Dispatcher:
             run.started.add(index)
             run.running.add(key)
             told = run.told(action).step
-            run.emit(ActionStarted(key, index + 1, len(run.plan.actions), action.name, action.args, told))
+            now = round(self._robot_time(), 3)
+            run.emit(ActionStarted(key, index + 1, len(run.plan.actions), action.name, action.args, told, now))
             result = await self._perform(run, action, key)
             if not result.ok or result.error_code == "needs_answer":
                 raise _Failed

@@ -35,6 +35,9 @@ def test_a_plain_request_is_planned_driven_and_reported() -> None:
         assert abs(talk.robot.state().pose.x - 1.0) < 0.02
         finished = talk.bodies(events.ActionFinished)
         assert [(body.name, body.outcome) for body in finished] == [("move_forward", "ok")]
+        (started,) = talk.bodies(events.ActionStarted)
+        assert started.robot_t is not None
+        assert 0 < finished[0].duration_s <= talk.robot.state().t - started.robot_t + 0.001
         assert talk.session.state == "WAITING"
 
     converse(test)

@@ -73,6 +73,7 @@ def test_a_running_action_takes_its_time_from_events() -> None:
     model = after(Step(10.0, started), Step(1.5, ev.ActionProgress("a1", "wait", 0.5)))
     assert model.running is not None
     assert model.running.elapsed(model.t) == pytest.approx(1.5)
+    assert model.running.elapsed(model.t, 40.0) == pytest.approx(1.5), "nobody has told when it began for the robot"
     assert model.moving
     assert model.busy
 

@@ -11,6 +11,7 @@ from engine import events as ev
 from engine.commands import Command, Drop, Interrupt, Move, Say
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
+from tests.tui.scripted import ScriptedEngine, flat, robot_at
 from tui.widgets.log import LogView
 from tui.widgets.queue import ActionQueue, Waits
 from tui.words.language import Language
@@ -551,3 +552,16 @@ async def test_while_the_robot_asks_a_key_adds_what_is_written_to_what_waits() -
         assert "ctrl+j afterwards" in desk.text.splitlines()[-1]
         await desk.press("ctrl+j")
         assert desk.engine.sent == [Say("nod", wait=True)]
+
+
+async def test_an_action_that_runs_takes_the_robots_time_as_one_that_has_ended() -> None:
+    async with console(ScriptedEngine(robot=robot_at(0.0, 0.0, 0.0, t=100.0), floor=flat())) as desk:
+        args = {"seconds": 60.0}
+        desk.engine.publish(ev.ActionStarted("a1", 1, 1, "wait", args, "Wait for 60 s", 100.0))
+        desk.engine.robot = robot_at(0.0, 0.0, 0.0, t=144.5)
+        desk.engine.publish(ev.Log("info", "test", "it goes on"), after=5.8)
+        await desk.settled()
+        assert "44.5 s" in desk.text
+        desk.engine.publish(ev.ActionFinished("a1", "wait", args, "ok", None, "", 60.0), after=0.1)
+        await desk.settled()
+        assert "60.0 s" in desk.text

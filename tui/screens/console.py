@@ -240,7 +240,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._conversation.update_from(model, [line for line in begin if line], examples, view.newest)
         self._said.update_from(model)
         self._plan.update_from(model, named(waited_for(model, view.parts)))
-        self._queue.update_from(model, view.now)
+        self._queue.update_from(model, view.now, view.robot.t if view.robot is not None else None)
         self._figures.update_from(view)
         self._figures.tell(view.link)
         kept = model.turns.kept

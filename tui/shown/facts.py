@@ -65,16 +65,20 @@ class Row(Struct, frozen=True):
     index: int
     call: str  # what is to be done, in words: ``Go to the kitchen``
     phase: Phase
-    started: float | None = None  # s, event time
+    started: float | None = None  # s, event time…
+    began: float | None = None  # …and robot time, by which its duration is measured; None: nobody has told
     duration_s: float | None = None
     fraction: float | None = None  # 0…1
     message: str = ""
     path: Path = ()  # the way that is left, map frame, m
 
-    def elapsed(self, now: float) -> float | None:
-        """Seconds so far at event time ``now``, or in all; None before the start."""
+    def elapsed(self, now: float, robot_now: float | None = None) -> float | None:
+        """Seconds so far at event time ``now``, or in all; None before the start. They are the robot's own where its
+        clock is known, which may go faster than ours."""
         if self.duration_s is not None or self.started is None:
             return self.duration_s
+        if self.began is not None and robot_now is not None:
+            return max(0.0, robot_now - self.began)
         return max(0.0, now - self.started)
 
 

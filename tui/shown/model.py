@@ -336,7 +336,7 @@ def _(body: ev.ActionQueued, model: ConsoleModel, event: ev.Event) -> ConsoleMod
 
 @_fold.register
 def _(body: ev.ActionStarted, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
-    row = Row(body.action, event.turn, body.index, in_words(body), "running", started=event.t)
+    row = Row(body.action, event.turn, body.index, in_words(body), "running", started=event.t, began=body.robot_t)
     return model.with_row(row)
 
 

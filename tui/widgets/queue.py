@@ -83,7 +83,7 @@ class ActionQueue(Lines[Shown | Waits]):
             self.request = request
 
     _summary = Content("")
-    _known: tuple[ConsoleModel, float] | None = None  # what it was told to show
+    _known: tuple[ConsoleModel, float, float | None] | None = None  # what it was told to show
     _told: tuple[Waiting, ...] = ()  # what waits, as far as it has been told
     _waiting: tuple[Waiting, ...] = ()  # the same, as the keys since then have moved them
     _chosen = ""  # the id of a request
@@ -93,9 +93,9 @@ class ActionQueue(Lines[Shown | Waits]):
         super().__init__(classes=classes)
         self._acting = acting
 
-    def update_from(self, model: ConsoleModel, now: float) -> None:
-        """Show the queue with durations as of event time ``now``."""
-        self._known = model, now
+    def update_from(self, model: ConsoleModel, now: float, robot_now: float | None = None) -> None:
+        """Show the queue with durations as of event time ``now``, which is ``robot_now`` on the robot's clock."""
+        self._known = model, now, robot_now
         running = next((number for number, row in enumerate(model.queue) if row.phase == "running"), None)
         if (told := tuple(request for request in model.waiting if request.id)) != self._told:
             self._told = told
@@ -103,7 +103,11 @@ class ActionQueue(Lines[Shown | Waits]):
         self.hint()
         roomy = self.size.height >= _ROOM_FOR_WORDS
         rows = [
-            _shown(row, now, roomy if row.phase == "running" else running is None and row.phase not in ("queued", "ok"))
+            _shown(
+                row,
+                row.elapsed(now, robot_now),
+                roomy if row.phase == "running" else running is None and row.phase not in ("queued", "ok"),
+            )
             for row in model.queue
         ]
         following = None if running is None else min(running + 1, len(rows) - 1)
@@ -225,8 +229,7 @@ def _drawn_waiting(item: Waits) -> Drawn:
     return Drawn(gutter, body, Content.styled(strings.WAITS, _DIM), nowrap=True)
 
 
-def _shown(row: Row, now: float, whole: bool) -> Shown:
-    elapsed = row.elapsed(now)
+def _shown(row: Row, elapsed: float | None, whole: bool) -> Shown:
     filled = None if row.fraction is None else round(max(0.0, min(1.0, row.fraction)) * _BAR)
     seconds = "" if elapsed is None else f"{elapsed:.1f} s"
     return Shown(row.phase, row.index, told(row.call), told(row.message), seconds, filled, whole)
