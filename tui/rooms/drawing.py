@@ -334,8 +334,8 @@ class Drawing:
 
     def _with_ends(self, view: View) -> View:
         """With how requests ended, unless something more urgent is to be read."""
-        problem, pressed = view.model.problem, view.robot is not None and view.robot.estop
-        hidden = bool((view.notice and not pressed) or view.model.partial or (problem is not None and problem.fatal))
+        pressed = view.robot is not None and view.robot.estop
+        hidden = bool((view.notice and not view.standstill) or view.model.partial)
         self.ending.look(view.model, pressed=pressed, hidden=hidden)
         return replace(view, ends=self.ending.told, outdated=self.ending.outdated)
 
