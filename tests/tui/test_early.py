@@ -194,7 +194,7 @@ async def test_of_lines_that_were_pasted_those_before_a_stop_never_begin() -> No
 async def test_the_emergency_stop_in_words_is_pressed_once_the_engine_is_there() -> None:
     async with starting() as (desk, gate):
         await desk.press(*"nod", "enter", *"emergency stop", "enter")
-        assert "pressed as soon as the engine is there" in desk.text
+        assert "E-STOP once the robot is there" in desk.text
         await start(desk, gate)
         assert desk.engine.sent == [EStop()]
         assert lost(desk) == [Line("lost", "nod", "never begun: the emergency stop")]
