@@ -85,7 +85,8 @@ class EmergencyStop:
     def standstill(self, view: View) -> str:
         """What the status line says for as long as it is pressed or is going to be, and which key releases it."""
         if view.robot is not None and view.robot.estop:
-            words = strings.ESTOP_HOLDS
+            drops = view.model.waiting or view.model.asks  # nothing that was said before a release moves the robot
+            words = strings.ESTOP_HOLDS_WAITING if drops else strings.ESTOP_HOLDS
         elif view.robot is None and self._was_pressed and not view.failed:
             words = strings.ESTOP_COMES
         else:

@@ -186,7 +186,7 @@ def _(body: ev.InterruptRaised, model: ConsoleModel, event: ev.Event) -> Console
     model = replace(model, partial="", plan=plan)
     stopped = body.scope == "wake" and body.state in EXPRESSING
     ran = body.state not in REST or event.turn is not None  # a turn that waits for the robot has no state yet
-    if stopped or (body.scope in ("stop", "interrupt") and ran):
+    if stopped or (body.scope in ("stop", "interrupt", "release") and ran):
         return model.with_line(Line("mark", strings.STOPPED, printable(body.source)))
     if body.scope == "estop":  # it stays, whatever it stopped
         return model.with_line(Line("mark", strings.STOPPED, "estop"))

@@ -29,6 +29,7 @@ STARTING: Final = "STARTING"
 BROKEN: Final = "FAILED"
 ESTOP: Final = "E-STOP"
 ESTOP_HOLDS: Final = "nothing moves; {release} releases"
+ESTOP_HOLDS_WAITING: Final = "nothing moves; {release} releases and drops what waits"
 ESTOP_COMES: Final = "E-STOP once the robot is there; {release} takes it back"
 BY_HAND_STANDS: Final = "{why} · {back} back · {interrupt} stops"
 BY_HAND: Final = (
@@ -280,6 +281,7 @@ REASONS: Final = {
     "quit": "quitting",
     "halted": "the robot itself",
     "estop": "the emergency stop",
+    "release": "the release of the emergency stop",
     "drive": "driving by hand",
     "by_hand": "driving by hand",
     "stop": "stop",

@@ -28,6 +28,7 @@ STARTING: Final = "启动中"
 BROKEN: Final = "故障"
 ESTOP: Final = "急停"
 ESTOP_HOLDS: Final = "机器人不会动；{release}解除"
+ESTOP_HOLDS_WAITING: Final = "机器人不会动；{release}解除，并放弃等待中的请求"
 ESTOP_COMES: Final = "机器人一就绪就按下急停；{release}取消"
 BY_HAND_STANDS: Final = "{why} · {back} 返回 · {interrupt} 停止"
 BY_HAND: Final = (
@@ -270,6 +271,7 @@ REASONS: Final = {
     "quit": "退出",
     "halted": "机器人自己停下",
     "estop": "急停",
+    "release": "急停解除",
     "drive": "手动驾驶",
     "by_hand": "手动驾驶",
     "stop": "停下",
