@@ -351,6 +351,7 @@ class SaysoApp(Stage):
         """A key that stops is dealt out: how many requests it took that had not been sent."""
         self._dealt_stop = self._stopped_at
         unsent, self._unsent = self._unsent, 0
+        self.queueing.stopped()
         return unsent + self.early.leave(strings.LOST_BY.format(reason=strings.REASONS[by]))
 
     def action_release(self) -> None:

@@ -92,6 +92,15 @@ async def test_one_that_is_taken_back_and_left_out_has_a_row() -> None:
         assert sent(desk) == []
 
 
+@pytest.mark.parametrize("key", ["escape", "ctrl+x", "ctrl+g"])
+async def test_that_it_goes_back_into_its_place_is_told_no_longer_than_that_is_so(key: str) -> None:
+    async with typed("nod", "beep") as (desk, _):
+        await desk.press("enter")
+        assert "puts it back into its" in desk.app.shown.notice
+        await desk.press(key)
+        assert "puts it back into its" not in desk.app.shown.notice
+
+
 async def test_who_takes_a_second_one_back_puts_the_first_back_into_its_place() -> None:
     async with typed("nod", "beep", "go home") as (desk, _):
         await desk.press("down", "enter", *" twice", "ctrl+g", "3", "up", "enter")
