@@ -47,7 +47,7 @@ class Enabling:
             "back": self._is_away,
             "wake": lambda: self._hears and deaf(drawing.parts) is None,
             "end_task": lambda: self._hears,
-            "type": lambda: self._hears and not self._in_line,
+            "type": lambda: self._takes_requests and not self._in_line,
             "add": lambda: self._in_line and stage.main.line.sends,
             "release": lambda: emergency.can_be_released,
             "by_hand": lambda: self._hears and self._has_robot and not emergency.is_pressed,
@@ -97,6 +97,11 @@ class Enabling:
     def _hears(self) -> bool:
         """The engine is there to be told."""
         return self._stage.handle is not None and self._drawing.model.ended is None
+
+    @property
+    def _takes_requests(self) -> bool:
+        """What is typed is done, or will be when the engine is there."""
+        return not self._drawing.failed and self._drawing.model.ended is None
 
     @property
     def _has_robot(self) -> bool:

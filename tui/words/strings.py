@@ -492,6 +492,7 @@ PLACEHOLDER_TYPING: Final = (
     "Type what the robot should do · {earlier} recalls · {recall} searches · {back} back · {interrupt} stops"
 )
 PLACEHOLDER_TYPING_EARLY: Final = "Type; it waits for {parts} to load · {back} back · {interrupt} stops"
+PLACEHOLDER_FAILED: Final = "Nothing is done: the engine did not start · {leave_now} quits"
 PASTED_TOO_LONG: Final = "Too long to be pasted: the line holds {} characters. Nothing of it was taken."
 ADDS: Final = "{add} afterwards"
 """Behind the line, while something runs: the key that adds what is written to what waits."""
