@@ -34,7 +34,9 @@ State = Literal[
     "FEEDBACK",
     "WAITING",
 ]
-Scope = Literal["stop", "estop", "interrupt", "wake", "end_task", "replaced", "by_hand", "halted", "shutdown"]
+Scope = Literal[
+    "stop", "estop", "release", "interrupt", "wake", "end_task", "replaced", "by_hand", "halted", "shutdown"
+]  # fmt: skip
 """Kinds of interruption; ``engine.states`` says what each one does. ``halted``: the robot stopped by itself."""
 WakeSource = Literal["key", "serial", "word", "speech", "command", "demo", "file"]
 """``speech``: somebody goes on whose turn was ended in the middle of a sentence, or begins where no wake is needed."""

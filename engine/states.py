@@ -62,6 +62,7 @@ class Effect:
 EFFECTS: Final[Mapping[Scope, Effect]] = {
     "stop": Effect("Stopped."),  # and the robot says so
     "estop": Effect("The emergency stop was pressed."),  # and nothing moves until it is released
+    "release": Effect("The emergency stop was released."),  # and nothing of what was asked for before it moves anything
     "interrupt": Effect("Interrupted."),  # and nothing else happens
     "wake": Effect("Woken.", arm_home_from=EXPRESSING),  # and listening starts at once
     "replaced": Effect("A newer command replaced this one."),  # which is planned at once

@@ -33,7 +33,7 @@ from textual.widgets import Input
 
 from config.errors import ConfigError
 from engine import events as ev
-from engine.commands import Drive, EndTask, EStop, Here, Interrupt, LimitSpeed, Quit, Release, Say, Wake
+from engine.commands import Drive, EndTask, Here, Interrupt, LimitSpeed, Quit, Say, Wake
 from engine.errors import ExitCode, SaysoError
 from tui.keys.bindings import BINDINGS
 from tui.keys.keys import ALL_KEYS, EDITING
@@ -60,6 +60,7 @@ from tui.rooms.choosing import Choosing
 from tui.rooms.drawing import Drawing
 from tui.rooms.dressing import Dressing, Rooms
 from tui.rooms.early import Early
+from tui.rooms.emergency import EmergencyStop
 from tui.rooms.enabling import Enabling
 from tui.rooms.examining import Examining
 from tui.rooms.keeping import Keeping, while_still
@@ -137,8 +138,10 @@ class SaysoApp(Stage):
         self.viewing = Viewing(self, self.sending)
         self.leaving = Leaving(self)
         self.drawing = Drawing(self, self.sending, self.viewing, self.leaving, self.notice, fps)
-        self.enabling = Enabling(self, self.drawing, self.leaving, one_line=one_line)
         self.keeping = Keeping(self)
+        self.emergency = EmergencyStop(self, self.drawing, self.keeping)
+        self.drawing.standstill = self.emergency.standstill
+        self.enabling = Enabling(self, self.drawing, self.leaving, self.emergency, one_line=one_line)
         self.early = Early(self, self.drawing)
         self.queueing = Queueing(self, self.drawing, self.keeping, self.early)
         self.examining = Examining(self, self.keeping)
@@ -151,8 +154,6 @@ class SaysoApp(Stage):
         self._choosing = Choosing(self, self.changing, self.keeping)
         self._start_engine = start_engine
         self._is_ready = False
-        self._presses_early = False  # the emergency stop was pressed before the engine was there
-        self._has_pressed = False  # it was pressed here, and not released since; the robot may not have told so yet
         self._stopped_at = -math.inf  # when a key that stops was read last, in the time of Textual's messages…
         self._stopped_by: Literal["interrupt", "estop"] = "interrupt"  # which of them
         self._dealt_stop = -math.inf  # …of the last of them that has been dealt out…
@@ -249,10 +250,7 @@ class SaysoApp(Stage):
         self.offer = message.offer
         self.main.line.know(message.offer.words)
         self.leaving.unsubscribe = self.drawing.follow(message.handle)
-        if self._presses_early:
-            self._presses_early = False
-            self.send(EStop())
-            self.redraw()
+        self.emergency.begin()
         self.viewing.begin()
         for command in self.early.take():
             self._send_or_leave(command)
@@ -327,15 +325,7 @@ class SaysoApp(Stage):
             self.drawing.stop_read(sent=self.handle is not None)
             self.send(Interrupt())
         if presses:
-            self._press()
-
-    def _press(self) -> None:
-        """The emergency stop, now or as soon as there is something to press. In any thread."""
-        self._has_pressed = True
-        self._presses_early = True  # before one looks whether the engine is there, which may come in this moment
-        if self.handle is not None:
-            self._presses_early = False
-            self.send(EStop())
+            self.emergency.press()
 
     def action_interrupt(self) -> None:
         """The robot has stopped by now. What waits for an answer is answered by that; nothing else changes. A request
@@ -353,33 +343,20 @@ class SaysoApp(Stage):
         if self.is_headless:  # as above
             self._key_arrived(next(iter(self.dressing.estop_keys)))
         if self.handle is None:
-            self._press()
-        unsent = self._stop_dealt("estop")
-        dropped = [strings.WAITING_DROPPED[unsent == 1].format(unsent)] if unsent else []
-        if self.handle is None:
-            self._tell_pressed_early(*dropped)
-        elif dropped:
-            self.remark(*dropped)
-        self.redraw()
-
-    def _tell_pressed_early(self, *dropped: str) -> None:
-        words = " · ".join((strings.PRESSED_EARLY, *dropped))
-        self.keeping.remark(words, holds=lambda view: self._presses_early)
+            self.emergency.press()
+        if unsent := self._stop_dealt("estop"):
+            self.remark(strings.WAITING_DROPPED[unsent == 1].format(unsent))
+        self.emergency.tell_pressed()
 
     def _stop_dealt(self, by: Literal["interrupt", "estop"]) -> int:
         """A key that stops is dealt out: how many requests it took that had not been sent."""
         self._dealt_stop = self._stopped_at
         unsent, self._unsent = self._unsent, 0
+        self.queueing.stopped()
         return unsent + self.early.leave(strings.LOST_BY.format(reason=strings.REASONS[by]))
 
     def action_release(self) -> None:
-        """Where nothing is pressed, a release would stop what runs."""
-        if not (self.enabling.is_pressed or self._has_pressed):
-            self.keeping.remark(strings.NOT_PRESSED, holds=lambda view: not view.pressed)
-            return
-        self._presses_early = self._has_pressed = False
-        self.send(Release())
-        self.redraw()
+        self.emergency.release()
 
     async def action_back(self) -> None:
         """One step, and never a stop."""
@@ -481,8 +458,8 @@ class SaysoApp(Stage):
             self._leave(command, strings.NO_ENGINE)
             return
         if self.early.add(command, self.queueing.place_of(command)) == "estop":
-            self._press()
-            self._tell_pressed_early()
+            self.emergency.press()
+            self.emergency.tell_pressed()
 
     @property
     def _is_stopped(self) -> bool:

@@ -18,6 +18,7 @@ _BECAUSE: Final[dict[Language, dict[Scope, str]]] = {
     "en": {
         "stop": "Because you said stop.",
         "estop": "Because you pressed the emergency stop.",
+        "release": "Because you released the emergency stop.",
         "interrupt": "Because you interrupted me.",
         "wake": "Because you called me.",
         "end_task": "Because you ended the task.",
@@ -29,6 +30,7 @@ _BECAUSE: Final[dict[Language, dict[Scope, str]]] = {
     "zh": {
         "stop": "因为您说了停。",
         "estop": "因为您按下了急停。",
+        "release": "因为您解除了急停。",
         "interrupt": "因为您打断了我。",
         "wake": "因为您叫了我。",
         "end_task": "因为您结束了任务。",

@@ -194,6 +194,7 @@ def _happened(entry: Entry) -> Happened | None:
 _BY: dict[Scope, str] = {
     "stop": "the user said stop",
     "estop": "the user pressed the emergency stop",
+    "release": "the user released the emergency stop",
     "interrupt": "the user interrupted",
     "wake": "the user called the robot",
     "end_task": "the user ended the task",

@@ -178,7 +178,7 @@ class Inbox(Generic[T]):
             case EStop():
                 return "estop"
             case Release():
-                return "interrupt"
+                return "release"
             case Drive():
                 return None if self._epoch.is_current(self._hand) and self._state() in REST else "by_hand"
             case Interrupt():

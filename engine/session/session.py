@@ -205,7 +205,7 @@ class Session:
         """Let a request interrupt what it interrupts; whether it is to be carried out now."""
         command, scope = request.command, request.scope
         if self._inbox.is_overtaken(request):
-            stopped = scope == "interrupt"  # which is all it was to do
+            stopped = scope in ("interrupt", "release")  # which is all it was to do
             self._ack(request, "A newer request replaced this one.", ok=stopped)
             by = self._inbox.overtaken_by(request)
             for one in request.one_by_one():
@@ -418,7 +418,7 @@ class Session:
     ) -> None:
         """Record an interruption and end the running turn; returns when its last outcome is on record."""
         turn, state = self._turn, self._state
-        if turn is not None or scope in ("interrupt", "estop"):
+        if turn is not None or scope in ("interrupt", "estop", "release"):
             raised = events.InterruptRaised(scope, request.command.do, state)
             self._bus.publish(raised, turn=turn.id if turn else None, epoch=request.epoch)
         if scope in ("replaced", "wake") and self._has_asked:  # what comes is the answer

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from engine import events
-from engine.commands import Command, Drop, EndTask, Halted, Interrupt, Move, Quit, Say, Snapshot, Wake
+from engine.commands import Command, Drop, EndTask, Halted, Interrupt, Move, Quit, Release, Say, Snapshot, Wake
 from tests.session.conversation import Conversation, SlowVoice, converse
 
 THREE = ("beep", "turn left 90 degrees", "raise your arm")
@@ -155,7 +155,7 @@ def test_what_was_asked_for_behind_the_end_of_the_session_is_told_to_be_left() -
     ("command", "scope"),
     [
         (Interrupt(), "interrupt"), (EndTask(), "end_task"), (Wake("key"), "wake"), (Say("stop"), "stop"),
-        (Say("nod"), "replaced"), (Halted("it tipped over"), "halted"), (Quit(), "shutdown"),
+        (Say("nod"), "replaced"), (Halted("it tipped over"), "halted"), (Quit(), "shutdown"), (Release(), "release"),
     ],
 )  # fmt: skip
 def test_every_interruption_is_the_one_end_of_what_waited(command: Command, scope: events.Scope) -> None:
@@ -208,7 +208,8 @@ def test_a_request_that_a_newer_one_overtakes_before_it_begins_ends_as_replaced(
 
 
 @pytest.mark.parametrize(
-    ("command", "scope"), [(Interrupt(), "interrupt"), (Wake("key"), "wake"), (Say("stop"), "stop")]
+    ("command", "scope"),
+    [(Interrupt(), "interrupt"), (Release(), "release"), (Wake("key"), "wake"), (Say("stop"), "stop")],
 )
 def test_a_request_that_is_interrupted_before_it_is_looked_at_ends_as_interrupted(
     command: Command, scope: events.Scope
@@ -547,7 +548,9 @@ def test_a_request_that_is_asked_about_twice_keeps_its_words() -> None:
 
 
 @pytest.mark.parametrize("while_put", [True, False])
-@pytest.mark.parametrize(("command", "scope"), [(Interrupt(), "interrupt"), (Say("stop"), "stop")])
+@pytest.mark.parametrize(
+    ("command", "scope"), [(Interrupt(), "interrupt"), (Release(), "release"), (Say("stop"), "stop")]
+)
 def test_a_question_that_is_interrupted_is_withdrawn_and_a_later_yes_does_nothing(
     command: Command, scope: events.Scope, *, while_put: bool
 ) -> None:

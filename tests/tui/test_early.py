@@ -92,6 +92,15 @@ async def test_one_that_is_taken_back_and_left_out_has_a_row() -> None:
         assert sent(desk) == []
 
 
+@pytest.mark.parametrize("key", ["escape", "ctrl+x", "ctrl+g"])
+async def test_that_it_goes_back_into_its_place_is_told_no_longer_than_that_is_so(key: str) -> None:
+    async with typed("nod", "beep") as (desk, _):
+        await desk.press("enter")
+        assert "puts it back into its" in desk.app.shown.notice
+        await desk.press(key)
+        assert "puts it back into its" not in desk.app.shown.notice
+
+
 async def test_who_takes_a_second_one_back_puts_the_first_back_into_its_place() -> None:
     async with typed("nod", "beep", "go home") as (desk, _):
         await desk.press("down", "enter", *" twice", "ctrl+g", "3", "up", "enter")
@@ -194,7 +203,7 @@ async def test_of_lines_that_were_pasted_those_before_a_stop_never_begin() -> No
 async def test_the_emergency_stop_in_words_is_pressed_once_the_engine_is_there() -> None:
     async with starting() as (desk, gate):
         await desk.press(*"nod", "enter", *"emergency stop", "enter")
-        assert "pressed as soon as the engine is there" in desk.text
+        assert "E-STOP once the robot is there" in desk.text
         await start(desk, gate)
         assert desk.engine.sent == [EStop()]
         assert lost(desk) == [Line("lost", "nod", "never begun: the emergency stop")]

@@ -200,6 +200,19 @@ async def test_the_emergency_stop_is_released_in_every_state_by_the_key_that_is_
         assert desk.engine.sent == [Release()]
 
 
+async def test_what_a_release_drops_is_said_before_somebody_releases() -> None:
+    async with console(ScriptedEngine(robot=replace(robot_at(0.0, 0.0, 0.0), estop=True))) as desk:
+        desk.engine.publish(ev.RequestsWaiting(("nod",), (ev.WaitingRequest("R1", "nod"),)))
+        await desk.settled()
+        assert "nothing moves; ctrl+o releases and drops what waits" in status(desk)
+        desk.engine.publish(ev.RequestsWaiting((), ()))
+        await desk.settled()
+        assert "drops" not in status(desk)
+        desk.engine.publish(ev.ClarificationAsked("Which room?", "go to the room"))
+        await desk.settled()
+        assert "releases and drops what waits" in status(desk)
+
+
 async def test_a_click_on_what_the_status_line_says_of_the_emergency_stop_releases_it() -> None:
     async with console(size=(80, 24), in_line=True) as desk:
         desk.engine.robot = replace(robot_at(0.0, 0.0, 0.0), estop=True)

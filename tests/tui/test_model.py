@@ -9,6 +9,7 @@ from tests.tui import scripted
 from tests.tui.scripted import ScriptedEngine, Step
 from tui.shown.facts import MAX_TEXT, Line, printable
 from tui.shown.model import MAX_LINES, ConsoleModel
+from tui.widgets.conversation import as_told
 
 
 def after(*steps: Step | ev.Body) -> ConsoleModel:
@@ -146,6 +147,19 @@ def test_an_interruption_is_marked_only_where_there_was_something_to_stop() -> N
 def test_what_was_ended_is_told_with_what_ended_it(interruption: ev.InterruptRaised, note: str) -> None:
     model = after(said("go to the kitchen", "text"), interruption)
     assert model.conversation[-1] == Line("lost", "go to the kitchen", note)
+
+
+def test_what_a_release_of_the_emergency_stop_drops_is_told_with_that() -> None:
+    why = "the release of the emergency stop"
+    asked = ev.ClarificationAsked("Which room?", "go to the room")
+    dropped = ev.RequestEnded("R1", "beep", "interrupted", "release")
+    events = [ScriptedEngine().publish(body, turn=None) for body in (dropped, asked)]
+    model = after(ev.InterruptRaised("release", "release", "SPEAKING"))
+    assert as_told(model.conversation[-1]) == ("mark", "stopped", why)
+    for event in (*events, ScriptedEngine().publish(ev.QuestionEnded("go to the room", "withdrawn", "release"))):
+        model = model.after(event)
+    rows = [Line("lost", "beep", f"never begun: {why}"), Line("lost", "go to the room", f"question withdrawn: {why}")]
+    assert list(model.conversation[1:]) == rows
 
 
 def test_questions_refusals_and_rejections_stand_where_the_plan_would() -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from engine import events as ev
 from engine.commands import Command, Interrupt, Say
+from engine.errors import SaysoError
 from engine.handle import EngineHandle
 from tests.tui import scripted
 from tests.tui.desk import console
@@ -346,3 +347,69 @@ async def test_the_whole_console_has_rows_for_ends_and_nothing_else() -> None:
         over(desk.engine, "R1", "go to the moon", "failed", UNKNOWN, "T1")
         await desk.settled()
         assert desk.app.drawing.ending.told == ()
+
+
+# While the emergency stop is pressed, and where the engine does not start
+
+
+async def test_what_is_said_and_asked_while_the_emergency_stop_is_pressed_is_told() -> None:
+    async with console(pressed(), size=(80, 2), one_line=True, in_line=True) as desk:
+        desk.engine.publish(ev.InterruptRaised("estop", "estop", "IDLE"), turn=None)
+        await desk.settled()
+        assert "E-STOP" in desk.text
+        assert "nothing moves; ctrl+o releases" in desk.text
+        desk.engine.publish(ev.TranscriptFinal("where are you?", "text", "", 1.0, 0.0, 0.0, 0.0, 0.0))
+        await desk.settled()
+        assert "you: where are you? · nothing moves; ctrl+o releases" in desk.text
+        answer = "I am in the hall."
+        desk.engine.publish(ev.SpeechStarted(answer, False))
+        desk.engine.publish(ev.StateChanged("SPEAKING", "WAITING", "done", ev.TurnResult(0, "done", answer)))
+        await desk.settled()
+        assert "E-STOP" in desk.text
+        assert "robot: I am in the hall. · nothing moves; ctrl+o releases" in desk.text
+        desk.engine.publish(ev.ClarificationAsked("Which cup?", "find the cup"))
+        await desk.settled()
+        assert "robot: Which cup? · nothing moves" in desk.text
+
+
+async def test_an_open_question_goes_before_how_older_requests_ended() -> None:
+    async with console(engine(), size=(120, 2), one_line=True, in_line=True) as desk:
+        replacing(desk.engine)
+        desk.engine.publish(ev.ClarificationAsked("Which room?", "go to the room"))
+        await desk.settled()
+        assert "robot: Which room? · ■ replaced before it began" in desk.text
+
+
+@pytest.mark.parametrize("by", ["interrupt", "estop"])
+async def test_that_a_question_was_withdrawn_is_told_also_where_something_else_is_said_at_once(by: ev.Scope) -> None:
+    async with console(engine(), size=(120, 2), one_line=True, in_line=True) as desk:
+        desk.engine.publish(ev.ClarificationAsked("Which room?", "go to the room"))
+        desk.engine.publish(ev.QuestionEnded("go to the room", "withdrawn", by))
+        desk.engine.publish(ev.SpeechStarted("I stopped.", False))
+        await desk.settled()
+        assert "■ go to the room  question withdrawn: the" in desk.text
+        desk.app.drawing.ending.next()
+        await desk.settled()
+        assert "robot: I stopped." in desk.text
+
+
+async def test_a_request_for_an_engine_that_does_not_start_is_told_as_never_begun() -> None:
+    gate = threading.Event()
+
+    def fail() -> EngineHandle:
+        gate.wait(30)
+        raise SaysoError("There is no scene at the place that the settings name, which is a long way to put it.")
+
+    async with console(start=fail, size=(80, 2), one_line=True, in_line=True) as desk:
+        await desk.press(*"nod", "enter")
+        gate.set()
+        await desk.until(lambda: desk.shown_problem)
+        await desk.settled()
+        assert "FAILED" in desk.text
+        assert "■ nod  never begun: the engine did not start · ✗ There" in desk.text
+        desk.app.drawing.ending.next()
+        await desk.press(*"beep", "enter")
+        assert "■ beep  never begun: the engine did not start" in desk.text
+        desk.app.drawing.ending.next()
+        await desk.settled()
+        assert "✗ There is no scene at the place" in desk.text

@@ -318,6 +318,17 @@ async def test_how_it_goes_back_is_told_only_as_long_as_it_stands_in_the_line(
         assert words not in beside_the_log(desk)
 
 
+@pytest.mark.parametrize("keys", [("escape",), ("ctrl+x",), ("ctrl+g",), ("ctrl+g", "e")])
+async def test_that_it_goes_back_into_its_place_is_told_no_longer_than_that_is_so(keys: tuple[str, ...]) -> None:
+    words = "puts it back into its"
+    async with waiting() as desk:
+        await take_back(desk, 1, *WAITING[1:])
+        assert words in desk.app.shown.notice
+        await desk.press(*keys)
+        assert words not in desk.app.shown.notice
+        assert desk.app.main.line.value == WAITING[0].text, "it still stands in the line"
+
+
 async def test_who_takes_a_second_one_back_puts_the_first_back_as_it_was() -> None:
     async with console(size=(60, 20), notices=True) as desk:
         desk.engine.play(scripted.acting())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import pytest
 
 from engine import events as ev
@@ -125,6 +127,40 @@ async def test_nothing_says_that_it_starts_once_it_did_not(size: tuple[int, int]
             assert untrue not in desk.text, untrue
         assert desk.app.main.query_one(Conversation).size.height >= 4, "there is room to read what was asked for"
         assert ("The robot is not there." in desk.text) is (size[0] >= 80), "on the map"
+
+
+@pytest.mark.parametrize("keys", [(), ("ctrl+g", "ctrl+g"), ("ctrl+g", "ctrl+g", "3")])
+async def test_nobody_is_invited_to_type_where_the_engine_did_not_start(keys: tuple[str, ...]) -> None:
+    async with console(start=fail, in_line=True) as desk:
+        await desk.until(lambda: desk.app.shown.failed)
+        await desk.press(*keys)
+        assert "Nothing is done: the engine did not start · ctrl+c quits" in desk.text
+        assert "what the robot should do" not in desk.text
+
+
+async def test_no_picture_is_waited_for_and_no_map_zoomed_where_the_engine_did_not_start() -> None:
+    async with console(start=fail, in_line=True) as desk:
+        await desk.until(lambda: desk.app.shown.failed)
+        await desk.press("ctrl+g", "ctrl+g", "c")  # from what is told of the failure, and from the line
+        assert "waiting for a picture" not in desk.text
+        assert desk.app.main.camera_in_sight
+        await desk.press("m")
+        assert "zoom" not in str(desk.app.main.query_one("#map").border_subtitle)
+
+
+async def test_a_pane_with_the_keyboard_says_which_key_leads_to_the_line_also_while_the_engine_starts() -> None:
+    gate = threading.Event()
+
+    def start() -> EngineHandle:
+        gate.wait(30)
+        return ScriptedEngine()
+
+    async with console(start=start, in_line=True) as desk:
+        await desk.press("ctrl+g", "3")
+        assert "Press / and type" in desk.text.splitlines()[-1]
+        await desk.press("slash", *"nod")
+        assert desk.app.main.line.value == "nod"
+        gate.set()
 
 
 async def test_of_a_robot_that_cannot_be_had_no_map_is_loaded() -> None:

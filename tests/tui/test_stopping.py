@@ -14,7 +14,8 @@ from engine import events as ev
 from engine.commands import EStop, Interrupt, Say
 from engine.handle import EngineHandle
 from tests.tui.desk import Desk, console
-from tests.tui.scripted import ScriptedEngine
+from tests.tui.scripted import ScriptedEngine, robot_at
+from tests.tui.test_readiness import fail
 from tests.tui.test_terminal import session
 from tui.shown.facts import Line
 
@@ -96,13 +97,57 @@ async def test_the_emergency_stop_is_pressed_once_the_engine_is_there(*, dealt: 
         await desk.press(*"nod", "enter")
         if dealt:
             await desk.press("ctrl+x")
-            assert "pressed as soon as the engine is there" in desk.text
+            assert "E-STOP once the robot is there; ctrl+o takes it back" in desk.text
         else:
             desk.app._key_arrived("ctrl+x")
         gate.set()
         await there(desk)
         assert desk.engine.sent == [EStop()]
         assert lost(desk) == [Line("lost", "nod", PRESSED)]
+
+
+async def test_until_the_robot_is_there_the_status_line_says_that_the_emergency_stop_comes() -> None:
+    async with starting() as (desk, gate):
+        await desk.press("ctrl+x")
+        gate.set()
+        await there(desk)
+        desk.app.keeping.forget()
+        await desk.settled()
+        assert "E-STOP once the robot is there; ctrl+o takes it back" in desk.text.splitlines()[0]
+        desk.engine.robot = robot_at(0.0, 0.0, 0.0)
+        desk.app.redraw()
+        await desk.settled()
+        assert "E-STOP" not in desk.text
+
+
+async def test_a_press_that_is_taken_back_before_the_engine_is_there_says_so() -> None:
+    async with starting() as (desk, gate):
+        await desk.press("ctrl+x", "ctrl+o")
+        assert "Taken back: this console presses no E-STOP" in desk.text
+        gate.set()
+        await there(desk)
+        assert desk.engine.sent == []
+
+
+@pytest.mark.parametrize("is_there", [False, True])
+async def test_before_the_robot_is_there_nobody_knows_whether_the_emergency_stop_is_pressed(*, is_there: bool) -> None:
+    async with starting() as (desk, gate):
+        if is_there:
+            gate.set()
+            await there(desk)
+        await desk.press("ctrl+o")
+        assert "E-STOP not known yet: again when the robot is there" in desk.text
+        assert "not pressed" not in desk.text
+        assert desk.engine.sent == []
+
+
+@pytest.mark.parametrize("key", ["ctrl+x", "ctrl+o"])
+async def test_where_the_engine_did_not_start_no_emergency_stop_is_promised(key: str) -> None:
+    async with console(start=fail, in_line=True) as desk:
+        await desk.until(lambda: desk.app.shown.failed)
+        await desk.press(key)
+        assert "No emergency stop: the engine did not start" in desk.text
+        assert "once the robot is there" not in desk.text
 
 
 async def test_esc_while_the_engine_starts_and_nothing_was_asked_for_stops_nothing() -> None:

@@ -117,12 +117,18 @@ async def test_that_the_robot_still_starts_goes_when_it_is_there() -> None:
         await off_the_screen(desk, "still starting", lambda: setattr(engine, "robot", robot_at(0.0, 0.0, 0.0)))
 
 
-async def test_that_the_emergency_stop_will_be_pressed_goes_when_it_is_released_or_the_engine_is_there() -> None:
+async def test_that_the_emergency_stop_will_be_pressed_goes_when_it_is_released_or_the_robot_is_there() -> None:
+    comes = "once the robot is there"
     async with starting() as (desk, gate):
         await desk.press("ctrl+x")
-        await off_the_screen(desk, "as soon as the engine is there", desk.app.action_release)
+        assert comes in desk.app.shown.notice
+        await desk.press("ctrl+o")
+        assert comes not in desk.text
         await desk.press("ctrl+x")
-        assert "as soon as the engine is there" in desk.text
+        assert comes in desk.text
         gate.set()
         await there(desk)
-        assert "as soon as the engine is there" not in desk.text
+        desk.engine.robot = replace(robot_at(0.0, 0.0, 0.0), estop=True)
+        desk.app.redraw()
+        await desk.settled()
+        assert comes not in desk.text

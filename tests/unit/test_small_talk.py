@@ -31,6 +31,7 @@ def said(text: str) -> str:
         ("what's your name", "Name"), ("Can you understand German?", "Languages"),
         ("can you hear me", "Attention"), ("tell me a joke please", "Joke"), ("I had a terrible day at work", "Sorrow"),
         ("what's the weather like", "Unknown"), ("sorry, I was talking to somebody else", "Aside"),
+        ("what did I ask you?", "Unknown"), ("why?", "Unknown"), ("why", "Aside"),
         ("see you tomorrow", "Farewell"), ("I'm so happy, I passed my exam!", "Joy"),
     ],
 )  # fmt: skip
@@ -59,6 +60,12 @@ def test_small_talk_in_chinese_is_answered_in_chinese(text: str, kind: str) -> N
 )  # fmt: skip
 def test_a_request_beside_it_is_never_talked_away(text: str) -> None:
     assert said(text) == ""
+
+
+@pytest.mark.parametrize("text", ["what did I ask you?", "why", "为什么"])
+def test_no_answer_to_talk_that_nobody_understands_sounds_like_consent(text: str) -> None:
+    assert "All right" not in said(text)
+    assert "好的" not in said(text)
 
 
 def test_every_kind_of_small_talk_has_an_answer_in_every_language() -> None:

@@ -83,6 +83,8 @@ class Drawing:
         """The turn that somebody looks at; None: the newest."""
         self.on_event: Callable[[Body], None] = lambda body: None
         """Told of everything that happens, as it is drawn."""
+        self.standstill: Callable[[View], str] = lambda view: ""
+        """Why nothing moves the robot, and the key that changes that; empty where it can be moved."""
         self._counted = 0  # turns that there were when the user began to look at older ones
         self._looked_at: Turn | None = None  # the same turn as it was drawn last: it is kept for as long as that
         self.tour: Tour | None = None
@@ -327,15 +329,14 @@ class Drawing:
                 scan=None if bare else handle.scan(),
             )
         view = replace(view, notice=self._notice(view))
-        if view.robot is not None and view.robot.estop:
-            words = strings.ESTOP_HOLDS.format(release=stage.reaching("release"))
+        if words := self.standstill(view):
             view = replace(view, notice=words, notice_does=RELEASE)
         return view
 
     def _with_ends(self, view: View) -> View:
         """With how requests ended, unless something more urgent is to be read."""
-        problem, pressed = view.model.problem, view.robot is not None and view.robot.estop
-        hidden = bool((view.notice and not pressed) or view.model.partial or (problem is not None and problem.fatal))
+        pressed = view.robot is not None and view.robot.estop
+        hidden = bool((view.notice and not view.standstill) or view.model.partial)
         self.ending.look(view.model, pressed=pressed, hidden=hidden)
         return replace(view, ends=self.ending.told, outdated=self.ending.outdated)
 

@@ -18,6 +18,7 @@ from tui.shown.readiness import deaf
 
 if TYPE_CHECKING:
     from tui.rooms.drawing import Drawing
+    from tui.rooms.emergency import EmergencyStop
     from tui.rooms.leaving import Leaving
     from tui.stage import Stage
 
@@ -32,7 +33,9 @@ _NEEDING_ROOM: Final = (
 class Enabling:
     """Asks the other rooms. In the UI thread."""
 
-    def __init__(self, stage: Stage, drawing: Drawing, leaving: Leaving, *, one_line: bool) -> None:
+    def __init__(
+        self, stage: Stage, drawing: Drawing, leaving: Leaving, emergency: EmergencyStop, *, one_line: bool
+    ) -> None:
         """``one_line``: all stands on one line, so that actions have neither panes nor pages."""
         self._stage = stage
         self._drawing = drawing
@@ -44,10 +47,10 @@ class Enabling:
             "back": self._is_away,
             "wake": lambda: self._hears and deaf(drawing.parts) is None,
             "end_task": lambda: self._hears,
-            "type": lambda: self._hears and not self._in_line,
+            "type": lambda: self._takes_requests and not self._in_line,
             "add": lambda: self._in_line and stage.main.line.sends,
-            "release": lambda: self.is_pressed,
-            "by_hand": lambda: self._hears and self._has_robot and not self.is_pressed,
+            "release": lambda: emergency.can_be_released,
+            "by_hand": lambda: self._hears and self._has_robot and not emergency.is_pressed,
             "speed": self._has_other_speed,
             "resume": lambda: self._offers("resume"),
             "undo": lambda: self._offers("undo"),
@@ -101,6 +104,11 @@ class Enabling:
         return self._stage.handle is not None and self._drawing.model.ended is None
 
     @property
+    def _takes_requests(self) -> bool:
+        """What is typed is done, or will be when the engine is there."""
+        return not self._drawing.failed and self._drawing.model.ended is None
+
+    @property
     def _has_robot(self) -> bool:
         """The robot is there: it neither starts nor is gone."""
         return self._stage.handle is not None and self._stage.handle.robot_state() is not None
@@ -108,12 +116,6 @@ class Enabling:
     def _is_away(self) -> bool:
         """There is a step back."""
         return self._leaving.asked or not self._on_main or self._stage.main.is_away
-
-    @property
-    def is_pressed(self) -> bool:
-        """The emergency stop is."""
-        robot = self._stage.handle.robot_state() if self._stage.handle is not None else None
-        return self._drawing.model.pressed or (robot is not None and robot.estop)
 
     def _has_other_speed(self, step: int) -> bool:
         robot = self._stage.handle.robot_state() if self._stage.handle is not None else None

@@ -37,6 +37,8 @@ class _Taken:
     """What stood in the line before."""
     written: bool = False
     """The line has told that it is there."""
+    has_place: bool = True
+    """Nothing has dropped what waited beside it."""
 
 
 class Queueing:
@@ -95,6 +97,8 @@ class Queueing:
                 taken, self._wanted = self._wanted, None
                 if body.outcome == "dropped":
                     self._change(taken)
+            case ev.InterruptRaised() | ev.TaskEnded():
+                self.stopped()
             case ev.Ack(do="drop", ok=False) if self._wanted is not None:
                 self._wanted = None
                 self._keeping.tell(strings.TAKEN_BACK_TOO_LATE)
@@ -110,7 +114,15 @@ class Queueing:
         self._stage.main.type()
         line.write(taken.request.text)
         self._told = hint_line(strings.TAKEN_BACK, self._stage.acting)
-        self._keeping.tell(self._told)
+        self._keeping.tell(
+            self._told, holds=lambda view: self._changing is taken and self._stage.focused is line and taken.has_place
+        )
+
+    def stopped(self) -> None:
+        """All that waited is dropped: what is in the line has no place any more to which it would go back."""
+        if self._changing is not None:
+            self._changing.has_place = False
+            self._stage.redraw()
 
     def _put(self, sent: str, waiting: Sequence[ev.WaitingRequest]) -> None:
         """What was sent again waits: have it do so before the first that still does of those that were behind it."""

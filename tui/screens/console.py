@@ -23,7 +23,7 @@ from tui.plan.targets import asked_to_go
 from tui.screens.panes import Pane, PaneName, Panes
 from tui.shown.model import ConsoleModel
 from tui.shown.offers import in_pieces, offered
-from tui.shown.readiness import loading, named, no_map, waited_for
+from tui.shown.readiness import loading, named, no_map, no_robot, waited_for
 from tui.terminal.spans import WholeCompositor
 from tui.terminal.terminal import SHORT_ROWS, TALL_ROWS, layout_for, too_small
 from tui.widgets.ask import Ask, AskLine
@@ -221,7 +221,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
     def show(self, view: View) -> None:
         """Bring every pane but the log up to date."""
         model = view.model
-        self.line.wait_for(named(loading(view.parts)))
+        self.line.wait_for(named(loading(view.parts)), failed=view.failed)
         self._ask.tell(busy=model.busy or model.asks or bool(model.waiting), ended=model.ended is not None)
         if self._one_line is not None:
             self._one_line.update_from(view)
@@ -248,6 +248,8 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._timeline.update_from(kept, view.turn, view.now, view.fresh)
         self._mic.update_from(model.trace, notice=notice, trouble=trouble)
         self._floor.wait_for(no_map(view))
+        if view.failed:  # nobody will ever look
+            self._camera.show_notice(no_robot(view))
         if view.floor_map is not None:
             self._floor.show_map(view.floor_map, view.places)
         world = view.world

@@ -186,7 +186,7 @@ def _(body: ev.InterruptRaised, model: ConsoleModel, event: ev.Event) -> Console
     model = replace(model, partial="", plan=plan)
     stopped = body.scope == "wake" and body.state in EXPRESSING
     ran = body.state not in REST or event.turn is not None  # a turn that waits for the robot has no state yet
-    if stopped or (body.scope in ("stop", "interrupt") and ran):
+    if stopped or (body.scope in ("stop", "interrupt", "release") and ran):
         return model.with_line(Line("mark", strings.STOPPED, printable(body.source)))
     if body.scope == "estop":  # it stays, whatever it stopped
         return model.with_line(Line("mark", strings.STOPPED, "estop"))
@@ -245,14 +245,13 @@ def _(body: ev.QuestionEnded, model: ConsoleModel, event: ev.Event) -> ConsoleMo
         return model
     if model.plan is not None and model.plan.stage == "question":
         model = replace(model, plan=None)
+    text, by = printable(body.text), body.by or ""
+    if body.outcome == "declined":  # by the user, who knows
+        return model.with_line(Line("lost", text, strings.DECLINED))
+    note = strings.UNANSWERED if body.by is None else strings.QUESTION_WITHDRAWN.format(reason=strings.REASONS[body.by])
     if body.outcome == "replaced":
-        return model.with_line(Line("lost", printable(body.text), strings.REPLACED_ASKED))
-    if body.outcome == "declined":
-        return model.with_line(Line("lost", printable(body.text), strings.DECLINED))
-    if body.by is None:
-        return model.with_line(Line("lost", printable(body.text), strings.UNANSWERED))
-    note = strings.QUESTION_WITHDRAWN.format(reason=strings.REASONS[body.by])
-    return model.with_line(Line("lost", printable(body.text), note))
+        note = strings.REPLACED_ASKED
+    return model.with_end(text, note=note, by=by).with_line(Line("lost", text, note))
 
 
 @_fold.register

@@ -69,6 +69,7 @@ class Ask(TextLine):
         """The session is over: nothing is sent any more."""
         self._acting = acting
         self._early = ""  # what has to be loaded before a request is begun
+        self._failed = False  # the engine did not start: nothing that is typed is ever done
         self._history: list[str] = []
         self._in_vain: set[str] = set()  # of these, those of which nothing was made
         self._at = 0  # place in the history; its length stands for the line being written
@@ -109,20 +110,24 @@ class Ask(TextLine):
         self._completion = Completion(self._completion.names, strings.PHRASES)
         self.prompt()
 
-    def wait_for(self, parts: str) -> None:
-        """A request waits until these have been loaded, for people; empty: for nothing."""
-        if parts != self._early:
-            self._early = parts
+    def wait_for(self, parts: str, *, failed: bool = False) -> None:
+        """A request waits until these have been loaded, for people; empty: for nothing. ``failed``: it waits in vain,
+        as the engine did not start."""
+        if (parts, failed) != (self._early, self._failed):
+            self._early, self._failed = parts, failed
             self.prompt()
 
     def prompt(self) -> None:
         """Say in the empty line what it is for, and which keys act; elsewhere, which key leads to it."""
+        if self._failed:
+            self.placeholder = hint_line(strings.PLACEHOLDER_FAILED, self._acting, max(1, self.size.width - 1))
+            return
         if self.app.focused is self:
             words = strings.PLACEHOLDER_TYPING_EARLY if self._early else strings.PLACEHOLDER_TYPING
             self.placeholder = hint_line(words, self._acting, max(1, self.size.width - 1), last=2, parts=self._early)
             return
         words = strings.PLACEHOLDER_EARLY if self._early else strings.PLACEHOLDER
-        self.placeholder = sentence(words, self._acting, parts=self._early) or strings.WELCOME_TYPING
+        self.placeholder = sentence(words, self._acting, parts=self._early)
 
     def on_resize(self) -> None:
         self.prompt()

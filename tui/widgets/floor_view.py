@@ -387,7 +387,7 @@ class FloorView(Widget, can_focus=True):
             case "map_follow", _:
                 return self._viewport.follows or self._robot_spot is not None
             case "map_zoom", (int(steps),):
-                return self._zoomed(steps) != self._viewport
+                return self._map is not None and self._zoomed(steps) != self._viewport
             case "map_pan", (int(right), int(up)):
                 return self._whole is not None and self._viewport.shifted(right, up, self._whole) != self._viewport
             case "map_whole", _:

@@ -59,19 +59,26 @@ class OneLine(Static):
 
 
 def happening(view: View) -> Piece:
-    """What one has to know: what is the case now, and behind it how requests ended that were not done; where neither is
-    to be told, the last that was said."""
-    now = _now(view)
-    if view.ends:
-        words, style = now or ("", "$text-warning")
-        return JOINT.join(filter(None, (words, _ended(view.ends)))), style
-    return now or _said_last(view) or (strings.ONE_LINE, "$foreground 60%")
+    """What one has to know: what is the case now, why nothing moves, and how requests ended that were not done. Where
+    nothing else is the case than that nothing moves, the last that was said stands before it. An engine that is lost
+    for good is told behind the ends, as it stays and they do not."""
+    ended, problem = _ended(view.ends) if view.ends else "", view.model.problem
+    now = _now(view) or (None if ended else _said_last(view))
+    words, style = now or ("", "$text-warning")
+    if now is None and not view.standstill and not ended:
+        return strings.ONE_LINE, "$foreground 60%"
+    if now is None and view.standstill:
+        style = "bold $text-error"
+    pieces = [words, view.standstill, ended]
+    if problem is not None and problem.fatal:
+        pieces = [ended, words, view.standstill]
+    return JOINT.join(filter(None, pieces)), style
 
 
 def _now(view: View) -> Piece | None:
-    """A notice, trouble of which no end tells, what is heard, done or said: the most urgent of them."""
+    """A notice, trouble of which no end tells, what is heard, done, asked or said: the most urgent of them."""
     model = view.model
-    if view.notice:
+    if view.notice and not view.standstill:
         return view.notice, "bold $text-warning"
     if model.problem is not None:
         trouble = told(model.problem.message)
@@ -83,14 +90,17 @@ def _now(view: View) -> Piece | None:
         return JOINT.join(filter(None, (f"▸ {told(row.call)}", told(row.message)))), "$text-success"
     if model.plan is not None and model.plan.stage == "thinking":
         return f"{strings.YOU}: {model.plan.goal}", "$foreground"
+    if model.plan is not None and (model.asks or model.state == "CLARIFYING") and model.plan.message:
+        return f"{strings.ROBOT}: {model.plan.message}", "$foreground"
     speaks = model.state not in REST and model.conversation and model.conversation[-1].who == "robot"
     return _said_last(view) if speaks else None
 
 
 def _said_last(view: View) -> Piece | None:
-    model = view.model
-    if model.conversation and model.conversation[-1] is not view.outdated:
-        kind, text, note = as_told(model.conversation[-1])
+    """The last of the conversation that is true; that the emergency stop was pressed is told by itself."""
+    last = view.model.conversation[-1] if view.model.conversation else None
+    if last is not None and last is not view.outdated and not (view.standstill and last.note == "estop"):
+        kind, text, note = as_told(last)
         who = STYLES[kind][0] or {"you": f"{strings.YOU}:", "robot": f"{strings.ROBOT}:"}[kind]
         return f"{who} {text}" + (f"  {note}" if note and kind != "you" else ""), "$foreground"
     return None

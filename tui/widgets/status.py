@@ -102,7 +102,7 @@ class StatusLine(Horizontal):
         _put(self._chip_part, chip(view))
         _put(self._stop_part, stop)
         _put(self._waiting_part, Content.styled(waiting, "$text-accent"))
-        style = "bold $text-error" if is_pressed(view) else "bold $text-warning"
+        style = "bold $text-error" if view.standstill else "bold $text-warning"
         shown = Content.styled(notice.rstrip(), style) if notice else None
         _put(self._task_part, shown or _task(view, columns >= WIDE_COLUMNS, room - keys.cell_length))
         _put(self._keys_part, keys)
@@ -125,7 +125,7 @@ class StatusLine(Horizontal):
 def has_room(notice: str, view: View, columns: int) -> bool:
     """Whether a status line so wide says all of this notice, and nothing else in its place."""
     stop = sum(cell_len(hint.text) for hint in view.hints if hint.urgent)
-    return not is_pressed(view) and cell_len(f" {notice} ") <= columns - _CHIP - stop
+    return not view.standstill and cell_len(f" {notice} ") <= columns - _CHIP - stop
 
 
 def is_pressed(view: View) -> bool:

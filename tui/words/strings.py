@@ -29,6 +29,8 @@ STARTING: Final = "STARTING"
 BROKEN: Final = "FAILED"
 ESTOP: Final = "E-STOP"
 ESTOP_HOLDS: Final = "nothing moves; {release} releases"
+ESTOP_HOLDS_WAITING: Final = "nothing moves; {release} releases and drops what waits"
+ESTOP_COMES: Final = "E-STOP once the robot is there; {release} takes it back"
 BY_HAND_STANDS: Final = "{why} · {back} back · {interrupt} stops"
 BY_HAND: Final = (
     "by hand {speed:g} m/s · {hand_ahead} {hand_back} {hand_left} {hand_right} drive · "
@@ -279,6 +281,7 @@ REASONS: Final = {
     "quit": "quitting",
     "halted": "the robot itself",
     "estop": "the emergency stop",
+    "release": "the release of the emergency stop",
     "drive": "driving by hand",
     "by_hand": "driving by hand",
     "stop": "stop",
@@ -489,6 +492,7 @@ PLACEHOLDER_TYPING: Final = (
     "Type what the robot should do · {earlier} recalls · {recall} searches · {back} back · {interrupt} stops"
 )
 PLACEHOLDER_TYPING_EARLY: Final = "Type; it waits for {parts} to load · {back} back · {interrupt} stops"
+PLACEHOLDER_FAILED: Final = "Nothing is done: the engine did not start · {leave_now} quits"
 PASTED_TOO_LONG: Final = "Too long to be pasted: the line holds {} characters. Nothing of it was taken."
 ADDS: Final = "{add} afterwards"
 """Behind the line, while something runs: the key that adds what is written to what waits."""
@@ -544,7 +548,10 @@ LINE_OF_NO_TURN: Final = "This line belongs to no turn."
 # Quitting and failing
 NOTHING_TO_STOP: Final = "Nothing to stop · {back} goes back"
 NOT_PRESSED: Final = "The emergency stop is not pressed"
-PRESSED_EARLY: Final = "The emergency stop is pressed as soon as the engine is there"
+PRESS_TAKEN_BACK: Final = "Taken back: this console presses no E-STOP"
+RELEASED: Final = "The emergency stop is released"
+ESTOP_NOT_KNOWN: Final = "E-STOP not known yet: again when the robot is there"
+NO_ESTOP: Final = "No emergency stop: the engine did not start"
 WITHDRAWN: Final = "Question withdrawn"
 WAITING_DROPPED: Final = {False: "{} waiting requests dropped", True: "{} waiting request dropped"}
 """By whether it is one."""

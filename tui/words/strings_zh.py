@@ -28,6 +28,8 @@ STARTING: Final = "启动中"
 BROKEN: Final = "故障"
 ESTOP: Final = "急停"
 ESTOP_HOLDS: Final = "机器人不会动；{release}解除"
+ESTOP_HOLDS_WAITING: Final = "机器人不会动；{release}解除，并放弃等待中的请求"
+ESTOP_COMES: Final = "机器人一就绪就按下急停；{release}取消"
 BY_HAND_STANDS: Final = "{why} · {back} 返回 · {interrupt} 停止"
 BY_HAND: Final = (
     "手动 {speed:g}米/秒 · {hand_ahead} {hand_back} {hand_left} {hand_right} 行驶 · {hand_faster} {hand_slower} 速度 · "
@@ -269,6 +271,7 @@ REASONS: Final = {
     "quit": "退出",
     "halted": "机器人自己停下",
     "estop": "急停",
+    "release": "急停解除",
     "drive": "手动驾驶",
     "by_hand": "手动驾驶",
     "stop": "停下",
@@ -472,6 +475,7 @@ PLACEHOLDER: Final = "按 {type} 输入机器人要做的事"
 PLACEHOLDER_EARLY: Final = "按 {type} 输入；载入后才会执行：{parts}"
 PLACEHOLDER_TYPING: Final = "输入机器人要做的事 · {earlier} 找回 · {recall} 搜索 · {back} 返回 · {interrupt} 停止"
 PLACEHOLDER_TYPING_EARLY: Final = "输入；载入后才会执行：{parts} · {back} 返回 · {interrupt} 停止"
+PLACEHOLDER_FAILED: Final = "什么都不会执行：引擎没有启动 · {leave_now} 退出"
 PASTED_TOO_LONG: Final = "粘贴的内容太长：输入行最多 {} 个字符，没有接受任何内容。"
 ADDS: Final = "{add} 排在后面"
 NOTHING_TO_ADD: Final = "这一行是空的，没有可排的请求"
@@ -520,7 +524,10 @@ LINE_OF_NO_TURN: Final = "这一行不属于任何一轮。"
 # Quitting and failing
 NOTHING_TO_STOP: Final = "没有什么要停止 · {back} 返回"
 NOT_PRESSED: Final = "急停没有按下"
-PRESSED_EARLY: Final = "引擎一启动就按下急停"
+PRESS_TAKEN_BACK: Final = "已取消：本控制台不会按下急停"
+RELEASED: Final = "急停已解除"
+ESTOP_NOT_KNOWN: Final = "还不知道急停是否按下：机器人就绪后再按一次"
+NO_ESTOP: Final = "没有急停：引擎没有启动"
 WITHDRAWN: Final = "问题已撤回"
 WAITING_DROPPED: Final = {False: "取消了 {} 个等待的请求", True: "取消了 {} 个等待的请求"}
 NOTHING_BACK: Final = "无处可返回 · {type} 转到输入行"

@@ -22,8 +22,8 @@ class SmallTalk:
         self._answers: Mapping[str, str] = sections["answers"]["talk"]
 
     def answer(self, text: str, *, asks: bool = False) -> str:
-        """The answer to ``text``; ``asks``: it is a question."""
-        plain = _plain(text)
+        """The answer to ``text``; ``asks``: it is a question, also where it is not written as one."""
+        plain, asks = _plain(text), asks or text.rstrip().endswith(("?", "？"))
         kind = next((kind for kind, words in self._kinds if words.search(plain)), UNKNOWN if asks else ASIDE)
         return self._answers[kind]
 
