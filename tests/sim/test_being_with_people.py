@@ -14,13 +14,15 @@ import pytest
 from config import load
 from config.schema import KnownPerson
 from engine.perception.memory import WorldMemory
-from engine.perception.people import PeopleMemory
+from engine.perception.people import PeopleMemory, PersonSeen
 from engine.robot.company import News
 from engine.robot.geometry import Pose
 from engine.robot.sim.scene import Scene
 from engine.robot.sim.scene_file import load_scene, scene_path
 from engine.robot.sim.scene_parts import Start
 from engine.skills.library import LIBRARY
+from engine.skills.library.household import who_waits
+from engine.skills.meeting import face_point
 from engine.skills.outcome import Result
 from engine.skills.people import People, looks_of
 from engine.skills.places import Places
@@ -212,6 +214,19 @@ def test_what_is_fetched_is_brought_to_whoever_has_stepped_aside_meanwhile() -> 
     [brought] = family.do(("carry", {"object": "orange ball", "place": "zero"}))
     assert brought.message.startswith("I brought the orange ball to the person"), brought.message
     assert math.dist(family.robot.where("ball")[:2], family.place_of("you")) < 1.5
+
+
+def test_nobody_in_the_picture_is_given_what_whoever_stands_behind_it_has_asked_for() -> None:
+    family = Family(changed(you={"path": [[-0.5, -0.6]]}, James={"path": [[2.3, 0.3]]}))
+
+    async def look_ahead() -> PersonSeen | None:
+        await family.robot.tick()
+        await face_point(family.context, (2.3, 0.3, 1.0))
+        await family.context.see()
+        assert [person.shirt for person in family.world.people.everybody] == ["blue"], "James, and nobody else"
+        return await who_waits(family.context)
+
+    assert asyncio.run(look_ahead()) is None, "you are right here"
 
 
 def test_nothing_is_handed_over_by_an_empty_hand(family: Family) -> None:

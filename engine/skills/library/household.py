@@ -28,7 +28,7 @@ from engine.skills.hand import grip_again, still_held
 from engine.skills.library.manipulation import fetch
 from engine.skills.library.navigation import PlaceName
 from engine.skills.library.searching import ObjectName, RoomName
-from engine.skills.meeting import called, go_up_to, seen_now
+from engine.skills.meeting import called, go_up_to, look_around, seen_now
 from engine.skills.outcome import ErrorCode, Result, fail, ok
 from engine.skills.places import ZERO_SYMBOL
 from engine.skills.put import HIGHEST, put_in, put_on, put_on_floor
@@ -84,18 +84,33 @@ async def carry(
         return lost(context, held)
     if not went.ok and (piece is None or went.error_code not in NO_WAY):  # furniture can be stood at elsewhere
         return fail(went.error_code or "path_blocked", f"{went.message} I still hold the {held.name}.")
-    if place == ZERO_SYMBOL and (waiting := _who_waits(context)) is not None and (await go_up_to(context, waiting)).ok:
+    if (
+        place == ZERO_SYMBOL
+        and (waiting := await who_waits(context)) is not None
+        and (await go_up_to(context, waiting)).ok
+    ):
         name = called(waiting)
     put = await _put_down(context, piece)
     return ok(f"I brought the {held.name} to {name}.{elsewhere}") if put.ok else put
 
 
-def _who_waits(context: SkillContext) -> PersonSeen | None:
-    """The nearest of those who were seen just now, where they are not right here but near: whoever asked for something
-    may have stepped aside for the robot."""
+async def who_waits(context: SkillContext) -> PersonSeen | None:
+    """Whoever asked for something may have stepped aside for the robot: the nearest of those who are near, where nobody
+    is right here. Somebody else may be in the picture, and they behind it: then it looks all round."""
     pose = context.pose
-    nearest = seen_now(context, lambda person: True, lambda person: person.distance_to(pose.x, pose.y) < NEAR_HERE)
-    return nearest if nearest is not None and nearest.distance_to(pose.x, pose.y) > RIGHT_HERE else None
+
+    def away(person: PersonSeen) -> float:
+        return person.distance_to(pose.x, pose.y)
+
+    def nearest() -> PersonSeen | None:
+        return seen_now(context, lambda person: True, lambda person: away(person) < NEAR_HERE)
+
+    if not any(away(person) < NEAR_HERE for person in context.world.people.everybody):
+        return None
+    if (person := nearest()) is None or away(person) > RIGHT_HERE:
+        await look_around(context, lambda: (seen := nearest()) is not None and away(seen) < RIGHT_HERE)
+        person = nearest()
+    return person if person is not None and away(person) > RIGHT_HERE else None
 
 
 async def _put_down(context: SkillContext, piece: Furniture | None) -> Result:
