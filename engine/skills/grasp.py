@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import Final
 
 from engine.perception.memory import Thing
+from engine.perception.sighting import Kind
 from engine.robot.arm import ArmModel
 from engine.robot.geometry import Pose
 from engine.robot.robot import RobotState
@@ -72,11 +73,16 @@ async def pick(context: SkillContext, thing: Thing) -> Result:
     return _where_now(context, wanted, trouble)
 
 
+_STANDS: Final[frozenset[Kind]] = frozenset(("box", "block", "cup", "bottle"))
+
+
 def _mistaken(thing: Thing, seen: Thing) -> bool:
     """Whether a close look showed something else. Labels and caps are pale; a strong colour is a thing's own."""
     if thing.colour != seen.colour:
         return seen.colour not in _PALE
     kinds = {thing.kind, seen.kind}
+    if seen.whole and "ball" in kinds and kinds & _STANDS:
+        return seen.named_from < thing.named_from  # from close by, what is round is
     if not seen.whole or len(kinds) == 1 or "thing" in kinds or kinds == {"box", "block"}:
         return False
     low, high = sorted((thing.size[1], seen.size[1]))

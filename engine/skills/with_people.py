@@ -37,6 +37,7 @@ BESIDE: Final = 2.2
 _JUST_S: Final = 2.0  # s since somebody was seen, within which they are still there
 _THEIR_PLACE: Final = 0.6  # m from where they were seen from afar
 _STEP_ASIDE: Final = 1.2  # m from there, where whoever fits is they
+_APART: Final = 0.25  # m between two people at least
 NEAR: Final = BESIDE + 1.0
 """m within which somebody is taken to be meant before anybody is looked for elsewhere."""
 
@@ -145,6 +146,10 @@ async def gender_of(context: SkillContext, person: PersonSeen) -> Gender | None:
         return known
     if not (await go_up_to(context, person)).ok:
         return None
+    await context.see()
+    before = _beside(context, lambda other: True, NEAR)
+    if before is not None and before.number != person.number and before.distance_to(*person.position[:2]) > _APART:
+        return None  # somebody else stands before them, and would answer
     answer = await context.ask(in_theirs(context, person, "Excuse me, are you a man or a woman?")) or ""
     male, female = _MALE.search(answer.casefold()), _FEMALE.search(answer.casefold())
     return None if bool(male) == bool(female) else "male" if male else "female"

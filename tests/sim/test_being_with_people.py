@@ -216,6 +216,13 @@ def test_what_is_fetched_is_brought_to_whoever_has_stepped_aside_meanwhile() -> 
     assert math.dist(family.robot.where("ball")[:2], family.place_of("you")) < 1.5
 
 
+def test_nobody_answers_for_whom_they_stand_before() -> None:
+    family = Family(changed(you={"path": [[1.65, -2.0]]}))
+    (counted,) = family.do(("count_people", {"who": "man", "where": "bedroom"}))
+    assert counted.message == "In the bedroom I see no man, and 2 people of whom I cannot tell."
+    assert family.heard("visitor").count("Excuse me, are you a man or a woman?") == 1
+
+
 def test_nobody_in_the_picture_is_given_what_whoever_stands_behind_it_has_asked_for() -> None:
     family = Family(changed(you={"path": [[-0.5, -0.6]]}, James={"path": [[2.3, 0.3]]}))
 

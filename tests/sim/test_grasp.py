@@ -157,6 +157,19 @@ def test_a_bottle_is_not_taken_for_what_a_part_of_it_looked_like(
     on_a_bench(STOOL, test)
 
 
+def test_a_ball_is_not_taken_for_the_box_that_it_looked_like_from_afar() -> None:
+    async def test(bench: Bench) -> None:
+        ball = await bench.see("orange ball")
+        bench.memory.forget(ball)
+        box = replace(ball, kind="box", named_from=1.9)
+        bench.remember(box)
+        result = await pick(bench.context, box)
+        assert result.message == "What I took for the orange box is the orange ball."
+        assert bench.memory.held is None
+
+    on_a_bench(Pose(-3.6, -0.6, math.pi), test)
+
+
 def test_a_hand_that_is_full_takes_nothing_else() -> None:
     async def test(bench: Bench) -> None:
         assert (await bench.pick("red box")).ok
