@@ -154,12 +154,11 @@ def as_yaml(value: Value) -> str:
     """A value or a key on one line, as settings are read: text is quoted where something else would be read."""
     plain = list(value) if isinstance(value, list | tuple) else value
     for quoted in (None, '"'):
-        style = quoted if isinstance(plain, str) else None
         text: str = yaml.safe_dump(
-            plain, default_flow_style=True, default_style=style, allow_unicode=True, width=_WIDTH
+            plain, default_flow_style=True, default_style=quoted, allow_unicode=True, width=_WIDTH
         )
         text = text.removesuffix("\n").removesuffix("\n...")
-        if _plain_of(f"x: {text}\n") == {"x": plain}:
+        if "\n" not in text and _plain_of(f"x: {text}\n") == {"x": plain}:
             return text
     raise NotEditable("this value cannot be written on one line")
 

@@ -12,15 +12,15 @@ import sys
 import tempfile
 from typing import Final
 
-REAL_TIME: Final = ("tests/audio", "tests/e2e", "tests/ros")
-"""Sound, and whole programs at the pace of the world."""
+REAL_TIME: Final = ("tests/audio", "tests/e2e", "tests/ros", "tests/cli/test_calibrate.py", "tests/cli/test_robot.py")
+"""Sound, boards, and whole programs at the pace of the world."""
 _GIVES_WAY: Final = 10  # niceness
 
 
 def main() -> int:
     """Run both; 0 where both have passed, else the exit status of one that has not."""
     pytest = (sys.executable, "-m", "pytest")
-    others = ("--numprocesses", "logical", "--dist", "worksteal", *(f"--ignore={folder}" for folder in REAL_TIME))
+    others = ("--numprocesses", "logical", "--dist", "worksteal", *(f"--ignore={path}" for path in REAL_TIME))
     with (
         tempfile.TemporaryFile() as report,
         subprocess.Popen((*pytest, *REAL_TIME), stdout=report, stderr=subprocess.STDOUT) as in_real_time,

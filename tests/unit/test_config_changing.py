@@ -8,7 +8,7 @@ import stat
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from config import load
@@ -85,6 +85,7 @@ def test_what_is_no_such_file_is_left_to_its_writer(text: str) -> None:
     beside=st.sampled_from(["", "voice: {when: never}", "voice:\n  when: never # quiet", "# only words"]),
     value=st.one_of(st.text(max_size=12), st.integers(-999, 999), st.booleans(), st.none()),
 )
+@example(rows=["  theme: a # t", "  fps: 3", "# c1", ""], beside="", value="\n")
 def test_comments_and_other_values_survive_any_change(rows: list[str], beside: str, value: str | int | None) -> None:
     text = "\n".join(["# first", *([beside] if beside else []), "console: # here", *rows, "# last"])
     try:
