@@ -67,17 +67,20 @@ def _from_an_end(body: Body) -> bool:
 
 def _along(body: Body) -> NDArray[np.float64]:
     """How far along each point is from one end to the other, 0 to 1."""
-    flat = body.points[:, :2] - body.points[:, :2].mean(axis=0)
-    along = flat @ np.linalg.svd(flat, full_matrices=False)[2][0]
+    along = _on_axis(body.points)
     low, high = np.percentile(along, (0.5, 99.5))
     return np.asarray((along - low) / (high - low))
 
 
+def _on_axis(points: Points) -> NDArray[np.float64]:
+    """How far along the longest line on the floor each point is, from the middle, m."""
+    flat = points[:, :2] - points[:, :2].mean(axis=0)
+    return np.asarray(flat @ np.linalg.svd(flat, full_matrices=False)[2][0])
+
+
 def length(points: Points) -> float:
     """From end to end along the floor, m."""
-    flat = points[:, :2] - points[:, :2].mean(axis=0)
-    along = flat @ np.linalg.svd(flat, full_matrices=False)[2][0]
-    low, high = np.percentile(along, (1, 99))
+    low, high = np.percentile(_on_axis(points), (1, 99))
     return float(high - low)
 
 

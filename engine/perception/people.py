@@ -116,7 +116,7 @@ class _Record:
         for votes, colour in ((self.shirts, seen.shirt), (self.trousers, seen.trousers)):
             if colour is not None:
                 votes[colour] = min(votes[colour] + 1, _MOST_VOTES)
-        self.person = replace(self.person, shirt=_most(self.shirts), trousers=_most(self.trousers))
+        self.person = replace(self.person, shirt=most_voted(self.shirts), trousers=most_voted(self.trousers))
 
 
 @dataclass(frozen=True, slots=True)
@@ -366,7 +366,8 @@ def _worn(sighting: Sighting) -> Looks:
     return Looks(figure.shirt, figure.trousers) if figure is not None else Looks(sighting.colour)
 
 
-def _most(votes: Counter[Colour]) -> Colour | None:
+def most_voted(votes: Counter[Colour]) -> Colour | None:
+    """The colour that most pictures have shown; None where none has."""
     return votes.most_common(1)[0][0] if votes else None
 
 

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Final
 
-from engine.perception.people import Looks, PersonSeen
+from engine.perception.people import Looks, PersonSeen, most_voted
 from engine.perception.sighting import Colour, Sighting
 
 _FIRST: Final = 5
@@ -40,12 +40,12 @@ class Outfit:
     @property
     def shirt(self) -> Colour | None:
         """Its colour; None where no sighting has shown it."""
-        return self._asked.shirt or _most(self._shirts)
+        return self._asked.shirt or most_voted(self._shirts)
 
     @property
     def trousers(self) -> Colour | None:
         """Their colour; None where no sighting has shown them."""
-        return self._asked.trousers or _most(self._trousers)
+        return self._asked.trousers or most_voted(self._trousers)
 
     def learn(self, sighting: Sighting) -> None:
         """This was the person, and nobody else was near."""
@@ -91,7 +91,3 @@ class Glimpses:
         """Whether it is clear by now that whoever is there fits."""
         there = [fits for where, fits in self._all if math.dist(where, spot) < _ASIDE]
         return len(there) >= _ENOUGH and sum(there) >= _SURELY * len(there)
-
-
-def _most(votes: Counter[Colour]) -> Colour | None:
-    return votes.most_common(1)[0][0] if votes else None

@@ -350,8 +350,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._ask.offer()
         if self._one_line is not None:
             return
-        back = self._reaching("zoom") if self.line.has_focus else self._acting("zoom")
-        self._panes.entitle(self._acting, back)
+        self._panes.entitle(self._acting, self._reaching if self.line.has_focus else self._acting)
         self._hint_at_map()
         self._timeline.hint()
         self._log_view.entitle()

@@ -90,11 +90,11 @@ class Panes:
         """What gets the keyboard in that pane."""
         return self._panes[name].body
 
-    def entitle(self, acting: Acting, zoom_back: str | None) -> None:
+    def entitle(self, acting: Acting, leading: Acting) -> None:
         """Write the titles, with the keys that act now: the one that goes there, and on a pane with all the room the
-        way back, which is ``zoom_back``."""
+        way back, which ``leading`` names."""
         for name, pane in self._panes.items():
-            key, zoom = acting(f"pane_{name}"), zoom_back if name == self._zoomed else None
+            key, zoom = acting(f"pane_{name}"), leading("zoom") if name == self._zoomed else None
             back = f" · {strings.ZOOM_BACK.format(zoom=zoom)}" if zoom else ""
             number, words = f"{key} " if key else "", strings.PANES[name] + back
             if self._titles.get(name) != number + words:  # a title that is set repaints the pane
