@@ -174,7 +174,8 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
     quoted = [role.words.casefold() for node in nodes for role in _roles(node) if role.name in _OF_WORDS]
     plain = _plain(meaning.text)
     for mark in marks(meaning.text):
-        if depends and _OTHERWISE.search(plain[: max(plain.rfind(mark.words), 0)]):
+        before, _, behind = plain.rpartition(mark.words)
+        if depends and (_OTHERWISE.search(before) or (_ENDS.match(behind) and _opens_a_branch(before, nodes))):
             continue  # "… otherwise don't bother"
         if any(isinstance(node, _NODES[mark.kind]) for node in nodes):
             if not _placed(mark, meaning):
@@ -187,6 +188,14 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
             if not asks and not negated:
                 return False
     return True
+
+
+def _opens_a_branch(before: str, nodes: Sequence[Node]) -> bool:
+    """Whether what follows these words is all that a condition has done: "if it's in the kitchen, leave it"."""
+    clause = _CLAUSE.search(before)
+    conditions = [node.condition for node in nodes if isinstance(node, If)]
+    ends = (role.words.casefold() for condition in conditions for role in condition.roles)
+    return clause is not None and any(clause["said"].endswith(_plain(words)) for words in ends)
 
 
 def _sides_stand(text: str, nodes: Sequence[Node]) -> bool:
@@ -253,6 +262,17 @@ _OTHERWISE: Final = re.compile(
     r"[\W_]*(?:(?:then|just|do|you can|就|那|那就|也)\b[\W_]*)*(?:就|那就)?$"
 )
 """What stands before the branch of a condition in which nothing is to be done."""
+_CLAUSE: Final = re.compile(
+    r"(?:^|[.,;:!?…–—]|\b(?:and|but|or))\W*(?:if|when|should|in case|要是|如果)\b"
+    r"(?P<said>(?:(?!\b(?:if|when|should)\b)[^.;!?])*?)"
+    r"(?:[\W_]|\b(?:then|already|just|please|you can|you may|right|there|simply)\b|就|那|了)*$"
+)
+"""The clause of a condition that nothing is said before which depends on it."""
+_ENDS: Final = re.compile(
+    r"(?: (?:it|them|that|him|her|there|be|alone|then|bother|touch|do|anything|a thing))*"
+    r" *(?:$|[.,;:!?，。；]| (?:and|but|or|else)\b)"
+)
+"""Behind what is left undone, nothing more is said of it."""
 _FIRST: Final = re.compile(r"(?:before|prior to|on (?:your|the) way (?:to|over)|until)\b")
 """What is told in a clause that begins so is done last."""
 _BEFOREHAND: Final = re.compile(

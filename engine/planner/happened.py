@@ -83,6 +83,19 @@ def named_last(happened: Sequence[Happened], kind: str) -> str:
     return str(next(named, ""))
 
 
+def counted_last(happened: Sequence[Happened]) -> int | None:
+    """How many people the last action has counted; None where it has counted none."""
+    last = next((entry for entry in reversed(happened) if isinstance(entry, Ran)), None)
+    people = last.data.get("people") if last is not None and last.outcome == "ok" else None
+    return people if isinstance(people, int) else None
+
+
+def worked_last(happened: Sequence[Happened]) -> bool | None:
+    """Whether the last action went well; None where there was none."""
+    last = next((entry for entry in reversed(happened) if isinstance(entry, Ran)), None)
+    return None if last is None else last.outcome == "ok"
+
+
 def in_words(entry: Happened) -> str:
     """The same in words: what was said, an answer as models write it, what became of an action."""
     match entry:

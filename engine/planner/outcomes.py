@@ -17,12 +17,12 @@ from engine.facts import fact, is_of_the_clock
 from engine.plan import Action, ActionCall, Plan
 from engine.planner import about_itself, amounts
 from engine.planner.doing.acts import calls_of
-from engine.planner.doing.conditions import looked_for_once, of_itself, with_antecedent
+from engine.planner.doing.conditions import looked_for_once, of_itself, of_success, with_antecedent
 from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, Which
 from engine.planner.doing.looking import topic_of
 from engine.planner.doing.sought import ANYTHING, PERSON, Sought, sought
 from engine.planner.entities import Entities
-from engine.planner.happened import last_question, named_last, planned_last
+from engine.planner.happened import counted_last, last_question, named_last, planned_last, worked_last
 from engine.planner.phrases.phrases import Phrases, Told
 from engine.planner.phrases.said import Calls
 from engine.planner.request import Heard, Language, NoPlan
@@ -100,7 +100,10 @@ class Outcomes:
         if not isinstance(sees, bool) and looked_for.is_open(sees):
             key = "which_speaker" if looked_for.who == ME else "which_person"
             return _question(heard, "which_person", SAID[heard.language][key].format(who=looked_for.who))
-        thing, holds = looked_for.thing, sees if isinstance(sees, bool) else looked_for.holds(sees)
+        people = counted_last(heard.request.happened)
+        if people is None and looked_for.counts_people and not isinstance(sees, bool):
+            return None
+        thing, holds = looked_for.thing, sees if isinstance(sees, bool) else looked_for.holds(sees, people or 0)
         branch = node.then if holds else node.otherwise
         rest = (*_only_wanted(branch), *wanted[index + 1 :])
         missing = holds != looked_for.there
@@ -255,7 +258,13 @@ class Outcomes:
                 node = acts[index]
                 assert isinstance(node, If)
                 condition = self._condition(node, doing, index)
-                if (holds := of_itself(doing, condition)) is not None:  # there is nothing to look at
+                holds = of_itself(doing, condition)
+                worked = True if first else worked_last(heard.request.happened)
+                if holds is None and worked is not None:
+                    holds = of_success(condition, worked)
+                    if first and (not holds or node.otherwise):
+                        holds = None  # a plan ends with an action that fails: the other branch would never be done
+                if holds is not None:  # there is nothing to look at
                     branch = _only_wanted(node.then if holds else node.otherwise)
                     rest = (*acts[:index], *branch, *acts[index + 1 :])
                     nothing = _answer(heard, SAID[heard.language]["all_right"])

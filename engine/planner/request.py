@@ -89,6 +89,8 @@ class Ran:
     action: Action
     outcome: Outcome
     message: str = ""
+    data: Mapping[str, object] = field(default_factory=dict)
+    """What it has found, as its skill tells it: ``people`` is how many were counted."""
 
     def __str__(self) -> str:
         return f"{self.action} {self.outcome}. {self.message}".rstrip()

@@ -186,7 +186,7 @@ def _happened(entry: Entry) -> Happened | None:
         case Interrupted(_, scope):
             return Noted(f"Interruption: {_BY[scope]}.")
         case Acted(_, ran):
-            return request.Ran(ran.action, ran.result.outcome, ran.result.message)
+            return request.Ran(ran.action, ran.result.outcome, ran.result.message, ran.result.data)
         case NeverStarted(_, actions):
             return Noted(f"Never started: {', '.join(map(str, actions))}.")
 

@@ -10,9 +10,9 @@ from config import load
 from engine.parts.loading import at_home
 from engine.perception.memory import WorldMemory
 from engine.perception.people import Looks, PeopleMemory
-from engine.plan import Plan
+from engine.plan import Action, Plan
 from engine.planner import build
-from engine.planner.request import Heard, Language, NoPlan, PlanRequest
+from engine.planner.request import Heard, Language, NoPlan, PlanRequest, Ran
 from engine.planner.understood import Understood
 from engine.robot.robot import Robot
 from engine.session.recall import Recall
@@ -206,9 +206,99 @@ def test_whoever_has_no_name_and_shows_nothing_is_no_condition(understood: Under
         assert "cannot tell people apart" in first(understood, text)
 
 
-def test_people_are_not_counted_by_a_look(understood: Understood, reader: Written) -> None:
-    text = reader.knows("if seen then beep end | if {1.person: two people} are in {1.place: the hall} beep")
-    assert "not how many" in first(understood, text)
+def test_people_are_counted_where_it_depends_on_how_many_there_are(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if seen then nod else shake end | if {1.person: more than two people} are in {1.place: the hall} nod, "
+        "else shake"
+    )
+    assert first(understood, text) == "count_people(person, hall)"
+
+    def decided(**found: int) -> str:
+        ran = Ran(Action("count_people", {"who": "person", "where": "hall"}), "ok", "In the hall I see …", found)
+        request = PlanRequest("", (ran,), sees=lambda thing: True)
+        return shown(understood.decided(Heard(request, text, "en")))
+
+    assert [decided(people=2), decided(people=3)] == ["arm_shake()", "arm_nod()"]
+    assert decided() == "", "nobody was counted"
+
+
+@pytest.mark.parametrize(
+    ("line", "who"),
+    [
+        (
+            "if is then nod end | if {1.person: anybody} is {1.state: sitting} in {1.place: the hall} nod",
+            "person sitting",
+        ),
+        ("if is then nod end | if {1.person: the guest in the hall} is {1.state: wearing red} nod", "person in red"),
+        ("if is then nod end | if {1.person: Anna} is {1.state: waving} in {1.place: the hall} nod", "Anna waving"),
+        ("if is then nod end | 如果{1.place: 走廊}里有{1.person: 人}{1.state: 坐着}就点头", "person sitting"),
+    ],
+)
+def test_how_somebody_looks_is_seen(understood: Understood, reader: Written, line: str, who: str) -> None:
+    text = reader.knows(line)
+    assert first(understood, text) == "navigation(E); seewhat()"
+    assert after(understood, text, "person", who) == "arm_nod()"
+    assert after(understood, text) == "I see nobody there."
+    asleep = reader.knows("if is then nod end | if {1.person: the guest} is {1.state: asleep} nod")
+    assert "not whether it is asleep" in first(understood, asleep)
+
+
+def test_there_already_is_where_it_is_to_go(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if is_not then bring end | take {2.thing: the blue box} to {2.place: the bedroom} if {1.thing: it} isn't "
+        "{1.state: there already}"
+    )
+    assert first(understood, text) == "navigation(C); seewhat()"
+    assert after(understood, text) == "carry(blue box, C, )"
+
+
+@pytest.mark.parametrize(
+    ("line", "worked", "failed"),
+    [
+        ("if is then nod else shake end | if {1.person: you} {1.state: found it} nod, else shake", "nod", "shake"),
+        ("if event then nod end | if {1.topic: that worked} nod", "nod", "All right."),
+        ("if event then nod end | if {1.topic: that didn't work} nod", "All right.", "nod"),
+        ("if is_not then nod end | unless {1.person: you} {1.state: managed it} nod", "All right.", "nod"),
+        ("if event then nod end | 如果{1.topic: 没找到}就点头", "All right.", "nod"),
+    ],
+)
+def test_how_the_last_action_went_is_on_record(
+    understood: Understood, reader: Written, line: str, worked: str, failed: str
+) -> None:
+    text = reader.knows(line)
+    ran = [Ran(Action("locate", {"object": "ball"}), outcome) for outcome in ("ok", "failed")]
+    found = [shown(understood.plan(Heard(PlanRequest(text, (one,)), text, "en"))) for one in ran]
+    assert [one.removeprefix("arm_").removesuffix("()") for one in found] == [worked, failed]
+
+
+def test_a_plan_goes_on_where_an_action_has_worked(understood: Understood, reader: Written) -> None:
+    worked = reader.knows("pick_up if event then nod end | grab {1.thing: the ball}, and if {2.topic: that works} nod")
+    assert first(understood, worked) == "pick_object(ball); arm_nod()"
+    failed = reader.knows("pick_up if event then nod end | grab {1.thing: the ball}, if {2.topic: that fails} nod")
+    assert "cannot tell" in first(understood, failed), "the plan would be over by then"
+
+
+@pytest.mark.parametrize(
+    ("line", "looks"),
+    [
+        ("if seen then else bring end | if {1.thing: the ball} is in {1.place: the hall}, leave it. If it's anywhere "
+         "else, bring {2.person: me} {2.thing: it}", True),
+        ("if seen then bring end | if {1.thing: the ball} is in {1.place: the hall}, bring {2.person: me} "
+         "{2.thing: it}, and if it's in {1.place: the study}, don't", True),
+        ("if seen then bring end | bring {2.person: me} {2.thing: the ball} if {1.thing: it} is in "
+         "{1.place: the hall}, no", False),
+    ],
+)  # fmt: skip
+def test_what_is_to_be_left_in_one_branch_is_not_all_taken_back(
+    understood: Understood, reader: Written, line: str, looks: bool
+) -> None:
+    assert first(understood, reader.knows(line)).startswith("navigation") == looks
+
+
+def test_whether_or_not_is_no_condition(understood: Understood, reader: Written) -> None:
+    for whatever in ("whether or not", "no matter if", "even if"):
+        text = reader.knows(f"go | {whatever} the ball is in the hall, go to {{1.place: the bedroom}}")
+        assert first(understood, text) == "navigation(C)"
 
 
 def test_a_place_with_somebody_in_it_is_not_empty(understood: Understood, reader: Written) -> None:

@@ -69,6 +69,30 @@ def of_itself(doing: Doing, condition: Condition) -> bool | None:
     return met == (condition.kind != "is_not")
 
 
+def of_success(condition: Condition, worked: bool) -> bool | None:
+    """Whether a condition on how the last action went is met; None for any other condition."""
+    who = condition.words("person").casefold() or condition.words("thing").casefold()
+    said = (condition.words("topic") or condition.words("state")).casefold().replace("’", "'")
+    if condition.kind in ("seen", "unseen") or condition.words("place") or (who and not _DEED.fullmatch(who)):
+        return None
+    if _WENT.fullmatch(said) is None or not (who or _SAYS_WHOSE.match(said)):
+        return None
+    succeeds = (_WENT_NOT.search(said) is None) == (condition.kind != "is_not")
+    return worked == succeeds
+
+
+_DEED: Final = re.compile(r"you(?:'ve| have)?|that|this|it|你|这|那")
+_SAYS_WHOSE: Final = re.compile(r"(?:you|that|this|it)\b|[你这那没成失找]")
+_WENT: Final = re.compile(
+    r"(?:(?:you|that|this|it)(?:'ve)? )?"
+    r"(?:(?:can|could|do|did|does|has|have|is|was|are|actually)(?: not|n't)? |cannot )*"
+    r"(?:work|succe|fail|went (?:well|wrong)|go(?:es)? (?:well|wrong)|manage|ma[dk]e it|f(?:ou|i)nd|reach|able to)"
+    r"[a-z]*(?: (?:it|that|them|one|there|him|her))?|你?(?:没有?)?(?:成功|失败|做到|找到|拿到)了?"
+)
+"""Told of how that went which the robot has just done."""
+_WENT_NOT: Final = re.compile(r"n't|\bnot\b|cannot|fail|wrong|没|失败")
+
+
 def _about_its_hand(condition: Condition) -> tuple[str, str] | None:
     """The state of its hand that a condition is about, and the thing that is named; None where it is about none."""
     who, thing = condition.words("person").casefold(), condition.words("thing")
@@ -149,4 +173,12 @@ def with_antecedent(node: If, entities: Entities, *, thing: bool = True, place: 
         replace(role, words=words) if (words := meant.get(role.name)) and entities.of(role.words).refers else role
         for role in node.condition.roles
     )
-    return replace(node.condition, roles=tuple(roles))
+    condition = replace(node.condition, roles=tuple(roles))
+    state = next((role for role in condition.roles if role.name == "state"), None)
+    if state is None or condition.words("place") or not meant["place"] or not _THERE.search(state.words.casefold()):
+        return condition
+    return replace(condition, roles=(*condition.roles, replace(state, name="place", words=meant["place"])))
+
+
+_THERE: Final = re.compile(r"\bthere\b|在那")
+"""A state of being where something is to go: "to the bed if it isn't there already"."""

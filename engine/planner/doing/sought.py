@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Final, get_args
 
 from engine.errors import PlanError
 from engine.perception.sighting import Colour
-from engine.perception.someone import Someone
+from engine.perception.someone import Someone, UnknownPerson, someone
 from engine.planner.doing.doing import Doing, Unable
 from engine.planner.doing.moving import anybody
+from engine.planner.doing.people import spot
 from engine.planner.doing.sense import plain
 from engine.planner.entities import Entities
 from engine.planner.phrases.said import Calls, call
@@ -56,14 +57,24 @@ class Sought:
     who: str = ""
     """Whoever is to be there, as skills know them; empty: anybody, or a thing."""
 
+    @property
+    def counts_people(self) -> bool:
+        """Whether it depends on how many people there are."""
+        return self.count is not None and self.thing == PERSON
+
     def is_open(self, sees: Callable[[str], bool]) -> bool:
         """Whether somebody was seen, and nobody can tell whether it is who is meant. That nobody is there, or somebody
         whom the robot knows or whose clothes and pose show, settles it."""
-        return bool(self.who) and not sees(self.who) and sees(PERSON)
+        return self.count is None and bool(self.who) and not sees(self.who) and sees(PERSON)
 
-    def holds(self, sees: Callable[[str], bool]) -> bool:
-        """Whether the condition is met; ``sees`` tells whether something was seen."""
-        found = sees(self.who or self.thing) if self.count is None else self.count.holds(self.names, sees)
+    def holds(self, sees: Callable[[str], bool], people: int = 0) -> bool:
+        """Whether the condition is met; ``sees`` tells whether something was seen, ``people`` how many were counted."""
+        if self.count is None:
+            found = sees(self.who or self.thing)
+        elif self.counts_people:
+            found = self.count.fits(people)
+        else:
+            found = self.count.holds(self.names, sees)
         found = found or (self.empty and sees(PERSON))
         return found == self.there
 
@@ -74,14 +85,19 @@ def sought(doing: Doing, condition: Condition) -> Sought:
     thing, person, place = condition.words("thing"), condition.words("person"), condition.words("place")
     if condition.words("times"):
         raise Unable("until")
-    if condition.kind in ("is", "is_not"):
+    looks = _looks(condition) if person and not thing else None
+    if condition.kind in ("is", "is_not") and looks is None:
         raise Unable("state", condition.words("state"))
     if condition.kind == "event":
         raise Unable("event", condition.words("topic"))
-    who, where = _who(doing, person) if person else ("", "")
+    people = how_many(person) if person else None
+    who, where = _who(doing, people[0] if people is not None else person, looks) if person else ("", "")
     place = place or where
-    if person and (people := how_many(person)) is not None:
-        raise Unable("count", people[0])
+    there = condition.kind in ("seen", "is")
+    if people is not None:
+        at = spot(doing, place)
+        counted = call("count_people", who or PERSON, *((at,) if at else ()))
+        return Sought(PERSON, there, counted, people[1], who=who)
     many = how_many(thing) if thing else None
     if many is not None:
         thing = many[0]
@@ -92,7 +108,6 @@ def sought(doing: Doing, condition: Condition) -> Sought:
     is_there = bool(at) and bool(doing.calls) and doing.entities.of(at).refers
     going = call("navigation", doing.spot(at)) if at and not is_there else ()
     look = (*going, *call("seewhat"))
-    there = condition.kind == "seen"
     if len(several := condition.all("thing")) > 1:  # "if both … are there", "if neither … is"
         names = tuple(doing.thing(words) for words in several)
         return Sought(thing, there, look, at_least(len(names) if there else 1), names)
@@ -108,9 +123,19 @@ def sought(doing: Doing, condition: Condition) -> Sought:
     return Sought(thing, there, look, many[1], names)
 
 
-def _who(doing: Doing, words: str) -> tuple[str, str]:
-    """Who these words mean, as skills know them (nothing: anybody), and the words for where they are said to be. Raises
-    Unable for what may be nobody at all, and for the robot itself."""
+def _looks(condition: Condition) -> Someone | None:
+    """How somebody is said to look, where a condition is about that and it can be seen: "is sitting", "wears red"."""
+    try:
+        looks = someone(condition.words("state"))
+    except UnknownPerson:
+        return None
+    shows = looks.posture or looks.gesture or looks.shirt or looks.trousers
+    return looks if shows and not looks.name and looks.gender is None else None
+
+
+def _who(doing: Doing, words: str, looks: Someone | None = None) -> tuple[str, str]:
+    """Who these words mean who also ``looks`` so, as skills know them (nothing: anybody), and the words for where they
+    are said to be. Raises Unable for what may be nobody at all, and for the robot itself."""
     lower = plain(words).removesuffix("'s")
     if _SPEAKER.fullmatch(lower):
         return ME, ""
@@ -121,11 +146,17 @@ def _who(doing: Doing, words: str) -> tuple[str, str]:
         if not anybody(lower):
             raise Unable("person", words) from None
     if who.is_anybody:
-        return "", where
+        return str(looks) if looks is not None else "", where
     is_named = words[:1].isupper() and not lower.startswith(("the ", "a ", "my ", "your "))
     if _PRONOUN.fullmatch(lower) or not (is_named or doing.entities.of(words).person or doing.entities.is_known(words)):
         raise Unable("person", words)
-    return str(who), where
+    return str(_both(who, looks) if looks is not None else who), where
+
+
+def _both(who: Someone, looks: Someone) -> Someone:
+    """Somebody of two descriptions; what one of them leaves open, the other says."""
+    said = {part.name: getattr(looks, part.name) for part in fields(looks)}
+    return replace(who, **{name: value for name, value in said.items() if value})
 
 
 _PRONOUN: Final = re.compile(r"he|she|they|him|her|them|it|you(?:'re| are)?|[他她它你您]们?")
@@ -175,7 +206,8 @@ _STAYS: Final = re.compile(
 )
 """What a state says that is no more than being somewhere."""
 _THERE: Final = re.compile(
-    r"(?:still |already )?(?:there|here|present|visible|around|available|in (?:sight|view))|"
-    r"还?在(?:那儿?|那里|这儿?|这里)?"
+    r"(?:still |already )?(?:there|here|present|visible|around|available|in (?:sight|view))"
+    r"(?: already| still| yet| now)?|"
+    r"[还已经]*在(?:那儿?|那里|这儿?|这里)?了?"
 )
 _GONE: Final = re.compile(r"missing|gone|absent|away|nowhere(?: to be (?:seen|found))?|not there|不在了?|不见了?|没了")

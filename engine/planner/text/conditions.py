@@ -11,10 +11,11 @@ IF_POLITE: Final = re.compile(
     r"\bif you(?:'d| would) (?:be so (?:kind|good)|please|like to|care to)\b|"
     r"\bif (?:you (?:don't mind|do not mind|can|could|would|like|please|want to|have (?:time|a (?:moment|minute)))|"
     r"(?:that|it)(?:'s| is) (?:ok|okay|all right|alright|possible|no trouble|not too much trouble))\b"
-    r"|(?:如果|要是)?(?:您|你)?(?:不麻烦|方便|可以|有空|愿意)的话",
+    r"|\b(?:whether|if) or not\b|\b(?:no matter|regardless(?: of)?|irrespective of|even) (?:whether|if)\b"
+    r"|(?:如果|要是)?(?:您|你)?(?:不麻烦|方便|可以|有空|愿意)的话|不管(?:是否|有没有)|无论(?:是否|有没有)",
     re.IGNORECASE,
 )
-"""A condition by its form alone."""
+"""A condition by its form alone: politeness, and what makes no difference."""
 CONDITION: Final = re.compile(
     r"\b(?:if|whether|unless|in case|should there|as long as|provided|whenever|otherwise)\b"
     r"|\bis there\b.*\bthen\b|如果|要是|假如|是否|有没有|否则|的话",

@@ -34,7 +34,11 @@ class Count:
 
     def holds(self, names: Sequence[str], sees: Callable[[str], bool]) -> bool:
         """Whether as many of the things of these names are there."""
-        return self.how(sum(map(sees, names)), self.number)
+        return self.fits(sum(map(sees, names)))
+
+    def fits(self, number: int) -> bool:
+        """Whether that are as many."""
+        return self.how(number, self.number)
 
 
 def at_least(number: int) -> Count:
