@@ -20,6 +20,11 @@ FLOOR: Final = "floor"
 BIN: Final = "bin"
 STILL: Final = frozenset({"say", "beep", "wait", "light", "arm_up", "arm_down", "arm_nod", "arm_shake", "arm_applaud"})
 """Effects that leave the robot where it is."""
+WITH: Final = frozenset({
+    "tell", "ask_person", "person_follow", "guide", "hand_over", "take_from", "describe_person", "answer_question",
+    "with", "arm_shake", "say",
+})  # fmt: skip
+"""Effects for which the robot goes to somebody first."""
 MERGED: Final = frozenset({"turn", "drive", "slide", "wait"})
 """Two of these in a row, the same way, are one."""
 
@@ -144,9 +149,19 @@ def _plain(step: Step, words: Words) -> tuple[Effect, ...]:
         case "patrol":
             stations = str(first).replace("+", ",").split(",")
             return (Effect("patrol", (",".join(words.place(place.strip()) for place in stations if place),)),)
+        case "find_person" | "meet":
+            return (*_there(args, 1, words), Effect("with", (first or "person",)))
+        case "tell_everyone" | "count_people" as several:
+            place = 2 if several == "tell_everyone" else 1
+            return (*_there(args, place, words), Effect(several, args[:place]))
         case "beep":
             return (Effect("beep", () if first in ("", 0.2) else (first,)),)
     return (Effect(name, args),)
+
+
+def _there(args: Sequence[Value], at: int, words: Words) -> tuple[Effect, ...]:
+    """The way to where people are, where an argument says that."""
+    return (Effect("go", (_places(args[at], words),), needed=False),) if len(args) > at and args[at] else ()
 
 
 def _places(word: Value, words: Words) -> str:
@@ -217,6 +232,8 @@ def _included(found: Sequence[Effect], index: int, words: Words, explicit: bool)
             return _on_the_way(str(effect.args[0]), following, words)
         case "find" | "near":
             return following.what in ("find", "near", "pick") and bool(_meant(effect, words) & _meant(following, words))
+        case "with":
+            return following.what in WITH
         case "look":
             return not explicit and following.what in ("find", "near", "pick")
         case "open_gripper":
@@ -226,6 +243,8 @@ def _included(found: Sequence[Effect], index: int, words: Words, explicit: bool)
 
 def _on_the_way(place: str, following: Effect, words: Words) -> bool:
     """Whether whoever does what follows goes to the place anyway."""
+    if following.what == "with":
+        return True
     if following.what in ("find", "near", "pick"):
         homes = frozenset().union(*(words.homes(thing) for thing in _meant(following, words)))
         return bool(homes) and place in homes

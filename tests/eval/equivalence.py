@@ -111,6 +111,8 @@ def fits(wanted: Effect, done: Effect, words: Words) -> bool:
     """Whether an effect is the one that is wanted."""
     if (wanted.what, done.what) == ("say", "tell") and len(done.args) > 1:
         return _is_value(wanted.args[0], done.args[1])
+    if (wanted.what, done.what) == ("say", "tell_everyone"):
+        return _is_value(wanted.args[0], done.args[0])
     if wanted.what != done.what:
         return False
     if wanted.pace is not None and not _is_value(wanted.pace, done.pace):

@@ -69,7 +69,7 @@ def told(argument: Quantity | str) -> str:
         ("tell | tell {person: Anna} that {text: dinner is ready}", "tell(Anna, dinner is ready)"),
         ("find tell | find {1.person: William} in {1.place: the kitchen} and tell {2.person: him} {2.text: to come}",
          "find_person(William, kitchen); tell(William, to come)"),
-        ("tell | let {person: Marta} know {text: the bus is here}", "say(the bus is here)"),
+        ("tell | let {person: Marta} know {text: the bus is here}", "meet(Marta); tell(Marta, the bus is here)"),
         ("ask come tell | ask {1.person: Anna} {1.text: what she would like to drink}, come and tell {3.person: me}",
          "ask_person(Anna, What would you like to drink?); navigation(zero); report_answer()"),
         ("ask | ask {person: William} {text: to leave}", "tell(William, Please leave.)"),
@@ -103,6 +103,19 @@ def told(argument: Quantity | str) -> str:
         ("find answer | find {1.person: a woman} in {1.place: the kitchen} and tell {2.topic: the time}",
          "find_person(woman, kitchen); tell(woman, the time)"),
         ("tell | 告诉{person: 威廉}{text: 饭好了}", "tell(William, 饭好了)"),
+        ("greet | say hello to {person: the guests in the kitchen}", "tell_everyone(Hello., person, kitchen)"),
+        ("greet | greet {person: everybody}", "say(Hello.)"),
+        ("greet | say hi to {person: the woman in red} at {place: the desk}",
+         "find_person(woman in red, desk); say(Hello.)"),
+        ("wave | wave to {person: the man at the desk}", "find_person(man, desk); arm_shake()"),
+        ("ask tell | ask {1.person: Anna} {1.text: if she is hungry} and tell {2.person: me} {2.topic: what she says}",
+         "ask_person(Anna, Are you hungry?); report_answer()"),
+        ("follow | follow {person: Robin}", "meet(Robin); person_follow(Robin)"),
+        ("guide | show {person: Robin} the way to {place: the study}", "meet(Robin); guide(Robin, D)"),
+        ("meet | meet {person: Robin}", "meet(Robin)"),
+        ("ask | ask {person: robin} {text: if she wants tea}", "meet(Robin); ask_person(Robin, Do you want tea?)"),
+        ("bring tell | bring {1.thing: the cup} to {1.person: Robin} and tell {2.person: her} {2.text: it is hot}",
+         "pick_object(cup); meet(Robin); hand_over(Robin); tell(Robin, it is hot)"),
         ("find | 找{person: 厨房里穿红衣服的人}", "find_person(person in red, kitchen)"),
     ],
 )  # fmt: skip
@@ -112,9 +125,10 @@ def test_acts_on_people_become_calls_of_skills(family: Entities, line: str, call
 
 @pytest.mark.parametrize(
     ("line", "gap"),
-    [("follow | follow {person: him}", "who"), ("meet | meet {person: Robin}", "where_person"),
-     ("follow | follow {person: Robin}", "where_person"), ("guide | guide {person: Anna}", "where"),
-     ("bring | bring {thing: the cup} to {person: Robin}", "where_person"), ("ask | ask {person: Anna}", "what")],
+    [("follow | follow {person: him}", "who"), ("meet | meet {person: my aunt}", "where_person"),
+     ("follow | follow {person: my aunt}", "where_person"), ("guide | guide {person: Anna}", "where"),
+     ("bring | bring {thing: the cup} to {person: my aunt}", "where_person"), ("ask | ask {person: Anna}", "what"),
+     ("tell | 告诉{person: 我姑妈}{text: 饭好了}", "where_person")],
 )  # fmt: skip
 def test_what_was_not_said_is_asked_for(family: Entities, line: str, gap: str) -> None:
     with pytest.raises(Open) as asked:
@@ -131,10 +145,12 @@ def test_nobody_is_looked_for_where_this_house_has_no_such_place(family: Entitie
 
 @pytest.mark.parametrize(
     ("told_of", "asked"),
-    [("what she would like to drink", "What would you like to drink?"), ("where he lives", "Where do you lives?"),
+    [("what she would like to drink", "What would you like to drink?"),
+     ("her name", "What is your name?"), ("when she goes home", "When do you go home?"),
+     ("where he lives", "Where do you live?"),
      ("if she wants tea", "Do you want tea?"), ("whether he is hungry", "Are you hungry?"),
      ("how old they are", "How old are you?"), ("what is the time", "What is the time?"),
-     ("her favourite colour", "What about your favourite colour?"), ("他想喝什么", "请问，您想喝什么？")],
+     ("her favourite colour", "What is your favourite colour?"), ("他想喝什么", "请问，您想喝什么？")],
 )  # fmt: skip
 def test_a_question_is_put_to_whom_it_is_about(told_of: str, asked: str) -> None:
     assert question(told_of) == asked

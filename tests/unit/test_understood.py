@@ -266,7 +266,7 @@ def test_a_correction_of_what_was_done_before_is_a_plan_of_its_own(understood: U
     [("go | go to {place: the garage}", "unknown_place", "garage"),
      ("open | open {thing: the door}", "unable_act", "no skill"),
      ("forward | carry on forward", "incomplete", "How far"), ("go | go to {place: the chair}", "ambiguous", "Which"),
-     ("meet | meet {person: Anna}", "incomplete", "Where can I find them"),
+     ("meet | meet {person: my aunt}", "incomplete", "Where can I find them"),
      ("follow | follow {person: him}", "incomplete", "Who do you mean")],
 )  # fmt: skip
 def test_what_cannot_be_done_is_told_with_its_words(

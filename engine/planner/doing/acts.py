@@ -37,7 +37,7 @@ from engine.planner.doing.moving import (
 )
 from engine.planner.doing.people import answer, ask, introduce, until_they_stand
 from engine.planner.doing.several import one_by_one, spread
-from engine.planner.doing.signals import arm_turn, beep, greet, just, light, often, remember, say, switch, tell
+from engine.planner.doing.signals import arm_turn, beep, greet, just, light, often, remember, say, switch, tell, wave
 from engine.planner.phrases.said import Calls, call
 from engine.understanding.meaning import Do, If, Repeat
 
@@ -132,7 +132,7 @@ _ACTS: Final[Mapping[str, Callable[[Doing, Roles], Calls]]] = {
     "close_gripper": just("close_gripper"),
     "nod": often("arm_nod"),
     "shake": often("arm_shake"),
-    "wave": often("arm_shake"),
+    "wave": wave,
     "applaud": often("arm_applaud"),
     "beep": beep,
     "light": light,

@@ -23,8 +23,8 @@ from engine.skills.vocabulary import ME
 
 def somebody(doing: Doing, words: str, where: str = "", *, stranger: bool = False) -> tuple[str, str]:
     """Who these words mean, as skills know them, and the room or the piece of furniture where they are said to be, else
-    nothing. Raises Open for a pronoun that nobody was named for, and for a stranger of whom nobody said where they are,
-    unless that does no harm (``stranger``)."""
+    nothing. Raises Open for a pronoun that nobody was named for, and for a stranger without a name ("my aunt") of whom
+    nobody said where they are, unless that does no harm (``stranger``)."""
     plain = " ".join(words.casefold().split()).strip(" ,.!?")
     if _PRONOUN.fullmatch(plain):
         if not doing.who:
@@ -39,13 +39,19 @@ def somebody(doing: Doing, words: str, where: str = "", *, stranger: bool = Fals
     there = spot(doing, where or at)
     if doing.entities.is_stranger(who) and not there and not stranger:
         there = doing.entities.place_name(doing.place)  # where it has just been sent
-        if not there:
+        if not there and _NO_NAME.match(plain):
             raise Open("where_person")
     doing.who = str(who)
     return doing.who, there
 
 
 _PRONOUN: Final = re.compile(r"(?:to |for |with |from )?(?:him|her|them|he|she|they)(?:self|selves)?|[他她]们?")
+
+
+_NO_NAME: Final = re.compile(
+    r"(?:the|an?|my|our|your|his|her|their|that|this)\b|[我你他她]们?的?(?![^\W\d_]*[A-Za-z])|[这那]"
+)
+"""What whoever has no name is spoken of with."""
 
 
 def spot(doing: Doing, words: str) -> str:
@@ -71,8 +77,10 @@ def named(doing: Doing, roles: Roles, *, stranger: bool = False) -> tuple[str, s
 
 
 def find_person(doing: Doing, who: str, where: str) -> Calls:
-    """Go where they are said to be; a stranger is asked for the name. Nothing where nobody has to be looked for."""
-    if not where or who == ME:
+    """Go where they are said to be, and for a stranger through the rooms; a stranger is asked for the name. Nothing
+    where nobody has to be looked for."""
+    met = any(who in made.positional for made in doing.calls)
+    if who == ME or (not where and (met or not doing.entities.is_name(who))):
         return ()
     return _looked_for(doing, who, where)
 
@@ -98,10 +106,24 @@ def meet(doing: Doing, roles: Roles) -> Calls:
     return call("meet", who, *((where,) if where else ()))
 
 
+def before(doing: Doing, roles: Roles) -> Calls | None:
+    """Up to the one person of an act, or to where people are said to be; None where that is whoever is here."""
+    words, place = roles.all("person"), roles.words("place")
+    if len(words) != 1 or doing.entities.of(words[0]).me or are_several(doing, words[0]):
+        return call("navigation", doing.spot(place)) if place else None
+    try:
+        who, there = somebody(doing, words[0], place)
+    except (Open, Unable):
+        return call("navigation", doing.spot(place)) if place else None
+    if doing.entities.is_known(words[0]):
+        return call("meet", who, *((there,) if there else ()))
+    return find_person(doing, who, there) or None
+
+
 def follow(doing: Doing, words: str, place: str, source: str) -> Calls:
     """Behind one person among several, to a place where one is said."""
     who, at = somebody(doing, words, source)
-    first = call("meet", who, at) if at else ()
+    first = call("meet", who, at) if at else find_person(doing, who, "")
     to = (doing.spot(place),) if place and not _OUT.search(place.casefold()) else ()
     if who == ME and not to:
         return call("person_follow")
@@ -127,7 +149,7 @@ def guide(doing: Doing, words: str, place: str, source: str) -> Calls:
     who, at = somebody(doing, words, source) if words else (doing.who or ME, "")
     if not place and not _BACK.search(doing.said.casefold()):
         raise Open("where")
-    first = call("meet", who, at) if at else ()
+    first = call("meet", who, at) if at else find_person(doing, who, "")
     return (*first, *call("guide", who, doing.spot(place) if place else _back(doing)))
 
 
@@ -145,9 +167,7 @@ def tell(doing: Doing, words: str, where: str, text: str) -> Calls:
     if are_several(doing, words):
         kind, room = somebody(doing, words, where)
         return call("tell_everyone", text, kind, *((room,) if room else ()))
-    who, there = somebody(doing, words, where, stranger=True)
-    if not there and who not in (ME, "person") and doing.entities.is_stranger_called(who) and doing.calls == []:
-        return call("say", text)  # aloud: nobody knows where they are
+    who, there = somebody(doing, words, where)
     return (*find_person(doing, who, there), *call("tell", who, text))
 
 
@@ -178,14 +198,14 @@ def question(text: str) -> str:
     plain = re.sub(r"^do you (is|are|has|have|would|will|can|wants?|likes?|needs?)\b", _first, plain, flags=re.I)
     turned = re.sub(
         r"^(what|where|when|why|how(?: \w+)?|which \w+|who)\s+(?:he|she|they|he's|she's)\s*"
-        r"(would|will|can|could|should|is|are|was|has|have)?\s*",
+        r"(would|will|can|could|should|is|are|was|has|have|\w+s)?\s*\b",
         _inverted,
         plain,
         flags=re.I,
     )
     turned = re.sub(r"\b(?:his|her|their)\b", "your", re.sub(r"\b(?:him|them)\b", "you", turned))
     if not re.match(r"(?:what|where|when|why|how|which|who|do|does|is|are|would|will|can|could|have)\b", turned, re.I):
-        turned = f"what about {turned}"
+        turned = f"what {'is' if turned.casefold().startswith('your ') else 'about'} {turned}"
     return f"{turned[:1].upper()}{turned[1:].rstrip()}?"
 
 
@@ -197,8 +217,13 @@ def _first(found: re.Match[str]) -> str:
 
 
 def _inverted(found: re.Match[str]) -> str:
-    verb = {"is": "are", "was": "were", "has": "have", None: "do"}.get(found[2], found[2])
-    return f"{found[1]} {verb} you "
+    verb = (found[2] or "do").casefold()
+    if verb in ("is", "was", "has") or not verb.endswith("s"):
+        return f"{found[1]} {_TURNED.get(verb, verb)} you "
+    return f"{found[1]} do you {re.sub('(?<=[osxh])es$|s$', '', verb)} "  # "where he lives"
+
+
+_TURNED: Final = {"is": "are", "was": "were", "has": "have"}
 
 
 def introduce(doing: Doing, roles: Roles) -> Calls:

@@ -123,6 +123,7 @@ def tell(doing: Doing, roles: Roles) -> Calls:
     who = doing.entity(person) if person else None
     is_me = who is not None and who.me
     if not text and is_me and any(made.name == "ask_person" for made in doing.calls):
+        roles.words("topic")  # "what she says"
         return call("report_answer")
     if not text and who is not None and not is_me and topic_of(roles.act.words("topic")):
         return people.answer(doing, roles)  # the time, the day, something about the robot itself
@@ -137,12 +138,19 @@ def tell(doing: Doing, roles: Roles) -> Calls:
 
 
 def greet(doing: Doing, roles: Roles) -> Calls:
-    """Somebody who is meant is met; else it is said before whoever is there."""
+    """Somebody who is meant is gone to, and each of several in a room; else it is said before whoever is there."""
     place, words = roles.words("place"), roles.all("person")
-    if len(words) == 1 and doing.entities.is_known(words[0]):
-        return people.meet(doing, roles)
-    going: Calls = call("navigation", doing.spot(place)) if place else ()
-    return (*going, *call("say", doing.greeting))
+    if len(words) == 1 and people.are_several(doing, words[0]) and people.somebody(doing, words[0], place)[1]:
+        return people.tell(doing, words[0], place, doing.greeting)
+    going = people.before(doing, roles) or ()
+    greets = any(made.name == "meet" for made in going)
+    return going if greets else (*going, *call("say", doing.greeting))
+
+
+def wave(doing: Doing, roles: Roles) -> Calls:
+    """Before whoever is meant."""
+    times = _how_often(roles.words("times"))
+    return (*(people.before(doing, roles) or ()), *call("arm_shake") * times)
 
 
 def beep(doing: Doing, roles: Roles) -> Calls:
