@@ -444,6 +444,20 @@ async def test_what_the_robot_says_and_asks_is_in_sight_whichever_pane_is_in_fro
         assert area(desk, Conversation).area > 0
 
 
+async def test_a_long_answer_that_has_no_room_ends_with_an_ellipsis() -> None:
+    async with console(robot(), size=(80, 24)) as desk:
+        await desk.press("4", "z")
+        desk.engine.publish(ev.SpeechStarted("I see many things here. " * 40 + "That is the end.", False))
+        await desk.settled()
+        rows = [row.rstrip() for row in desk.text.splitlines()]
+        assert sum("I see many things" in row for row in rows) == 6
+        assert "end." not in desk.text
+        assert any(row.endswith("…") for row in rows if "many things" in row)
+        await desk.pilot.resize_terminal(200, 55)
+        await desk.settled()
+        assert "end." in desk.text
+
+
 async def test_a_question_needs_no_row_where_there_is_room_for_none() -> None:
     async with console(robot()) as desk:
         await desk.press("4", "z")

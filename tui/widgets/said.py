@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from textual.content import Content
+from textual.geometry import Size
 from textual.widgets import Static
 
 from tui.shown.facts import Line
@@ -17,7 +18,7 @@ class Said(Static):
     def __init__(self) -> None:
         super().__init__(id="said", markup=False)
         self._covered = False  # the conversation is
-        self._words = Content("")
+        self._words = self._shown = Content("")
 
     def cover(self, covered: bool) -> None:
         """Whether another pane stands in the place of the conversation."""
@@ -32,8 +33,28 @@ class Said(Static):
         words = _drawn(line) if line is not None else Content("")
         if not words.is_same(self._words):
             self._words = words
-            self.update(words)
+            self._write()
         self.cover(self._covered)
+
+    def on_resize(self) -> None:
+        self._write()
+
+    def _write(self) -> None:
+        """As much as there is room for; what is cut off ends with an ellipsis."""
+        shown = as_fits(self._words, self.screen.size)
+        if not shown.is_same(self._shown):
+            self._shown = shown
+            self.update(shown)
+
+
+def as_fits(words: Content, screen: Size) -> Content:
+    """The words on a quarter of the rows of a screen at most."""
+    rows, columns = max(1, screen.height // 4), max(2, screen.width)
+    lines = words.wrap(columns)
+    if len(lines) <= rows:
+        return words
+    last = lines[rows - 1].rstrip().truncate(columns - 1)
+    return Content("\n").join([*lines[: rows - 1], Content.assemble(last, "…")])
 
 
 def _drawn(line: Line) -> Content:
