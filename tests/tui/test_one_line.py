@@ -372,6 +372,13 @@ async def test_what_is_said_and_asked_while_the_emergency_stop_is_pressed_is_tol
         assert "robot: Which cup? · nothing moves" in desk.text
 
 
+async def test_a_notice_is_told_behind_the_emergency_stop_while_that_is_pressed() -> None:
+    async with console(pressed(), size=(120, 2), one_line=True, in_line=True) as desk:
+        desk.app.keeping.remark("Copied.")
+        await desk.settled()
+        assert re.search(r"nothing moves; ctrl\+o releases.* · Copied\.", desk.text)
+
+
 async def test_an_open_question_goes_before_how_older_requests_ended() -> None:
     async with console(engine(), size=(120, 2), one_line=True, in_line=True) as desk:
         replacing(desk.engine)

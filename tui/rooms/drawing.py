@@ -330,7 +330,7 @@ class Drawing:
             )
         view = replace(view, notice=self._notice(view))
         if words := self.standstill(view):
-            view = replace(view, notice=words, notice_does=RELEASE)
+            view = replace(view, notice=words, notice_does=RELEASE, remark=view.notice)
         return view
 
     def _with_ends(self, view: View) -> View:

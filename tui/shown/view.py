@@ -54,6 +54,7 @@ class View(Struct, frozen=True):
     session: str = ""  # the engine's, by its id, as the event log is named
     notice: str = ""  # stands in the status line
     notice_does: str = ""  # the action that a click on it does
+    remark: str = ""  # the notice that has no place there, as the emergency stop has it
     ends: tuple[Ended, ...] = ()  # how requests ended that were not done, alike, where there is one line for all
     outdated: Line | None = None  # the line of the conversation that is not true any more, if any
     newest: str = ""  # the key that leads to the newest line of a pane, where one does so now

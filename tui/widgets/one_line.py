@@ -69,7 +69,7 @@ def happening(view: View) -> Piece:
         return strings.ONE_LINE, "$foreground 60%"
     if now is None and view.standstill:
         style = "bold $text-error"
-    pieces = [words, view.standstill, ended]
+    pieces = [words, view.standstill, view.remark, ended]
     if problem is not None and problem.fatal:
         pieces = [ended, words, view.standstill]
     return JOINT.join(filter(None, pieces)), style
