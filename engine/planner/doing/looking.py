@@ -121,6 +121,8 @@ def describe(doing: Doing, roles: Roles) -> Calls:
 def report(doing: Doing, roles: Roles) -> Calls:
     """Where it is, what it can do, or what is to be seen there; other questions about itself are no actions."""
     kind = topic_of(roles.words("topic"))
+    if kind in ("done", "stopped") and doing.calls:
+        return ()  # what came of it is told in any case
     if kind in ("report_pose", "list_skills"):
         return call(kind)
     if kind not in ("", "seewhat"):

@@ -127,6 +127,8 @@ def tell(doing: Doing, roles: Roles) -> Calls:
         return call("report_answer")
     if not text and who is not None and not is_me and topic_of(roles.act.words("topic")):
         return people.answer(doing, roles)  # the time, the day, something about the robot itself
+    if not text and doing.calls and (who is None or is_me) and _HOW_IT_WENT.search(roles.words("topic").casefold()):
+        return ()  # what came of it is told in any case
     if not text:
         raise Unable("act")
     if who is not None and who.place is None and not who.me:
@@ -135,6 +137,12 @@ def tell(doing: Doing, roles: Roles) -> Calls:
     if who is not None and who.place is not None and not who.me:
         going += call("navigation", doing.spot(person))
     return (*going, *call("say", text))
+
+
+_HOW_IT_WENT: Final = re.compile(
+    r"^$|\bdone\b|\bdid\b|finish|work(?:s|ed)\b|\bw(?:ent|as it)\b|\bthere\b|到了|完|好了|怎么样"
+)
+"""What somebody wants to be told who asks for word when it is done."""
 
 
 def greet(doing: Doing, roles: Roles) -> Calls:
