@@ -106,7 +106,10 @@ _NOTHING_SAID: Final = re.compile(
     r"whatchamacallit|what's it called|what's its name|you know|the one)\b[ ,.]*)+|(?:那个|这个|嗯|呃|啥|什么来着)+"
 )
 """What a speaker says who has not found the word."""
-_THERE: Final = re.compile(r"there|over there|that (?:place|spot)|the same place|那|那里|那儿|那边")
+_THERE: Final = re.compile(
+    r"there|over there|that (?:place|spot)|the same place|(?:right )?where you(?:'re| are)(?: now)?|"
+    r"原地|那|那里|那儿|那边"
+)
 _FLOOR: Final = re.compile(r"floor|ground|carpet|rug")
 _FLOOR_OF: Final = re.compile(r"(?P<en>[a-z' ]+?)(?:'s)? floor|(?P<zh>.+?)里?的?(?:地上|地面上?|地板上?)")
 _PERSON: Final = re.compile(

@@ -90,6 +90,12 @@ def counted_last(happened: Sequence[Happened]) -> int | None:
     return people if isinstance(people, int) else None
 
 
+def answered_last(happened: Sequence[Happened]) -> str:
+    """What somebody has answered whom the last action asked; empty where none did."""
+    last = next((entry for entry in reversed(happened) if isinstance(entry, Ran)), None)
+    return str(last.data.get("answer", "")) if last is not None else ""
+
+
 def worked_last(happened: Sequence[Happened]) -> bool | None:
     """Whether the last action went well; None where there was none."""
     last = next((entry for entry in reversed(happened) if isinstance(entry, Ran)), None)

@@ -17,12 +17,14 @@ from engine.facts import fact, is_of_the_clock
 from engine.plan import Action, ActionCall, Plan
 from engine.planner import about_itself, amounts
 from engine.planner.doing.acts import calls_of
+from engine.planner.doing.answers import depends_on_an_answer, is_met
 from engine.planner.doing.conditions import looked_for_once, of_itself, of_success, with_antecedent
 from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, Which
+from engine.planner.doing.handling import is_rubbish
 from engine.planner.doing.looking import topic_of
 from engine.planner.doing.sought import ANYTHING, PERSON, Sought, sought
 from engine.planner.entities import Entities
-from engine.planner.happened import counted_last, last_question, named_last, planned_last, worked_last
+from engine.planner.happened import answered_last, counted_last, last_question, named_last, planned_last, worked_last
 from engine.planner.phrases.phrases import Phrases, Told
 from engine.planner.phrases.said import Calls
 from engine.planner.request import Heard, Language, NoPlan
@@ -94,6 +96,8 @@ class Outcomes:
             doing = Doing(self._entities, heard.request.holding)
             calls_of(wanted[:index], doing)  # names what "it" and "there" are
             condition = self._condition(node, doing, index)
+            if depends_on_an_answer(condition, doing.calls):
+                return self._after_an_answer(node, wanted[index + 1 :], doing, heard, sees)
             looked_for = sought(doing, condition)
         except (Open, Which, NowhereKnown, Unable):
             return None
@@ -117,6 +121,19 @@ class Outcomes:
         found = self._done(
             rest, heard, names[0] if len(names) == 1 else thing, doing.place, after=replace(looked_for, names=names)
         )
+        return found if found is not None else _answer(heard, SAID[heard.language]["all_right"])
+
+    def _after_an_answer(
+        self, node: If, rest: Sequence[Do | If | Repeat], doing: Doing, heard: Heard, sees: Callable[[str], bool] | bool
+    ) -> Plan | NoPlan | None:
+        """What is to be done after somebody has answered; a question where the answer tells neither yes nor no."""
+        answer = answered_last(heard.request.happened)
+        holds = sees if isinstance(sees, bool) else is_met(node.condition, answer)
+        if holds is None:
+            return _question(heard, "unclear_answer", SAID[heard.language]["unclear_answer"].format(answer=answer))
+        branch = node.then if holds else node.otherwise
+        whoever = Sought(PERSON, holds, (), who=doing.who)
+        found = self._done((*_only_wanted(branch), *rest), heard, doing.named, doing.place, after=whoever)
         return found if found is not None else _answer(heard, SAID[heard.language]["all_right"])
 
     def _seen_lately(self, act: Do, heard: Heard) -> str:
@@ -148,7 +165,8 @@ class Outcomes:
     def _told_of(self, meaning: Meaning) -> tuple[str, str]:
         """The thing and the place of which something is told before the order: "that bottle's empty, bin it"."""
         facts = [node for node in meaning.nodes if isinstance(node, Do) and node.act == "fact"]
-        things = [self._entities.of(words).thing for node in facts for words in node.all("thing")]
+        named = [words for node in facts for words in node.all("thing")]
+        things = [self._entities.of(words).thing or (words if is_rubbish(words) else None) for words in named]
         places = [self._entities.of(words).place for node in facts for words in node.all("place")]
         return next(filter(None, things), ""), next(filter(None, places), "")
 
@@ -247,7 +265,7 @@ class Outcomes:
         )
         doing.depends = after is not None
         if after is not None and after.thing == PERSON:
-            doing.who = after.who or PERSON
+            doing.who = doing.found = after.who or PERSON
         elif after is not None:
             doing.sought, doing.seen = named, after.names
         acts = tuple(self._completed(node) if isinstance(node, Do) else node for node in acts)
@@ -269,7 +287,8 @@ class Outcomes:
                     rest = (*acts[:index], *branch, *acts[index + 1 :])
                     nothing = _answer(heard, SAID[heard.language]["all_right"])
                     return self._done(rest, heard, named, place) if rest else nothing
-                found = self._planned(heard, (*first, *sought(doing, condition).look))
+                answered = depends_on_an_answer(condition, first)
+                found = self._planned(heard, first if answered else (*first, *sought(doing, condition).look))
                 return replace(found, finished=False) if isinstance(found, Plan) else found
             calls = calls_of(acts, doing)
             if not calls:

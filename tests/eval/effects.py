@@ -149,6 +149,8 @@ def _plain(step: Step, words: Words) -> tuple[Effect, ...]:
         case "patrol":
             stations = str(first).replace("+", ",").split(",")
             return (Effect("patrol", (",".join(words.place(place.strip()) for place in stations if place),)),)
+        case "guide" | "person_follow" if len(args) > 1 and args[1]:
+            return (Effect(name, (first, _places(args[1], words))),)
         case "find_person" | "meet":
             return (*_there(args, 1, words), Effect("with", (first or "person",)))
         case "tell_everyone" | "count_people" as several:

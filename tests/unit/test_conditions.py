@@ -223,6 +223,46 @@ def test_people_are_counted_where_it_depends_on_how_many_there_are(understood: U
 
 
 @pytest.mark.parametrize(
+    ("condition", "answer", "done"),
+    [
+        ("event | {topic: she says yes}", "Yes, please.", "bring"),
+        ("event | {topic: she says yes}", "No, thank you.", "nod"),
+        ("event | {topic: she says no}", "I do not want any.", "bring"),
+        ("event | {topic: she doesn't}", "I don't.", "bring"),
+        ("event | {topic: so}", "I would like some.", "bring"),
+        ("is | {person: she} is {state: thirsty}", "I am.", "bring"),
+        ("is_not | {person: she} isn't {state: thirsty}", "No.", "bring"),
+        ("event | {topic: she wants tea}", "Tea, please.", "bring"),
+        ("event | {topic: she wants tea}", "Coffee, please.", "nod"),
+        ("event | {topic: she says yes}", "The weather is fine.", "ask"),
+        ("event | {topic: 她说要}", "不用了。", "nod"),
+    ],
+)
+def test_what_somebody_answers_decides(
+    understood: Understood, reader: Written, condition: str, answer: str, done: str
+) -> None:
+    kind, _, words = condition.partition(" | ")
+    text = reader.knows(
+        f"ask if {kind} then bring else nod end | ask {{1.person: Anna}} {{1.text: whether she is thirsty}} and if "
+        f"{words.replace('{', '{2.')} bring {{3.person: her}} {{3.thing: the bottle}}, else nod"
+    )
+    assert first(understood, text) == "meet(Anna, ); ask_person(Anna, Are you thirsty?)"
+    ran = Ran(Action("ask_person", {"who": "Anna", "question": "…"}), "ok", "", {"answer": answer})
+    request = PlanRequest("", (ran,), sees=lambda thing: False)
+    found = shown(understood.decided(Heard(request, text, "en")))
+    does = {"bring": "pick_object(bottle); hand_over(Anna)", "nod": "arm_nod()"}
+    assert found == does.get(done, f"The answer was: “{answer}”. What shall I do?")
+
+
+def test_no_answer_decides_what_was_not_asked(understood: Understood, reader: Written) -> None:
+    for line in (
+        "ask if event then nod end | ask {1.person: Anna} {1.text: how she is} and if {2.topic: the bell rings} nod",
+        "go if event then nod end | go to {1.place: the hall} and if {2.topic: she says yes} nod",
+    ):
+        assert "cannot tell" in first(understood, reader.knows(line))
+
+
+@pytest.mark.parametrize(
     ("line", "who"),
     [
         (

@@ -5,6 +5,7 @@ skill serves: "look at the table" drives there, "look at the kitchen" scans a ro
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
@@ -13,7 +14,7 @@ from engine.planner import amounts
 from engine.planner.doing.conditions import untimed
 from engine.planner.doing.doing import MOST, Doing, Roles, Unable
 from engine.planner.doing.errands import FOLLOW_AND_CLEAR, as_errands
-from engine.planner.doing.handling import bring, clean, drop, pick_up, put, sort, throw_away, tidy
+from engine.planner.doing.handling import bring, clean, drop, pick_up, push, put, sort, throw_away, tidy
 from engine.planner.doing.looking import check, count, describe, find, look, report
 from engine.planner.doing.moving import (
     charge,
@@ -59,11 +60,19 @@ def _repeat(node: Repeat, doing: Doing) -> None:
     count = amounts.times(node.times)
     if count is None:
         raise Unable("times", node.times)
+    if _LISTED.search(node.times.casefold()):
+        count = 1  # "three things: …" says how many acts there are
     before = len(doing.calls)
     for _ in range(count):
         calls_of([inner for inner in node.nodes if isinstance(inner, (Do, If, Repeat))], doing)
         if len(doing.calls) - before > MOST:
             break
+
+
+_LISTED: Final = re.compile(
+    r"\b(?:things?|steps|stages|parts|tasks|jobs|errands|orders|favou?rs|trips)\b|件事|个任务|趟"
+)
+"""What a speaker counts who lists them. Who goes twice with the same thing says "twice"."""
 
 
 def _do(act: Do, doing: Doing) -> None:
@@ -116,6 +125,7 @@ _ACTS: Final[Mapping[str, Callable[[Doing, Roles], Calls]]] = {
     "put": put,
     "bring": bring,
     "drop": drop,
+    "push": push,
     "throw_away": throw_away,
     "tidy": tidy,
     "clean": clean,

@@ -87,6 +87,8 @@ class Doing:
     """The thing that a condition has looked for, as skills know it; "go to it" goes there."""
     seen: tuple[str, ...] = ()
     """The things of this house that fit what a condition has looked for, and were seen."""
+    found: str = ""
+    """The person whom a condition has looked for or asked, as skills know them."""
     depends: bool = False
     """Whether it is done because a condition held: "in" and "on it" are then where that was."""
     greeting: str = "Hello."
@@ -102,7 +104,8 @@ class Doing:
         found = self.entities.of(words)
         if self.depends and _INTO.fullmatch(words.casefold().strip()):
             return Entity(words, refers=True)
-        if found.which and _ANY_OF.match(words.casefold()):  # any of them will do
+        at_a_place = found.at is not None and found.at.known and not found.at.refers
+        if found.which and (at_a_place or _ANY_OF.match(words.casefold())):  # any of them will do, or the one there
             return replace(found, which="", thing=self.entities.near(words))
         if found.which:
             raise Which(found.which)
@@ -140,6 +143,14 @@ class Doing:
         if found.superlative or (found.thing is None and _VAGUE.search(words.casefold())):
             raise Open("which_thing")
         self.named = self._seen(words) or found.thing or self.entities.near(words)
+        return self.named
+
+    def thing_from(self, words: str, source: str) -> str:
+        """A thing that is said to be somewhere: of several that fit it is the one there."""
+        found = self.entities.of(words)
+        if not (source and found.which and self.entities.of(source).place):
+            return self.thing(words)
+        self.named = self.entities.near(words)
         return self.named
 
     def _seen(self, words: str) -> str:

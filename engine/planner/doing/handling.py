@@ -29,7 +29,7 @@ def source_of(doing: Doing, roles: Roles, thing: str) -> str:
 
 def fetched(doing: Doing, words: str, source: str) -> Calls:
     """Go where it is said to be, and pick it up, unless it is held."""
-    thing = doing.thing(words)
+    thing = doing.thing_from(words, source)
     if doing.held(thing):
         return ()
     if doing.in_hand:
@@ -76,6 +76,13 @@ def put(doing: Doing, roles: Roles) -> Calls:
     return made
 
 
+def push(doing: Doing, roles: Roles) -> Calls:
+    """To a place it is carried: "move it to the sofa"."""
+    if not (roles.all("thing") and roles.words("place")):
+        raise Unable("act")
+    return put(doing, roles)
+
+
 _BESIDE: Final = re.compile(
     r"^(?:next to|beside|by|near|close to|in front of|behind|under|underneath|against|at|over by|around|"
     r"to the \w+ of)\b|"
@@ -117,7 +124,7 @@ def _put_one(doing: Doing, words: str, place: str, source: str) -> Calls:
 
 
 def carried(doing: Doing, words: str, place: str, source: str) -> Calls:
-    thing = doing.thing(words)
+    thing = doing.thing_from(words, source)
     if doing.held(thing):
         return (*call("navigation", place), *call("putdown"))
     if doing.in_hand:
@@ -209,9 +216,15 @@ _RUBBISH: Final = re.compile(
 """What lies about and nobody wants."""
 
 
+def is_rubbish(words: str) -> bool:
+    """Whether these words are for what lies about and nobody wants."""
+    return _RUBBISH.fullmatch(words.casefold()) is not None
+
+
 def _is_rubbish(doing: Doing, words: str) -> bool:
     """Whether that is what lies about, and not a thing here that is called so."""
-    return _RUBBISH.fullmatch(words.casefold()) is not None and doing.entity(words).thing is None
+    found = doing.entity(words)
+    return (found.refers and is_rubbish(doing.named)) or (is_rubbish(words) and found.thing is None)
 
 
 def tidy(doing: Doing, roles: Roles) -> Calls:

@@ -79,7 +79,7 @@ def named(doing: Doing, roles: Roles, *, stranger: bool = False) -> tuple[str, s
 def find_person(doing: Doing, who: str, where: str) -> Calls:
     """Go where they are said to be, and for a stranger through the rooms; a stranger is asked for the name. Nothing
     where nobody has to be looked for."""
-    met = any(who in made.positional for made in doing.calls)
+    met = any(who in made.positional for made in doing.calls) or (doing.depends and who == doing.found)
     if who == ME or (not where and (met or not doing.entities.is_name(who))):
         return ()
     return _looked_for(doing, who, where)

@@ -78,7 +78,33 @@ def plain(text: str) -> str:
 
 
 def _sensible(nodes: Sequence[Node], text: str) -> tuple[Node, ...]:
-    return tuple(_as_said(node, text) if isinstance(node, If) else node for node in nodes)
+    found: list[Node] = []
+    for node in nodes:
+        if not isinstance(node, If):
+            found.append(node)
+        elif node.otherwise or not _makes_no_difference(node.condition, text):
+            found.append(_as_said(node, text))
+        else:
+            found += _sensible(node.then, text)
+    return tuple(found)
+
+
+def _makes_no_difference(condition: Condition, text: str) -> bool:
+    """Whether what depends on it is to be done in any case: "whether or not it is there"."""
+    if not condition.roles:
+        return False
+    begins, ends = min(role.start for role in condition.roles), max(role.end for role in condition.roles)
+    before = [*_IN_ANY_CASE.finditer(text, 0, begins)]
+    if before:
+        return not _OPENS.search(text, before[-1].end(), begins)
+    return re.search(r"\bwhether\b[^.;!?]*$", text[:begins]) is not None and _OR_NOT.match(text, ends) is not None
+
+
+_IN_ANY_CASE: Final = re.compile(
+    r"\b(?:whether or not|no matter (?:if|whether)|even (?:if|though|when)|(?:regardless|irrespective) of whether)\b|"
+    r"不管|无论|即使|哪怕"
+)
+_OR_NOT: Final = re.compile(r"\W*or not\b")
 
 
 def _as_said(node: If, text: str) -> If:

@@ -139,6 +139,8 @@ def _who(doing: Doing, words: str, looks: Someone | None = None) -> tuple[str, s
     lower = plain(words).removesuffix("'s")
     if _SPEAKER.fullmatch(lower):
         return ME, ""
+    if doing.who and _NAMED_BEFORE.fullmatch(lower):
+        return (str(_both(someone(doing.who), looks)) if looks is not None else doing.who), ""
     try:
         who, where = doing.entities.somebody(words.replace("’", "'").removesuffix("'s"))
     except PlanError:
@@ -159,6 +161,7 @@ def _both(who: Someone, looks: Someone) -> Someone:
     return replace(who, **{name: value for name, value in said.items() if value})
 
 
+_NAMED_BEFORE: Final = re.compile(r"(?:he|she|they)(?:'s|'re| is| are)?|him|her|them|[他她]们?")
 _PRONOUN: Final = re.compile(r"he|she|they|him|her|them|it|you(?:'re| are)?|[他她它你您]们?")
 
 

@@ -52,7 +52,9 @@ def how_many(words: str) -> tuple[str, Count] | None:
     if found is None or (not (how := found["how"] or found["how_zh"] or "") and _NUMBERS[found["number"]] == 1):
         return None
     return found["rest"], (
-        at_least(_NUMBERS[found["number"]]) if found["more"] else Count(_HOW[how], _NUMBERS[found["number"]])
+        at_least(_NUMBERS[found["number"]])
+        if found["more"] or found["or_more"]
+        else Count(_HOW[how], _NUMBERS[found["number"]])
     )
 
 
@@ -60,5 +62,5 @@ _AMOUNT: Final = re.compile(
     rf"(?:(?P<how>{'|'.join(sorted((how for how in _HOW if how.isascii() and how), key=len, reverse=True))}) |"
     r"(?P<how_zh>至少|超过|只|正好|不到|最多)有?)?"
     rf"(?P<number>{'|'.join(sorted(_NUMBERS, key=len, reverse=True))})(?P<more> or more)?"
-    r"(?: (?:of )?(?:the |my |those |these )?|[个只块瓶杯件把张本])(?P<rest>.+)"
+    r"(?: (?:of )?(?:the |my |those |these )?|[个只块瓶杯件把张本])(?P<rest>.+?)(?P<or_more> or more)?"
 )
