@@ -188,7 +188,10 @@ _RANK_WORDS: Final[dict[str, Rank]] = {
     "right most": "rightmost", "right-most": "rightmost", "largest": "biggest", "littlest": "smallest",
     "tiniest": "smallest", "highest": "tallest", "slimmest": "thinnest", "narrowest": "thinnest",
 }  # fmt: skip
-_RANK: Final = re.compile(rf"\b(?P<rank>{'|'.join(sorted(_RANK_WORDS, key=len, reverse=True))})\b")
+_RANK: Final = re.compile(
+    rf"\b(?:(?:that|which)(?:'s| is| are) (?:the )?)?(?P<rank>{'|'.join(sorted(_RANK_WORDS, key=len, reverse=True))})\b"
+    r"(?: (?:to|from) (?:you(?:rself)?|here|the robot)\b)?"
+)
 _RANKS_ZH: Final[dict[str, Rank]] = {
     "近": "nearest", "远": "farthest", "左": "leftmost", "右": "rightmost", "大": "biggest", "小": "smallest",
     "高": "tallest", "矮": "shortest", "重": "heaviest", "轻": "lightest", "细": "thinnest", "薄": "thinnest",

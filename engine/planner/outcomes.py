@@ -293,7 +293,7 @@ class Outcomes:
             calls = calls_of(acts, doing)
             if not calls:
                 return None
-            return self._validation.one_of(self._planned(heard, calls), heard.request, heard.language)
+            return self._validation.one_of(self._planned(heard, calls), heard.request, heard.language, doing.located)
         except Open as gap:
             question = self._phrases(heard.language).question(gap.question)
             asked = _question(heard, "vague" if gap.vague else "incomplete", question)

@@ -6,7 +6,8 @@ the same, the one that has been seen is meant; else it is asked which one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -59,9 +60,11 @@ class Validation:
             return NoPlan(text, error.code, str(error), ExitCode(error.exit_code))
         return Plan(goal=text, actions=actions, response=response, source="phrases", steps=steps)
 
-    def one_of(self, found: Plan | NoPlan, request: PlanRequest, language: Language) -> Plan | NoPlan:
+    def one_of(
+        self, found: Plan | NoPlan, request: PlanRequest, language: Language, located: Collection[str] = ()
+    ) -> Plan | NoPlan:
         """With the one thing that can be meant, where several are called so and only one of them has been seen; the
-        question which one it is, where that is open."""
+        question which one it is, where that is open. Of those that are ``located``, the one that is there is meant."""
         if isinstance(found, NoPlan):
             return found
         actions: list[Action] = []
@@ -71,13 +74,24 @@ class Validation:
             called = [name for name in several if is_said(name, request.text)]
             if len(called) == 1 and words == self._vocabulary.object(called[0]):
                 several = ()  # another thing looks like it, and is called otherwise
-            if len(several) > 1 and not any_of(words, request.text):
+            if len(several) > 1 and words not in located and not any_of(words, request.text):
                 seen = [name for name in several if any(name in told for told in request.seen)]
+                if (apposed := _apposed(several, request.text)) is not None:
+                    seen = [apposed]
                 if len(seen) != 1:
                     return which_of(found.goal, several, language)
                 action = replace(action, args={**action.args, "object": self._vocabulary.object(seen[0])})
             actions.append(action)
         return replace(found, actions=tuple(actions))
+
+
+def _apposed(several: Sequence[str], text: str) -> str | None:
+    """The one of these that the text tells more of: "pick up the cup, the white one"."""
+    plain = text.casefold()
+    told = [
+        name for name in several if re.search(rf"(?<!not )(?<!but )\bthe {re.escape(name.split()[0])} one\b", plain)
+    ]
+    return told[0] if len(told) == 1 else None
 
 
 def as_call(skill: Skill, action: Action) -> ActionCall:

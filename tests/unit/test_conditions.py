@@ -335,10 +335,46 @@ def test_what_is_to_be_left_in_one_branch_is_not_all_taken_back(
     assert first(understood, reader.knows(line)).startswith("navigation") == looks
 
 
+def test_of_several_the_one_that_is_there_is_meant_or_the_one_that_is_told_more_of(
+    understood: Understood, reader: Written
+) -> None:
+    there = reader.knows("bring | bring {person: me} {thing: the cup} from {source: the stool}")
+    assert first(understood, there) == "carry(cup, zero, stool)"
+    told = reader.knows("pick_up | pick up {thing: the cup}, the white one")
+    assert first(understood, told) == "pick_object(white cup)"
+    for text in ("pick_up | pick up {thing: the cup}", "go bring | go to {1.place: the hall}, get {2.thing: the cup}"):
+        assert first(understood, reader.knows(text)).startswith("Which one")
+
+
+def test_he_is_who_was_named_before(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "find if is then tell end | find {1.person: Tom} and if {2.person: he} is {2.state: sitting} tell "
+        "{3.person: him} {3.text: to get up}"
+    )
+    assert first(understood, text).startswith("meet(Tom, )")
+    assert after(understood, text, "person", "Tom sitting") == "tell(Tom sitting, to get up)"
+
+
+def test_what_lies_about_is_named_first_and_thrown_away_as_it(understood: Understood, reader: Written) -> None:
+    text = reader.knows("fact throw_away | there's {1.thing: litter} lying about, throw {2.thing: it} out")
+    assert first(understood, text) == "clear_rubbish()"
+
+
+def test_two_or_more_may_stand_behind_what_is_counted(understood: Understood, reader: Written) -> None:
+    text = reader.knows("if seen then nod end | {1.thing: two boxes or more} on {1.place: the stool}? nod")
+    assert after(understood, text, "red box", "blue box") == "arm_nod()"
+    assert after(understood, text, "red box") == "It is not so."
+
+
 def test_whether_or_not_is_no_condition(understood: Understood, reader: Written) -> None:
     for whatever in ("whether or not", "no matter if", "even if"):
         text = reader.knows(f"go | {whatever} the ball is in the hall, go to {{1.place: the bedroom}}")
         assert first(understood, text) == "navigation(C)"
+        read = reader.knows(
+            f"if seen then go end | {whatever} {{1.thing: the ball}} is in {{1.place: the hall}}, go to "
+            "{2.place: the bedroom}"
+        )
+        assert first(understood, read) == "navigation(C)", "whatever the reader makes of it"
 
 
 def test_a_place_with_somebody_in_it_is_not_empty(understood: Understood, reader: Written) -> None:

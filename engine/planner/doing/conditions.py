@@ -150,6 +150,9 @@ def _is_missing(act: Do, node: If, entities: Entities) -> bool:
 def _about_it(search: Do, node: If, entities: Entities) -> bool:
     """Whether a condition is about what was searched for, or lies where it was looked."""
     thing, place = node.condition.words("thing"), node.condition.words("place")
+    person = search.words("person")
+    if person and (not search.words("place") or entities.is_name(person)):
+        return False  # a look from one place does not find them
     if search.words("thing"):
         same = entities.of(thing).thing == entities.of(search.words("thing")).thing
         return bool(thing) and (entities.of(thing).refers or same)

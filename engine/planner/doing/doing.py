@@ -93,6 +93,8 @@ class Doing:
     """Whether it is done because a condition held: "in" and "on it" are then where that was."""
     greeting: str = "Hello."
     """In the speaker's language."""
+    located: set[str] = field(default_factory=set)
+    """Things that are said to be somewhere, as skills know them: of several that are called so it is the one there."""
     calls: list[ActionCall] = field(default_factory=list)
     last: tuple[ActionCall, ...] = ()
     """Those of the last act."""
@@ -104,8 +106,7 @@ class Doing:
         found = self.entities.of(words)
         if self.depends and _INTO.fullmatch(words.casefold().strip()):
             return Entity(words, refers=True)
-        at_a_place = found.at is not None and found.at.known and not found.at.refers
-        if found.which and (at_a_place or _ANY_OF.match(words.casefold())):  # any of them will do, or the one there
+        if found.which and _ANY_OF.match(words.casefold()):  # any of them will do
             return replace(found, which="", thing=self.entities.near(words))
         if found.which:
             raise Which(found.which)
@@ -146,12 +147,13 @@ class Doing:
         return self.named
 
     def thing_from(self, words: str, source: str) -> str:
-        """A thing that is said to be somewhere: of several that fit it is the one there."""
+        """A thing that is said to be somewhere: of several that are called so it is the one there."""
         found = self.entities.of(words)
-        if not (source and found.which and self.entities.of(source).place):
-            return self.thing(words)
-        self.named = self.entities.near(words)
-        return self.named
+        at = self.entities.of(source) if source else found.at
+        thing = self.thing(words)
+        if at is not None and at.place is not None and not at.refers:
+            self.located.add(thing)
+        return thing
 
     def _seen(self, words: str) -> str:
         """The only one of the things that words fit which was seen; nothing where there are several or none."""
@@ -186,9 +188,17 @@ class Doing:
         for made in self.calls:
             if made.name == "pick_object":
                 held = str(made.positional[0])
-            elif made.name in ("place_object", "place_in_bin", "putdown", "open_gripper", "carry"):
+            elif made.name == "take_from":
+                held = str(made.positional[1]) if len(made.positional) > 1 else "thing"
+            elif made.name in _LETS_GO:
                 held = ""
         return held
+
+
+_LETS_GO: Final = frozenset({
+    "place_object", "place_in_bin", "putdown", "open_gripper", "carry", "hand_over", "serve",
+})  # fmt: skip
+"""Skills after which nothing is held."""
 
 
 class Roles:

@@ -45,9 +45,17 @@ def pick_up(doing: Doing, roles: Roles) -> Calls:
     if _is_rubbish(doing, things[0]):  # nobody wants to have it
         return throw_away(doing, roles)
     source = source_of(doing, roles, things[0])
-    if source and doing.entities.is_known(source):
+    if source and _is_somebody(doing, source):
         return people.take(doing, doing.thing(things[0]), source)
     return fetched(doing, things[0], source)
+
+
+def _is_somebody(doing: Doing, words: str) -> bool:
+    """Whether a thing is to be had from a person: somebody known, or a name that is no place here."""
+    found = doing.entities.of(words)
+    if any((found.place, found.surface, found.room, found.refers, found.me)):
+        return False
+    return doing.entities.is_known(words) or (words[:1].isupper() and doing.entities.is_name(words))
 
 
 def _it(doing: Doing) -> tuple[str, ...]:
@@ -89,6 +97,12 @@ _BESIDE: Final = re.compile(
     r"(?:旁边?|边上|附近|前面?|后面?|下面?|底下|跟前)$"
 )
 """Words for a place at a piece of furniture that is not on it."""
+_AT_A_THING: Final = re.compile(
+    r"^(?:(?:to )?where(?:ver)? |next to |beside |by |near |close to |in front of |behind |with )|"
+    r" (?:is|are|lies|stands|sits)(?: now)?$|(?:旁边?|边上|附近|那里|那儿)$",
+    re.IGNORECASE,
+)
+"""What says that a place is that of another thing: "where the blue cup is"."""
 _WHERE_IT_BELONGS: Final = re.compile(r"\b(?:its|their)\b.*\b(?:place|spot|home|position)|\bbelongs?\b|该[在放]|原位")
 
 
@@ -116,6 +130,9 @@ def _put_one(doing: Doing, words: str, place: str, source: str) -> Calls:
         return carried(doing, words, target.place or ZERO_SYMBOL, source)
     if _WHERE_IT_BELONGS.search(place.casefold()) and _numbered(words):
         return call("apriltag_sort", Quantity(amounts.number(words) or 0, ""))
+    if (beside := doing.entities.of(_AT_A_THING.sub("", place)).thing) and not is_rubbish(beside):
+        made = fetched(doing, words, source)
+        return (*made, *call("navigate_to_object", beside), *call("putdown"))
     if target.refers or target.side or place.casefold() in ("down", "away", "aside"):
         if target.refers or target.side == "ahead":
             return (*fetched(doing, words, source), *call("putdown"))

@@ -67,6 +67,8 @@ def find(doing: Doing, roles: Roles) -> Calls:
             return call("navigation", doing.spot(thing))
         sought = doing.thing(thing)
     place = place or source_of(doing, roles, thing)
+    for other in roles.all("place")[1:]:  # through all rooms it goes anyway: the first one of these comes first
+        doing.spot(other)
     going = call("navigation", doing.spot(place)) if place and doing.entity(place).place else ()
     return (*going, *call("locate", sought))
 

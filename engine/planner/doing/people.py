@@ -269,7 +269,8 @@ def hand(doing: Doing, words: str, where: str = "") -> Calls:
 
 def take(doing: Doing, thing: str, words: str, where: str = "") -> Calls:
     who, there = somebody(doing, words, where)
-    return (*find_person(doing, who, there), *call("take_from", who, *((thing,) if thing else ())))
+    known = thing and doing.entities.of(thing).thing is not None  # what they put into the hand will do
+    return (*find_person(doing, who, there), *call("take_from", who, *((thing,) if known else ())))
 
 
 def count(doing: Doing, roles: Roles) -> Calls:
