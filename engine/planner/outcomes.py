@@ -109,6 +109,8 @@ class Outcomes:
             return None
         thing, holds = looked_for.thing, sees if isinstance(sees, bool) else looked_for.holds(sees, people or 0)
         branch = node.then if holds else node.otherwise
+        if holds and condition.kind == "unseen" and _OVER_THERE.search(heard.text):
+            branch = tuple(_put_there(one, condition) for one in branch)
         rest = (*_only_wanted(branch), *wanted[index + 1 :])
         missing = holds != looked_for.there
         told = _what_was_seen(looked_for, heard.language, missing=missing)
@@ -348,6 +350,18 @@ class Outcomes:
         """A journey to a place that the map does not have."""
         offered = room_instead(heard.text, name, self._vocabulary, heard.language)
         return offered or unknown(heard.text, name, self._phrases(heard.language).places, heard.language)
+
+
+_OVER_THERE: Final = re.compile(r"[放拿搬送带摆挂][过上进回]去")
+"""To where it is not yet: "if it isn't on the shelf, put it up"."""
+
+
+def _put_there(node: Node, condition: Condition) -> Node:
+    """An act with a thing, at the place of the condition where it has none of its own."""
+    if not isinstance(node, Do) or node.act not in ("put", "bring") or node.words("place") or node.words("person"):
+        return node
+    places = tuple(role for role in condition.roles if role.name == "place")
+    return replace(node, roles=(*node.roles, *places))
 
 
 def _answer(heard: Heard, words: str) -> Plan:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from time import perf_counter
 from typing import Final, Literal, Protocol
 
-from engine.errors import ExitCode, SaysoError
+from engine.errors import ExitCode, PlanError, SaysoError
+from engine.perception.someone import Someone, someone
 from engine.plan import Plan
 from engine.planner.doing.sought import ANYTHING, PERSON
 from engine.planner.happened import in_words
@@ -182,7 +183,7 @@ def _after(request: PlanRequest, answer: Answer, after: Next, words: Words) -> P
     """What is asked when the plan is done, and this is what came of it."""
     assert isinstance(answer.found, Plan)
     *before, last = answer.found.actions
-    done = (*(Ran(action, "ok") for action in before), Ran(last, "ok", after.feedback))
+    done = (*(Ran(action, "ok") for action in before), Ran(last, "ok", after.feedback, _counted(after.feedback)))
     said = (*request.happened, Said(request.text), answer.found, *done)
     return PlanRequest(
         "", said, request.cycle, request.language, holding=request.holding, seen=after.seen, sees=_sees(after, words)
@@ -191,11 +192,40 @@ def _after(request: PlanRequest, answer: Answer, after: Next, words: Words) -> P
 
 def _sees(after: Next, words: Words) -> Callable[[str], bool]:
     """Whether a thing is among what is seen now: ``white cup on the stool`` shows a cup."""
-    things = [words.things(_WHERE.split(sentence)[0]) for sentence in after.seen]
+    heads = [_WHERE.split(sentence)[0] for sentence in after.seen]
+    people = [someone(head) for head in heads if _PERSON.match(head)]
+    things = [words.things(head) for head in heads if not _PERSON.match(head)]
 
     def sees(thing: str) -> bool:
-        return any(words.things(thing) & seen for seen in things) or (
-            thing == ANYTHING and any(seen != words.things(PERSON) for seen in things)
-        )
+        if any(words.things(thing) & seen for seen in things) or (thing == ANYTHING and bool(things)):
+            return True
+        try:
+            who = someone(thing)
+        except PlanError:
+            return False
+        known = thing == PERSON or not words.things(thing)
+        return known and any(_may_be(who, other) for other in people)
 
     return sees
+
+
+def _may_be(who: Someone, seen: Someone) -> bool:
+    """Whether somebody who was seen is meant; what is not told of them may be so."""
+    told = ((getattr(who, part.name), getattr(seen, part.name)) for part in fields(who) if part.name != "name")
+    return who.name in ("", seen.name) and all(wanted is None or has in (None, wanted) for wanted, has in told)
+
+
+_PERSON: Final = re.compile(
+    r"(?:the |an? )?(?:person|people|somebody|someone|man|woman|boy|girl|child|kid|guest|visitor)s?\b|"
+    r"[A-Z]|有?人|[男女]"
+)
+"""How people are told of among what is seen."""
+
+
+def _counted(feedback: str) -> dict[str, object]:
+    """How many people are told of."""
+    found = re.search(r"\b(no|one|two|three|four|five|\d+) (?:person|people)\b", feedback)
+    if found is None:
+        return {}
+    names = ("no", "one", "two", "three", "four", "five")
+    return {"people": names.index(found[1]) if found[1] in names else int(found[1])}

@@ -204,6 +204,13 @@ def test_people_in_a_room_are_counted_and_described(family: Family) -> None:
     assert described.message == "Anna is a woman."
 
 
+def test_whoever_has_no_question_is_given_no_answer() -> None:
+    family = Family(changed(Anna={"replies": {"question": "I do not know."}}))
+    (answered,) = family.do(("answer_question", {"who": "Anna"}))
+    assert not answered.ok
+    assert answered.message == "Anna asked nothing."
+
+
 def test_a_thing_is_taken_from_one_and_given_to_another() -> None:
     family = Family(changed(William={"holds": "blue cup"}, Elizabeth={"holds": None}, James=None))
     taken, given = family.do(

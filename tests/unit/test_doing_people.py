@@ -81,6 +81,8 @@ def told(argument: Quantity | str) -> str:
         ("count | {place: 厨房}里有几个{person: 人}是坐着", "count_people(person sitting, kitchen)"),
         ("count | 有几个{person: 人}在{place: 厨房}里举着右手", "count_people(person raising the right arm, kitchen)"),
         ("count | {place: 厨房}里有几个{person: 人是女的}", "count_people(woman, kitchen)"),
+        ("count | {place: 厨房}里有几个{person: 人}是{person: 男孩}", "count_people(man, kitchen)"),
+        ("find | 找到{person: 厨房里的男孩}", "find_person(man, kitchen)"),
         ("count | {place: 厨房}里有几个{person: 穿蓝衣服的人}", "count_people(person in blue, kitchen)"),
         ("count | how many {person: people} in {place: the kitchen} are sitting",
          "count_people(person sitting, kitchen)"),

@@ -274,7 +274,8 @@ def take(doing: Doing, thing: str, words: str, where: str = "") -> Calls:
 
 
 def count(doing: Doing, roles: Roles) -> Calls:
-    words, place = roles.words("person"), roles.words("place")
+    said, place = roles.all("person"), roles.words("place")
+    words = said[-1] if said else ""
     if (state := _ARE.search(doing.said)) is not None:
         words = f"{words} {state[1]}"
     elif (state := _ARE_ZH.search(doing.said)) is not None:
@@ -293,7 +294,9 @@ _ARE: Final = re.compile(
     re.I,
 )
 """What is asked of them behind the place: "how many people in the kitchen are sitting"."""
-_ARE_ZH: Final = re.compile(r"人.*?((?:坐|站|躺|挥|举|指|穿)[^，。？！?的]*|男|女)(?:的)?[呢啊吗]?[。？！?!]?$")
+_ARE_ZH: Final = re.compile(
+    r"人.*?((?:坐|站|躺|挥|举|指|穿)[^，。？！?的]*|[男女][孩人士性生]?)(?:的)?[呢啊吗]?[。？！?!]?$"
+)
 """The same in Chinese, where it stands at the end, too."""
 
 

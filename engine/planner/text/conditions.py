@@ -18,7 +18,8 @@ IF_POLITE: Final = re.compile(
 """A condition by its form alone: politeness, and what makes no difference."""
 CONDITION: Final = re.compile(
     r"\b(?:if|whether|unless|in case|should there|as long as|provided|whenever|otherwise)\b"
-    r"|\bis there\b.*\bthen\b|如果|要是|假如|是否|有没有|否则|的话",
+    r"|\bis there\b.*\bthen\b|如果|要是|假如|是否|有没有|否则|的话|除非|只有.{1,20}才|"
+    r"(?:没有?|有|不|还)(?:在|人|[^，。]{0,3})(?:[，, ]|你|您|那)*就(?!好|行|可以|算)",
     re.IGNORECASE,
 )
 """What shows that a request depends on something."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from typing import Final
+
 from engine.facts import fact
 from engine.han import is_chinese
 from engine.perception.people import Answer, PersonSeen
@@ -95,6 +98,14 @@ async def report_answer(context: SkillContext) -> Result:
     return ok(f"I said what {told.who} had answered.", answer=told.answer)
 
 
+_NO_QUESTION: Final = re.compile(
+    r"\W*(?:no(?:ne|thing|pe)?|i (?:do not|don't) (?:know|have (?:one|any|a question)))\b[^?]*|"
+    r"\W*(?:没有?|不知道|我不知道)[^？?吗]*",
+    re.IGNORECASE,
+)
+"""What somebody says who has no question."""
+
+
 @skill(occupies=["base", "arm", "camera", "voice"])
 async def answer_question(context: SkillContext, who: Who = ANYBODY) -> Result:
     """Go to somebody, ask for their question, and answer it if the robot knows the answer."""
@@ -104,7 +115,7 @@ async def answer_question(context: SkillContext, who: Who = ANYBODY) -> Result:
     if context.ask is None:
         return fail("not_supported", "I cannot hear questions here.")
     asked = await context.ask(addressed(person, in_theirs(context, person, "What is your question?")))
-    if not asked:
+    if not asked or _NO_QUESTION.fullmatch(asked):
         return fail("no_progress", f"{name_of(person)} asked nothing.")
     answer = fact(asked) or ("我不知道。" if is_chinese(asked) else "I do not know.")
     await context.say(answer)

@@ -68,7 +68,8 @@ def judge(command: Command, run: Run, now: datetime) -> Verdict:
         undone = (f"cannot: {goal.cannot}",)
     else:  # what is told to somebody is what there is to do; and so is any answer, where there is nothing else
         undone += untold([fact for fact in goal.facts if fact.to or not goal.truths], run, now)
-    invented = list(made_up(goal.facts, run))
+    answered = bool(run.plans) or run.evidence.result == "done"  # that it did not understand is no claim
+    invented = list(made_up(goal.facts, run)) if answered else []
     if run.evidence.result == "done" and run.plans and (goal.cannot or (goal.truths and undone)):
         invented.append("said that it is done")  # without a plan it was an answer
     last = run.plans[-1] if run.plans else ()
