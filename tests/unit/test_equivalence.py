@@ -45,7 +45,6 @@ def steps(written: str) -> tuple[Step, ...]:
         ("tell(Anna, *ready*)", "meet(Anna); tell(Anna, dinner is ready)"),
         ("find_person(Anna, kitchen); ask_person(Anna, *tea*)", "meet(Anna, A); ask_person(Anna, tea or coffee)"),
         ("guide(man, kitchen)", "find_person(man); guide(man, A)"),
-        ("navigation(kitchen); say(*hello*)", "tell_everyone(hello, person, kitchen)"),
         ("navigation(kitchen); seewhat()", "scan_room(kitchen)"),
         ("navigation(counter)", "navigation(kitchen); navigation(M)"),
         ("bring_me(ball)", "get_current_pose(); locate(ball); pick_object(ball); navigation(zero); putdown()"),
