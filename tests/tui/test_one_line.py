@@ -13,7 +13,7 @@ from engine.commands import Command, Interrupt, Say
 from engine.errors import SaysoError
 from engine.handle import EngineHandle
 from tests.tui import scripted
-from tests.tui.desk import console
+from tests.tui.desk import Desk, console
 from tests.tui.scripted import ScriptedEngine, flat, robot_at
 from tui.keys.keys import EDITING, IN_ONE_LINE, KEYS
 from tui.shown.watchdog import engine_is_silent
@@ -173,6 +173,17 @@ def over(engine: ScriptedEngine, request: str, text: str, outcome: ev.RequestOut
     engine.publish(ev.RequestEnded(request, text, outcome), turn=turn)
 
 
+def refused(engine: ScriptedEngine, request: str, text: str, turn: str) -> None:
+    """The emergency stop refuses a request in words, which has become a turn."""
+    engine.publish(ev.TranscriptFinal(text, "text", "", 1.0, 0.0, 0.0, 0.0, 0.0), turn=turn)
+    engine.publish(scripted.queued(f"A{turn}", 1, 1, "arm_shake", {}), turn=turn)
+    ended = ev.ActionFinished(f"A{turn}", "arm_shake", {}, "failed", "robot_halted", REFUSED, 0.0)
+    engine.publish(ended, turn=turn)
+    result = ev.TurnResult(1, "failed", REFUSED)
+    engine.publish(ev.StateChanged("FEEDBACK", "WAITING", "failed", result), turn=turn)
+    engine.publish(ev.RequestEnded(request, text, "failed"), turn=turn)
+
+
 def replacing(engine: ScriptedEngine) -> None:
     """Another request comes while one is done and two wait."""
     engine.publish(ev.TranscriptFinal("go to the bedroom", "text", "", 1.0, 0.0, 0.0, 0.0, 0.0), turn="T1")
@@ -304,24 +315,98 @@ async def test_a_request_that_the_emergency_stop_refuses_is_told_while_it_is_pre
         assert "nothing moves" in desk.text
 
 
+def released(desk: Desk) -> None:
+    desk.engine.robot = robot_at(-1.42, 0.08, 1.5708)
+    desk.app.redraw()
+
+
 @pytest.mark.parametrize("read", [False, True])
 async def test_nothing_says_that_the_emergency_stop_is_pressed_once_it_is_released(*, read: bool) -> None:
-    async with console(pressed(), size=(100, 2), one_line=True, in_line=True) as desk:
+    async with console(pressed(), size=(120, 2), one_line=True, in_line=True) as desk:
         desk.engine.publish(ev.RequestEnded("R1", "beep", "interrupted", "estop"), turn=None)
-        over(desk.engine, "R2", "wave", "failed", REFUSED, "T1")
+        refused(desk.engine, "R2", "wave", "T1")
         desk.engine.publish(ev.SpeechStarted(REFUSED, False), turn="T1")
         await desk.settled()
         while read and desk.app.drawing.ending.told:
             desk.app.drawing.ending.next()
             await desk.settled()
-        desk.engine.robot = robot_at(-1.42, 0.08, 1.5708)
-        desk.app.redraw()
-        await desk.settled()
-        assert "READY" in desk.text
+        released(desk)
+        while True:
+            await desk.settled()
+            assert "READY" in desk.text
+            assert "is pressed" not in desk.text
+            if not desk.app.drawing.ending.told:
+                break
+            desk.app.drawing.ending.next()
         assert "emergency stop" not in desk.text
         over(desk.engine, "R3", "go to the moon", "failed", UNKNOWN, "T2")
         await desk.settled()
         assert f"■ go to the moon: {UNKNOWN}" in desk.text
+
+
+async def test_how_each_request_ended_is_told_also_after_the_emergency_stop_is_released() -> None:
+    async with console(pressed(), size=(120, 2), one_line=True, in_line=True) as desk:
+        desk.engine.publish(ev.RequestEnded("R1", "beep", "interrupted", "estop"), turn=None)
+        desk.engine.publish(ev.QuestionEnded("find the cup", "withdrawn", "estop"), turn=None)
+        refused(desk.engine, "R2", "wave", "T1")
+        over(desk.engine, "R3", "go to the moon", "failed", UNKNOWN, "T2")
+        await desk.settled()
+        assert "■ beep  never begun: the emergency stop" in desk.text
+        released(desk)
+        await desk.settled()
+        for words in (
+            "■ beep  never begun: the emergency stop",
+            "■ find the cup  question withdrawn: the emergency stop",
+            "■ wave  not done: the emergency stop was pressed",
+            f"■ go to the moon: {UNKNOWN}",
+        ):
+            assert words in desk.text
+            desk.app.drawing.ending.next()
+            await desk.settled()
+
+
+async def test_a_request_refused_just_before_the_release_is_told_after_it() -> None:
+    async with console(pressed(), size=(120, 1), one_line=True, in_line=True) as desk:
+        refused(desk.engine, "R1", "wave", "T1")
+        released(desk)
+        await desk.settled()
+        assert "■ wave  not done: the emergency stop was" in desk.text
+
+
+async def test_what_another_terminals_emergency_stop_halted_is_told_and_no_trouble_after_the_release() -> None:
+    halted = "I stopped by myself: the emergency stop is pressed."
+    async with console(pressed(), size=(140, 2), one_line=True, in_line=True) as desk:
+        desk.engine.publish(ev.TranscriptFinal("nod", "text", "", 1.0, 0.0, 0.0, 0.0, 0.0), turn="T1")
+        desk.engine.publish(ev.ErrorRaised("robot_halted", halted, "Say it again to go on."), turn=None)
+        desk.engine.publish(ev.InterruptRaised("halted", "robot", "ACTING"), turn="T1")
+        result = ev.TurnResult(1, "failed", halted)
+        desk.engine.publish(ev.StateChanged("ACTING", "WAITING", "failed", result), turn="T1")
+        desk.engine.publish(ev.RequestEnded("R1", "nod", "failed", "halted"), turn="T1")
+        await desk.settled()
+        assert f"■ nod: {halted}" in desk.text
+        released(desk)
+        await desk.settled()
+        assert "■ nod  not done: the emergency stop was pressed" in desk.text
+        assert "is pressed" not in desk.text
+        desk.app.drawing.ending.next()
+        await desk.settled()
+        assert "is pressed" not in desk.text
+
+
+async def test_the_answer_to_words_that_pressed_the_emergency_stop_is_told_no_more_once_it_is_released() -> None:
+    async with console(pressed(), size=(120, 2), one_line=True, in_line=True) as desk:
+        answer = "The emergency stop is pressed: nothing moves until it is released."
+        desk.engine.publish(ev.InterruptRaised("estop", "say", "IDLE"), turn=None)
+        desk.engine.publish(ev.TranscriptFinal("emergency stop", "text", "", 1.0, 0.0, 0.0, 0.0, 0.0), turn="T1")
+        desk.engine.publish(ev.SpeechStarted(answer, False), turn="T1")
+        result = ev.TurnResult(0, "done", answer)
+        desk.engine.publish(ev.StateChanged("SPEAKING", "WAITING", "done", result), turn="T1")
+        await desk.settled()
+        assert "robot: The emergency stop is pressed" in desk.text
+        released(desk)
+        await desk.settled()
+        assert "READY" in desk.text
+        assert "is pressed" not in desk.text
 
 
 async def test_a_press_itself_is_told_no_more_once_it_is_released_and_an_answer_is() -> None:

@@ -1,17 +1,21 @@
 """Tells on one line how requests ended that were not done: one after the other, each for some seconds, behind what runs
 by then. Those that ended alike, one right after the other, are told together. The full console has a row for each.
 
-What was refused or stopped because of the emergency stop is told no more once that is released.
+What the emergency stop refused is told in other words once that is released: those of the robot say that it is pressed.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from msgspec.structs import replace
+
+from tui.words import strings
+
 if TYPE_CHECKING:
     from textual.timer import Timer
 
-    from tui.shown.facts import Ended, Line
+    from tui.shown.facts import Ended, Line, Problem
     from tui.shown.model import ConsoleModel
     from tui.stage import Stage
 
@@ -27,13 +31,13 @@ class Ending:
     def __init__(self, stage: Stage) -> None:
         self.told: tuple[Ended, ...] = ()
         """What is told now: ends that are alike."""
-        self.outdated: Line | None = None
-        """The line of the conversation that was true only while the emergency stop was pressed."""
+        self.outdated: tuple[Line | Problem, ...] = ()
+        """What the model still has and was true only while the emergency stop was pressed."""
         self._stage = stage
         self._seen = 0  # the number of the newest end
         self._left: list[Ended] = []  # ends that are told now, and then those that are still to be told
         self._pressed = False  # the emergency stop is
-        self._refused: set[str] = set()  # how requests ended while it was pressed, in the robot's words
+        self._refused: list[Ended] = []  # requests that it refused or halted since it was pressed
         self._next: Timer | None = None
         self._timed: tuple[int, bool] = 0, False  # how many the timer is for, and whether more are to be told
 
@@ -43,9 +47,9 @@ class Ending:
         new = [end for end in model.ends if end.number > self._seen]
         self._seen = new[-1].number if new else self._seen
         self._left += new
-        if pressed:
-            self._refused |= {end.message for end in new if end.message}
-        elif self._pressed:
+        if pressed or self._pressed:
+            self._refused += [end for end in new if end.halted]
+        if self._pressed and not pressed:
             self._released(model)
         self._pressed = pressed
         if model.ended is not None:
@@ -61,12 +65,18 @@ class Ending:
         self._stage.redraw()
 
     def _released(self, model: ConsoleModel) -> None:
-        """Nothing that was told of the emergency stop is true any more."""
-        self._left = [end for end in self._left if end.message not in self._refused and end.by != "estop"]
-        last = model.conversation[-1] if model.conversation else None
-        if last is not None and (last.note == "estop" or last.text in self._refused):
-            self.outdated = last
-        self._refused = set()
+        """Nothing may say any more that the emergency stop is pressed."""
+        self._left = [
+            replace(end, message="", note=strings.WAS_PRESSED) if end in self._refused else end for end in self._left
+        ]
+        said = {end.message for end in self._refused}
+        last, problem = model.conversation[-1] if model.conversation else None, model.problem
+        outdated: list[Line | Problem] = []
+        if last is not None and (last.note == "estop" or last.text in said or _tells_of_press(last, model)):
+            outdated.append(last)
+        if problem is not None and problem.message in said:
+            outdated.append(problem)
+        self.outdated, self._refused = tuple(outdated), []
 
     def _time(self, timed: tuple[int, bool]) -> None:
         if timed == self._timed:
@@ -78,3 +88,10 @@ class Ending:
         count, more = timed
         if count:
             self._next = self._stage.set_timer(MORE_S if more else TOLD_S, self.next)
+
+
+def _tells_of_press(last: Line, model: ConsoleModel) -> bool:
+    """Whether this answers a request that has pressed the emergency stop: it says that it is pressed."""
+    from engine.planner.phrases.stopping import is_emergency  # reads words that no console needs to begin
+
+    return last.who in ("robot", "done") and bool(model.turns.kept) and is_emergency(model.turns.kept[-1].text)

@@ -38,6 +38,7 @@ class Ended(Struct, frozen=True):
     message: str = ""  # what the robot says
     note: str = ""  # a remark of the console
     by: str = ""  # what interrupted it
+    halted: bool = False  # the robot could not be moved, as ``message`` says
 
     def is_like(self, other: Ended) -> bool:
         """They ended in the same way."""

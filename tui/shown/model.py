@@ -109,10 +109,12 @@ class ConsoleModel(Struct, frozen=True):
     def with_line(self, line: Line) -> ConsoleModel:
         return replace(self, conversation=(*self.conversation[1 - MAX_LINES :], line))
 
-    def with_end(self, text: str, message: str = "", note: str = "", by: str = "") -> ConsoleModel:
+    def with_end(
+        self, text: str, message: str = "", note: str = "", by: str = "", *, halted: bool = False
+    ) -> ConsoleModel:
         """A request that was not done has ended, as in :class:`Ended`."""
         number = self.ends[-1].number + 1 if self.ends else 1
-        return replace(self, ends=(*self.ends[1 - MAX_ENDS :], Ended(number, text, message, note, by)))
+        return replace(self, ends=(*self.ends[1 - MAX_ENDS :], Ended(number, text, message, note, by, halted)))
 
     def with_log(
         self,
@@ -210,7 +212,10 @@ def _(body: ev.RequestsWaiting, model: ConsoleModel, event: ev.Event) -> Console
 def _(body: ev.RequestEnded, model: ConsoleModel, event: ev.Event) -> ConsoleModel:
     if event.turn is not None:  # what became a turn has said so there
         turn = next((turn for turn in model.turns.kept if turn.id == event.turn), None)
-        return model if body.outcome in _WELL else _with_end(model, body, *_how_it_ended(body, turn))
+        if body.outcome in _WELL:
+            return model
+        halted = turn is not None and body.outcome == "failed" and _was_halted(turn)
+        return _with_end(model, body, *_how_it_ended(body, turn), halted=halted)
     if body.outcome not in strings.LOST:
         return model
     if body.outcome == "dropped" and body.request == model.taken_back:  # it stands in the line
@@ -230,13 +235,21 @@ def _how_it_ended(body: ev.RequestEnded, turn: Turn | None) -> tuple[str, str]:
     return "", strings.OUTCOMES.get(body.outcome, strings.OUTCOMES["failed"])
 
 
+def _was_halted(turn: Turn) -> bool:
+    """Whether the robot could not be moved in this turn, or stopped by itself."""
+    stopped = turn.cut is not None and turn.cut.scope == "halted"
+    return stopped or any(action.error_code == "robot_halted" for action in turn.actions)
+
+
 def _replaced(state: ev.State) -> str:
     """How a request ended that a newer one replaced in this state."""
     return strings.REPLACED_PLANNING if state in ("DECIDING", "PLANNING") else strings.REPLACED
 
 
-def _with_end(model: ConsoleModel, body: ev.RequestEnded, message: str, note: str) -> ConsoleModel:
-    return model.with_end(printable(body.text), message, note, body.by or "")
+def _with_end(
+    model: ConsoleModel, body: ev.RequestEnded, message: str, note: str, *, halted: bool = False
+) -> ConsoleModel:
+    return model.with_end(printable(body.text), message, note, body.by or "", halted=halted)
 
 
 @_fold.register

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 from msgspec import Struct, field
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from engine.perception.memory import World
     from engine.robot.floor_map import FloorMap
     from engine.robot.robot import RobotState, Scan
-    from tui.shown.facts import Ended, Line
+    from tui.shown.facts import Ended, Line, Problem
     from tui.shown.model import ConsoleModel
     from tui.shown.turn import Turn
     from tui.terminal.link import LinkFigures
@@ -56,7 +56,7 @@ class View(Struct, frozen=True):
     notice_does: str = ""  # the action that a click on it does
     remark: str = ""  # the notice that has no place there, as the emergency stop has it
     ends: tuple[Ended, ...] = ()  # how requests ended that were not done, alike, where there is one line for all
-    outdated: Line | None = None  # the line of the conversation that is not true any more, if any
+    outdated: Sequence[Line | Problem] = ()  # what the model still has and is not true any more
     newest: str = ""  # the key that leads to the newest line of a pane, where one does so now
     hints: tuple[Hint, ...] = ()
     parts: tuple[PartStatus, ...] = ()
@@ -80,6 +80,10 @@ class View(Struct, frozen=True):
     def standstill(self) -> str:
         """Why nothing can move the robot, and what changes that; empty where it can be moved."""
         return self.notice if self.notice_does == RELEASE else ""
+
+    def is_true(self, told: Line | Problem) -> bool:
+        """What the model has is still true."""
+        return not any(told is old for old in self.outdated)
 
     @property
     def no_way(self) -> str:

@@ -80,7 +80,7 @@ def _now(view: View) -> Piece | None:
     model = view.model
     if view.notice and not view.standstill:
         return view.notice, "bold $text-warning"
-    if model.problem is not None:
+    if model.problem is not None and view.is_true(model.problem):
         trouble = told(model.problem.message)
         if not any(told(end.message).startswith(trouble) for end in view.ends):
             return f"✗ {trouble}", "$text-error"
@@ -99,7 +99,7 @@ def _now(view: View) -> Piece | None:
 def _said_last(view: View) -> Piece | None:
     """The last of the conversation that is true; that the emergency stop was pressed is told by itself."""
     last = view.model.conversation[-1] if view.model.conversation else None
-    if last is not None and last is not view.outdated and not (view.standstill and last.note == "estop"):
+    if last is not None and view.is_true(last) and not (view.standstill and last.note == "estop"):
         kind, text, note = as_told(last)
         who = STYLES[kind][0] or {"you": f"{strings.YOU}:", "robot": f"{strings.ROBOT}:"}[kind]
         return f"{who} {text}" + (f"  {note}" if note and kind != "you" else ""), "$foreground"

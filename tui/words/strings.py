@@ -265,6 +265,7 @@ LOST: Final = {
 """What becomes of a request that never begins, by its outcome."""
 LOST_BY: Final = "never begun: {reason}"
 NO_ENGINE: Final = "never begun: the engine did not start"
+WAS_PRESSED: Final = "not done: the emergency stop was pressed"
 REPLACED_PLANNING: Final = "replaced while it was planned"
 REPLACED_ASKED: Final = "replaced while it was asked about"
 DECLINED: Final = "given up: the answer was no order"

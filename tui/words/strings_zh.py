@@ -255,6 +255,7 @@ LOST: Final = {
 }
 LOST_BY: Final = "没有开始：{reason}"
 NO_ENGINE: Final = "没有开始：引擎没有启动"
+WAS_PRESSED: Final = "没有做：当时急停按下了"
 REPLACED_PLANNING: Final = "规划时被取代"
 REPLACED_ASKED: Final = "询问时被取代"
 DECLINED: Final = "放弃：回答不是指令"
