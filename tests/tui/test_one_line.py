@@ -245,7 +245,7 @@ async def test_all_that_a_new_request_replaces_is_told_one_after_the_other() -> 
         over(desk.engine, "R4", "qwer asdf", "failed", "I did not understand.", "T2")
         await desk.settled()
         for words in (
-            "■ replaced before it began (2): find the cup, go to the hall",
+            "■ (2) find the cup, go to the hall  replaced before it began",
             "■ go to the bedroom  replaced by a newer request",
             "■ qwer asdf: I did not understand.",
         ):
@@ -253,6 +253,21 @@ async def test_all_that_a_new_request_replaces_is_told_one_after_the_other() -> 
             desk.app.drawing.ending.next()
             await desk.settled()
         assert "■" not in desk.text
+
+
+async def test_ends_with_the_same_reason_are_told_together_their_names_first_and_others_by_themselves() -> None:
+    unknown = f"{UNKNOWN} I know kitchen, living room, bedroom, study, hall, and charging dock."
+    async with console(engine(), size=(80, 2), one_line=True, in_line=True) as desk:
+        over(desk.engine, "R1", "go to the moon", "failed", unknown, "T1")
+        over(desk.engine, "R2", "drive to the moon", "failed", unknown, "T2")
+        over(desk.engine, "R3", "flurb", "failed", "I did not understand.", "T3")
+        await desk.settled()
+        assert "■ (2) go to the moon, drive to the moon: I don't" in desk.text
+        assert "flurb" not in desk.text
+        assert "…" in desk.text, "the reason is cut"
+        desk.app.drawing.ending.next()
+        await desk.settled()
+        assert "■ flurb: I did not understand." in desk.text
 
 
 async def test_what_must_be_read_now_comes_before_an_end_which_is_told_afterwards() -> None:
@@ -283,7 +298,7 @@ async def test_what_the_stop_key_drops_is_told_at_once(*, asks: bool) -> None:
 
         desk.engine.on_command = stopped
         await desk.press("escape")
-        assert "■ never begun: the stop key (2): nod, beep" in desk.text
+        assert "■ (2) nod, beep  never begun: the stop key" in desk.text
         desk.app.drawing.ending.next()
         await desk.settled()
         assert ("■ go to the bedrom  question withdrawn: the stop key" in desk.text) is asks
@@ -298,7 +313,7 @@ async def test_what_the_stop_key_drops_while_the_engine_starts_is_told_at_once()
 
     async with console(start=start, size=(100, 2), one_line=True, in_line=True) as desk:
         await desk.press(*"nod", "enter", *"beep", "ctrl+j", "escape")
-        assert "■ never begun: the stop key (2): nod, beep" in desk.text
+        assert "■ (2) nod, beep  never begun: the stop key" in desk.text
         gate.set()
 
 
@@ -469,7 +484,7 @@ async def test_an_open_question_goes_before_how_older_requests_ended() -> None:
         replacing(desk.engine)
         desk.engine.publish(ev.ClarificationAsked("Which room?", "go to the room"))
         await desk.settled()
-        assert "robot: Which room? · ■ replaced before it began" in desk.text
+        assert "robot: Which room? · ■ (2) find the cup, go to the hall" in desk.text
 
 
 @pytest.mark.parametrize("by", ["interrupt", "estop"])

@@ -107,11 +107,10 @@ def _said_last(view: View) -> Piece | None:
 
 
 def _ended(ends: Sequence[Ended]) -> str:
-    """How these ended, all in the same way."""
-    sign, how = STYLES["lost"][0], told(ends[0].message) or ends[0].note
-    if len(ends) > 1:
-        return f"{sign} {how} ({len(ends)}){strings.COLON}{strings.COMMA.join(end.text for end in ends)}"
-    return f"{sign} {ends[0].text}" + (f"{strings.COLON}{how}" if ends[0].message else f"  {how}")
+    """How these ended, all in the same way: how many and which first, as the end is cut where there is no room."""
+    count = f"({len(ends)}) " if len(ends) > 1 else ""
+    names = f"{STYLES['lost'][0]} {count}{strings.COMMA.join(end.text for end in ends)}"
+    return f"{names}{strings.COLON}{told(ends[0].message)}" if ends[0].message else f"{names}  {ends[0].note}"
 
 
 def _wrapped(words: str, first: int, columns: int, below: int) -> list[str]:
