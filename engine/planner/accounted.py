@@ -105,9 +105,20 @@ def is_said(meaning: Meaning, known: Collection[str]) -> bool:
     spans = [(role.start, role.end) for node in nodes for role in _roles(node)]
     words = [word for word in words_in(meaning.text, spans) if word not in _SAY_NOTHING]
     if not words:
-        return bool(spans)
+        return _are_named(meaning, nodes, known)
     learned = sum(_is_learned(word, known, within=bool(spans)) for word in words)
     return learned > 0 if spans else 2 * learned >= len(words) + (_acts(nodes) != {"talk"})
+
+
+def _are_named(meaning: Meaning, nodes: Sequence[Node], known: Collection[str]) -> bool:
+    """Whether roles whose words are all that is said may have these words: of names any, of others ("slowly", "ten
+    metres") not only such as nobody has learned. A reader takes "flurb" for a manner, and so for how to do once more
+    what was asked for before."""
+    names = [role.name for node in nodes for role in _roles(node)]
+    words = [word for word in words_in(meaning.text) if word not in _SAY_NOTHING]
+    if not names or not words or not _OF_ANY_WORDS.isdisjoint(names):
+        return bool(names)
+    return any(_is_learned(word, known, within=True) for word in words)
 
 
 def _is_learned(word: str, known: Collection[str], *, within: bool) -> bool:
@@ -132,6 +143,8 @@ def without_an_unsaid_act(meaning: Meaning) -> Meaning:
 
 _NAMES: Final = frozenset({"place", "source", "thing", "person"})
 """Roles whose words are names."""
+_OF_ANY_WORDS: Final = _NAMES | {"except", "text", "topic"}
+"""Roles whose words may be any."""
 _SAY_NOTHING: Final = frozenset({"the", "a", "an", "my", "your", "our", "please", "请.", "吧."})
 """Words beside a name that say nothing of what is to be done."""
 

@@ -21,7 +21,7 @@ from engine.understanding.training.lexicon import made
 NONSENSE = (
     "zzz blah", "asdf", "blah blah blah", "xyzzy", "lorem ipsum dolor", "hjkl", "gnarf", "wibble wobble", "brrr", "kkk",
     "zz", "sdfkjh sdf", "mumble mumble", "ffff ffff", "tralala", "ooga booga", "snorf the blick", "flurb the wug",
-    "glorp", "pfft", "x y z", "...", "?!",
+    "glorp", "pfft", "flurb", "x y z", "...", "?!",
     "呵呵呵", "阿巴阿巴", "哔哩哔哩", "咕噜咕噜", "天地玄黄", "啦啦啦",
 )  # fmt: skip
 PIECES = (
@@ -47,6 +47,20 @@ def test_nonsense_is_told_not_to_be_understood(text: str) -> None:
     assert isinstance(found, NoPlan), found
     assert found.code == "not_understood"
     assert text in found.answer
+
+
+@pytest.mark.parametrize("before", ["go to the moon", "go to the kitchen"])
+@pytest.mark.parametrize("text", ["flurb", "please flurb", "glorp"])
+def test_nonsense_does_not_say_how_to_do_once_more_what_was_asked_for_before(before: str, text: str) -> None:
+    found = planned(text, Said(before), planned(before))
+    assert isinstance(found, NoPlan), found
+    assert found.code == "not_understood"
+
+
+@pytest.mark.parametrize("text", ["quickly", "a bit slower", "慢一点", "快点"])
+def test_known_words_do(text: str) -> None:
+    before = "去厨房" if not text.isascii() else "go to the kitchen"
+    assert isinstance(planned(text, Said(before), planned(before)), Plan)
 
 
 @pytest.mark.parametrize("text", PIECES)
