@@ -81,6 +81,47 @@ async def test_a_request_can_be_put_behind_what_runs() -> None:
         assert desk.engine.sent == [Say("beep", wait=True)]
 
 
+def driving(engine: ScriptedEngine, progress: str) -> None:
+    engine.play(scripted.acting())
+    engine.publish(ev.ActionProgress("a2", "navigation", 0.4, progress))
+
+
+@pytest.mark.parametrize("progress", ["0.9 m to go", "0.9 m to go, then through the kitchen door"])
+async def test_how_many_wait_has_its_room_before_how_far_what_runs_has_come(progress: str) -> None:
+    async with console(engine(), size=(80, 1), one_line=True, in_line=True) as desk:
+        driving(desk.engine, progress)
+        await desk.settled()
+        assert "▸ Go to the kitchen · 0.9 m" in desk.text
+        desk.engine.publish(ev.RequestsWaiting(("beep",)), turn=None)
+        await desk.settled()
+        assert re.search(r"▸ Go to the kitchen +1 waiting", desk.text)
+
+
+async def test_how_many_wait_has_its_room_beside_what_runs_that_is_too_long() -> None:
+    async with console(engine(), size=(80, 1), one_line=True, in_line=True) as desk:
+        driving(desk.engine, "0.9 m to go")
+        told = "Put the red cup on the coffee table in the hall"
+        desk.engine.publish(ev.ActionStarted("a2", 2, 4, "put", {}, told))
+        desk.engine.publish(ev.RequestsWaiting(("beep",)), turn=None)
+        await desk.settled()
+        assert re.search(r"▸ Put the red cu.*… +1 waiting", desk.text)
+        await desk.pilot.resize_terminal(50, 1)
+        await desk.settled()
+        assert "▸ Put" in desk.text, "half of the row stays for what runs"
+        assert "waiting" not in desk.text
+
+
+async def test_how_far_what_runs_has_come_leaves_before_the_end_of_a_request() -> None:
+    async with console(engine(), size=(100, 1), one_line=True, in_line=True) as desk:
+        driving(desk.engine, "0.9 m to go")
+        over(desk.engine, "R2", "flurb", "failed", UNKNOWN, "T9")
+        await desk.settled()
+        assert "▸ Go to the kitchen · ■ flurb: " in desk.text
+        desk.app.drawing.ending.next()
+        await desk.settled()
+        assert "▸ Go to the kitchen · 0.9 m to go" in desk.text
+
+
 async def test_an_open_question_is_told_as_one() -> None:
     async with console(engine(), size=(100, 3), one_line=True, in_line=True) as desk:
         desk.engine.publish(ev.ClarificationAsked("Shall I go to the bedroom?", "go to the bedrom"))

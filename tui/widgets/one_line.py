@@ -38,11 +38,8 @@ class OneLine(Static):
         self._view = view
         sign = chip(view)
         words, style = happening(view)
-        aside = [part for part in (_waiting(view), _where(view)) if part]
         room, below = max(0, self.size.width - sign.cell_length - 2), self.size.height - 1
-        while aside and cell_len(JOINT.join((*aside, words if below < 1 else ""))) > room:
-            aside.pop()
-        right = JOINT.join(aside)
+        words, right = _fitting(view, words, room) if below < 1 else (words, _beside(view, 0, room))
         first = max(1, room - cell_len(right))
         rows = [words] if below < 1 else _wrapped(words, first, self.size.width, below)
         left = Content.styled(rows[0], style).truncate(first, ellipsis=True, pad=True)
@@ -58,12 +55,12 @@ class OneLine(Static):
             self.update_from(self._view)
 
 
-def happening(view: View) -> Piece:
+def happening(view: View, *, progress: bool = True) -> Piece:
     """What one has to know: what is the case now, why nothing moves, and how requests ended that were not done. Where
     nothing else is the case than that nothing moves, the last that was said stands before it. An engine that is lost
-    for good is told behind the ends, as it stays and they do not."""
+    for good is told behind the ends, as it stays and they do not. ``progress``: with how far what runs has come."""
     ended, problem = _ended(view.ends) if view.ends else "", view.model.problem
-    now = _now(view) or (None if ended else _said_last(view))
+    now = _urgent(view) or _now(view, progress=progress) or (None if ended else _said_last(view))
     words, style = now or ("", "$text-warning")
     if now is None and not view.standstill and not ended:
         return strings.ONE_LINE, "$foreground 60%"
@@ -75,8 +72,33 @@ def happening(view: View) -> Piece:
     return JOINT.join(filter(None, pieces)), style
 
 
-def _now(view: View) -> Piece | None:
-    """A notice, trouble of which no end tells, what is heard, done, asked or said: the most urgent of them."""
+def _fitting(view: View, words: str, room: int) -> tuple[str, str]:
+    """The words in one row of so many columns, which may be cut there, and what stands beside them. Before an end is
+    cut or how many requests wait is left out, how far what runs has come leaves. How many wait has its room also before
+    more than half of the row has what runs: nothing else shows that a request was taken."""
+    waiting = _waiting(view)
+    if cell_len(JOINT.join(filter(None, (words, waiting)))) <= room:
+        return words, _beside(view, cell_len(words), room)
+    if not (view.ends or waiting):
+        return words, ""
+    brief = happening(view, progress=False)[0]
+    least = cell_len(brief)
+    if view.model.running is not None and not view.ends and _urgent(view) is None:
+        least = min(least, room // 2)
+    return brief, _beside(view, least, room, where=False)
+
+
+def _beside(view: View, taken: int, room: int, *, where: bool = True) -> str:
+    """How many requests wait, and ``where`` the robot is, as far as there is room beside so many columns."""
+    parts = [part for part in (_waiting(view), _where(view) if where else "") if part]
+    between = cell_len(JOINT) if taken else 0
+    while parts and cell_len(JOINT.join(parts)) + between + taken > room:
+        parts.pop()
+    return JOINT.join(parts)
+
+
+def _urgent(view: View) -> Piece | None:
+    """A notice, trouble of which no end tells, or what is heard: the most urgent of them."""
     model = view.model
     if view.notice and not view.standstill:
         return view.notice, "bold $text-warning"
@@ -86,8 +108,15 @@ def _now(view: View) -> Piece | None:
             return f"✗ {trouble}", "$text-error"
     if model.partial:
         return f"“{model.partial}…”", "$text-accent"
+    return None
+
+
+def _now(view: View, *, progress: bool) -> Piece | None:
+    """What is done, asked or said now: the most urgent of them."""
+    model = view.model
     if (row := model.running) is not None:
-        return JOINT.join(filter(None, (f"▸ {told(row.call)}", told(row.message)))), "$text-success"
+        come = told(row.message) if progress else ""
+        return JOINT.join(filter(None, (f"▸ {told(row.call)}", come))), "$text-success"
     if model.plan is not None and model.plan.stage == "thinking":
         return f"{strings.YOU}: {model.plan.goal}", "$foreground"
     if model.plan is not None and (model.asks or model.state == "CLARIFYING") and model.plan.message:
