@@ -169,6 +169,11 @@ def test_who_is_behind_a_wall_hears_only_if_nobody_is_in_sight() -> None:
     assert {news.who for news in said(alone, "Hello?")} == {"hidden"}
 
 
+def test_nobody_behind_a_wall_answers_for_whoever_gives_the_tasks_and_is_looked_at() -> None:
+    world = hall(hidden={"path": [[2.3, -1.5]]}, you={"path": [[1.4, 0]], "gives_tasks": True})
+    assert [(news.who, news.does) for news in said(world, "Are you Robin?")] == [("you", "hears")]
+
+
 def test_sentences_in_quick_succession_are_all_heard_in_their_order() -> None:
     world = hall(Anna={"path": [[1, 0]]})
     company = company_of(world)

@@ -28,6 +28,7 @@ REPLY_S: Final = 0.8
 """s of robot time until somebody does something about what they have heard."""
 
 _ASIDE = 0.8  # m that somebody counts as farther away, per rad that the robot does not look at them
+_BEFORE = 0.6  # rad off where the robot looks that somebody still stands before it
 _ATTENDS_S = 6.0  # that somebody who walks about stands when they are spoken to
 _KEPT = 200  # news that nobody has asked for
 
@@ -67,6 +68,11 @@ class People:
         if not near:
             return
         listener = min(near, key=lambda one: self._rank(one, heard))
+        if heard.to is None and not self._in_sight(listener):  # whoever is spoken to is no one behind a wall
+            before = (
+                one for one in near if one.person.gives_tasks and self._in_sight(one) and self._off(one) < _BEFORE
+            )
+            listener = next(before, listener)
         listener.attends_until = self._t + _ATTENDS_S
         self._tell_of(listener, "hears", text)
         self._due.append((self._t + REPLY_S, listener, heard))
@@ -106,10 +112,18 @@ class People:
 
     def _rank(self, one: Somebody, heard: Heard) -> tuple[bool, bool, float]:
         """Less for who reacts rather: somebody who can, who sees the robot, and who is near, or looked at by it."""
-        robot, at = self._robot, one.at
-        off = abs(wrap(direction((robot.x, robot.y), at) - robot.yaw))
+        off = self._off(one)
         can = one.can(heard) and (heard.wish != "pass" or off < math.pi / 2)
-        return not can, not self._floor.can_see((robot.x, robot.y), at), one.pose.distance_to(robot) + _ASIDE * off
+        return not can, not self._in_sight(one), one.pose.distance_to(self._robot) + _ASIDE * off
+
+    def _off(self, one: Somebody) -> float:
+        """How far the robot would have to turn to look at somebody, rad."""
+        robot = self._robot
+        return abs(wrap(direction((robot.x, robot.y), one.at) - robot.yaw))
+
+    def _in_sight(self, one: Somebody) -> bool:
+        """Whether no wall is between somebody and the robot."""
+        return self._floor.can_see((self._robot.x, self._robot.y), one.at)
 
     # What they do
 
