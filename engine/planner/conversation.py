@@ -84,7 +84,7 @@ class Conversation:
             answer = Meaning(text, (Do("fragment", (Role("thing", name, 0, len(text)),)), *then))
         elif answer is None or not answer.nodes or not request.happened or not self._accounted(answer):
             return None
-        said = tuple(entry.text for entry in _kept(request.happened) if isinstance(entry, Said))[-LONGEST:]
+        said = tuple((entry.text, "") for entry in _kept(request.happened) if isinstance(entry, Said))[-LONGEST:]
         before = self._before(said if question is None else open_command(request.happened), whole=question is not None)
         if question is not None and question.lacks == "where":
             answer = _whither(answer)
@@ -92,13 +92,16 @@ class Conversation:
             return None
         return None if before is None else self._joined(before, answer, whole=question is not None)
 
-    def _before(self, said: Sequence[str], *, whole: bool) -> Meaning | None:
-        """What these requests come to, each of which may be an answer to the one before it."""
+    def _before(self, said: Sequence[tuple[str, str]], *, whole: bool) -> Meaning | None:
+        """What these requests come to, each of which may be an answer to the one before it, or to a question with what
+        that lacked."""
         before: Meaning | None = None
-        for text in said:
+        for text, lacked in said:
             meaning = self._read(text)
             if meaning is None or not meaning.nodes or not self._accounted(meaning):
                 continue
+            if lacked == "where":
+                meaning = _whither(meaning)
             if _roles(meaning.nodes[0]) is None:
                 before = meaning
             elif before is not None:

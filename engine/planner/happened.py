@@ -43,22 +43,24 @@ def rounds(happened: Sequence[Happened]) -> int:
     return made
 
 
-def open_command(happened: Sequence[Happened]) -> tuple[str, ...]:
-    """What the user said, and answered, before the question of the robot that was the last thing to happen; oldest
-    first."""
-    said: list[str] = []
+def open_command(happened: Sequence[Happened]) -> tuple[tuple[str, str], ...]:
+    """What the user said, and answered, before the question of the robot that was the last thing to happen, oldest
+    first; each with what the question lacked to which it was the answer (``NoPlan.lacks``)."""
+    said: list[tuple[str, str]] = []
     asked = False
     for entry in reversed(_understood(happened)):
         if isinstance(entry, Plan | NoPlan):
             if not is_question(entry):
                 break
+            if said and isinstance(entry, NoPlan):
+                said[-1] = (said[-1][0], entry.lacks)
             asked = True
         elif isinstance(entry, Withdrawn):
             break
         elif isinstance(entry, Said):
             if not asked:
                 break
-            said.append(entry.text)
+            said.append((entry.text, ""))
             asked = False
     return tuple(reversed(said))
 

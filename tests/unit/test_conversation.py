@@ -92,6 +92,19 @@ def test_an_answer_fills_what_was_open_and_keeps_the_rest(understood: Understood
     assert after(understood, history, reader.knows("fragment | {place: the kitchen}")) == "navigation(A); beep(0.2)"
 
 
+def test_an_answer_to_where_to_is_still_one_when_the_next_question_is_answered(
+    understood: Understood, reader: Written
+) -> None:
+    history = (
+        Said(reader.knows("bring | bring {thing: it} {place: over there}")),
+        replace(asked("Where to?"), lacks="where"),
+        Said(reader.knows("go nod | go to {1.place: the bedroom} and nod")),
+        asked("Which one?"),
+    )
+    answer = reader.knows("fragment | {thing: the red box}")
+    assert after(understood, history, answer) == "carry(red box, C, ); arm_nod()"
+
+
 def test_who_is_asked_where_to_may_say_it_as_an_order(understood: Understood, reader: Written) -> None:
     first = reader.knows("guide beep | lead {1.person: me} and beep")
     open_ = replace(asked("Where to?"), lacks="where")
