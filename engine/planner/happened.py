@@ -93,9 +93,9 @@ def counted_last(happened: Sequence[Happened]) -> int | None:
 
 
 def answered_last(happened: Sequence[Happened]) -> str:
-    """What somebody has answered whom the last action asked, or what that action came to; empty where nothing ran."""
+    """What somebody has answered whom the last action asked; empty where none did."""
     last = next((entry for entry in reversed(happened) if isinstance(entry, Ran)), None)
-    return str(last.data.get("answer") or last.message) if last is not None else ""
+    return str(last.data.get("answer", "")) if last is not None else ""
 
 
 def worked_last(happened: Sequence[Happened]) -> bool | None:

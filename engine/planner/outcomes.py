@@ -130,9 +130,11 @@ class Outcomes:
     ) -> Plan | NoPlan | None:
         """What is to be done after somebody has answered; a question where the answer tells neither yes nor no."""
         answer = answered_last(heard.request.happened)
+        if not answer and not isinstance(sees, bool):
+            return None
         holds = sees if isinstance(sees, bool) else is_met(node.condition, answer)
         if holds is None:
-            return _question(heard, "unclear_answer", SAID[heard.language]["unclear_answer"].format(answer=answer))
+            return _question(heard, "unclear_answer", SAID[heard.language]["unclear_answer"].format(words=answer))
         branch = node.then if holds else node.otherwise
         whoever = Sought(PERSON, holds, (), who=doing.who)
         found = self._done((*_only_wanted(branch), *rest), heard, doing.named, doing.place, after=whoever)

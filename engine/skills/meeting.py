@@ -277,16 +277,7 @@ async def _go_in_sight(context: SkillContext, at: Point, name: str) -> Result:
     if not len(stands):
         return fail("unreachable", f"I cannot get to the {name}.")
     x, y = nearest_place(stands, at[:2], away=1.9)
-
-    def taken() -> bool:
-        """Whether somebody stands there: it looks from before them then."""
-        now, here = context.robot.state().t, (context.pose.x, context.pose.y)
-        people = [
-            p for p in context.world.people.everybody if now - p.seen_at < FRESH_S and p.distance_to(x, y) < APART
-        ]
-        return any(p.distance_to(*here) < APART + 0.5 for p in people)
-
-    return await go_to(context, Pose(x, y, math.atan2(at[1] - y, at[0] - x)), f"the {name}", enough=taken)
+    return await go_to(context, Pose(x, y, math.atan2(at[1] - y, at[0] - x)), f"the {name}")
 
 
 def _no(who: Someone) -> str:

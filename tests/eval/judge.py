@@ -183,7 +183,7 @@ def _after(request: PlanRequest, answer: Answer, after: Next, words: Words) -> P
     """What is asked when the plan is done, and this is what came of it."""
     assert isinstance(answer.found, Plan)
     *before, last = answer.found.actions
-    done = (*(Ran(action, "ok") for action in before), Ran(last, "ok", after.feedback, _counted(after.feedback)))
+    done = (*(Ran(action, "ok") for action in before), Ran(last, "ok", after.feedback, _found(after.feedback)))
     said = (*request.happened, Said(request.text), answer.found, *done)
     return PlanRequest(
         "", said, request.cycle, request.language, holding=request.holding, seen=after.seen, sees=_sees(after, words)
@@ -222,10 +222,10 @@ _PERSON: Final = re.compile(
 """How people are told of among what is seen."""
 
 
-def _counted(feedback: str) -> dict[str, object]:
-    """How many people are told of."""
+def _found(feedback: str) -> dict[str, object]:
+    """How many people are told of; and what somebody may have answered."""
     found = re.search(r"\b(no|one|two|three|four|five|\d+) (?:person|people)\b", feedback)
     if found is None:
-        return {}
+        return {"answer": feedback.partition(":")[2].strip() or feedback}
     names = ("no", "one", "two", "three", "four", "five")
     return {"people": names.index(found[1]) if found[1] in names else int(found[1])}

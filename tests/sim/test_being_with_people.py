@@ -22,11 +22,10 @@ from engine.robot.sim.scene_file import load_scene, scene_path
 from engine.robot.sim.scene_parts import Start
 from engine.skills.library import LIBRARY
 from engine.skills.library.household import who_waits
-from engine.skills.meeting import face_point, place_called
+from engine.skills.meeting import face_point
 from engine.skills.outcome import Result
 from engine.skills.people import People, looks_of
 from engine.skills.places import Places
-from engine.skills.search import nearest_place, places_in
 from tests.eval.gpsr.goal import Guest, Needs
 from tests.eval.houses import house
 from tests.sim.inhand import HandRobot, context_of
@@ -156,17 +155,6 @@ def test_a_stranger_is_met_and_known_from_then_on(family: Family) -> None:
 def test_whoever_has_a_name_may_have_stepped_aside_from_where_they_are_to_be_met(family: Family) -> None:
     (met,) = family.do(("meet", {"who": "Robin", "where": "wardrobe"}))
     assert met.message == "I met Robin in the bedroom."
-
-
-def test_who_stands_where_the_robot_would_look_from_is_not_driven_up_to(family: Family) -> None:
-    floor, hull, bed = family.robot.floor_map, family.robot.footprint, place_called(family.context, "bed")
-    assert bed is not None
-    room = next(room for room in floor.rooms if room.name == "bedroom")
-    x, y = nearest_place(places_in(room, floor, hull, family.context.pose), bed[:2], away=1.9)
-    there = Family(changed(visitor={"path": [(x - 0.2, y - 0.2)]}))
-    (found,) = there.do(("find_person", {"who": "person", "where": "bed"}))
-    assert found.ok
-    assert math.dist(there.place_of("visitor"), (there.context.pose.x, there.context.pose.y)) > 0.8
 
 
 def test_who_is_asked_answers_and_the_answer_is_reported(family: Family) -> None:
