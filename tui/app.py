@@ -194,13 +194,13 @@ class SaysoApp(Stage):
 
     def notice(self, view: View) -> str:
         """What must be read in the status line now."""
-        told = self.keeping.notice(view)
-        leave, ended = self.acting("leave") or self.acting("leave_now"), self.drawing.model.ended
+        told, ended = self.keeping.notice(view), self.drawing.model.ended
+        if ended is None and not self.leaving.asked:
+            return told
+        leave = self.acting("leave") or self.acting("leave_now")
         if ended is not None:
             return strings.SESSION_ENDED.format(reason=strings.REASONS.get(ended, ended), leave=leave)
-        if self.leaving.asked:
-            return strings.QUIT_QUESTION.format(leave=leave, interrupt=self.shown_keys["interrupt"])
-        return told
+        return strings.QUIT_QUESTION.format(leave=leave, interrupt=self.shown_keys["interrupt"])
 
     # Starting
 

@@ -45,12 +45,16 @@ ON_PAGE: Final[tuple[str, ...]] = ("interrupt", "wake", "end_task", "type", "hel
 """The keys in the status line, by where the keyboard is."""
 LOG_FRAMES: Final = 4
 """The log scrolls as a whole, which is much to send: it is redrawn once in so many frames."""
+HINT_FRAMES: Final = 4
+"""While all that happens is that something moves, the keys that act are asked for once in so many frames."""
 PARTS_INTERVAL_S: Final = 0.25
 """How often the parts are asked how they are while some are still loading."""
 AGES_S: Final = 10.0
 """How often things that were seen are shown as old as they are while nothing else happens."""
 CALM_S: Final = 1.0
 """How often what moves by itself is redrawn where that disturbs somebody."""
+_MOTION: Final = (ListenLevel, RobotStateView, ActionProgress)
+"""What is told again and again while something moves, and changes nothing about what can be asked."""
 
 
 class _Ended(NamedTuple):
@@ -103,6 +107,7 @@ class Drawing:
         self._interval = 1 / fps
         self._arrived: list[tuple[Event, float]] = []  # taken from the inbox, not drawn yet
         self._inbox: Inbox[tuple[Event, float]] = Inbox(lambda: stage.post_message(Woken()))
+        self._unhinted = HINT_FRAMES  # frames since the keys that act were asked for
         self._lag = float("inf")  # smallest seen difference between our clock and event time
         self._logged = self.model.log  # what the log has been asked to show
         self.parts: tuple[PartStatus, ...] = ()
@@ -133,6 +138,7 @@ class Drawing:
 
     def ask(self) -> None:
         """Something has changed: draw as soon as the pace allows."""
+        self._unhinted = HINT_FRAMES
         self._frames.ask()
 
     def woken(self) -> None:
@@ -141,7 +147,7 @@ class Drawing:
             self._frames.ask()
             return
         self._arrived += self._inbox.take()
-        if all(isinstance(event.body, ListenLevel | RobotStateView | ActionProgress) for event, _ in self._arrived):
+        if all(isinstance(event.body, _MOTION) for event, _ in self._arrived):
             self._seldom.resume()
         else:
             self._frames.ask()
@@ -184,7 +190,7 @@ class Drawing:
     def log(self, level: Literal["info", "warning", "error"], text: str) -> None:
         """A line in the log that the console itself has to tell."""
         self.model = self.model.with_log(level, "console", text, t=self.time)
-        self._frames.ask()
+        self.ask()
 
     def pace(self, fps: float | None = None) -> None:
         """So many frames a second from now on, and fewer on a line that bears fewer."""
@@ -201,7 +207,7 @@ class Drawing:
         """A request comes to nothing that the engine does not know of: it has a row with this note."""
         text = printable(text)
         self.model = self.model.with_end(text, note=note).with_line(Line("lost", text, note))
-        self._frames.ask()
+        self.ask()
 
     def browse(self, step: int) -> None:
         """Look at another turn; beyond the newest one, at whichever is the newest."""
@@ -223,10 +229,11 @@ class Drawing:
         if self.browsed is None or turn is None:  # what is new is new until somebody looks at it
             self._counted = self.model.turns.count
         self.browsed = turn
-        self._frames.ask()
+        self.ask()
 
     def now(self) -> bool:
         """Draw at once. True while something moves by itself."""
+        self._unhinted = HINT_FRAMES
         return self._draw()
 
     @property
@@ -274,21 +281,23 @@ class Drawing:
         if self.model.log is not self._logged:
             self._logged = self.model.log
             self._logs.ask()
-        view = self._view()
+        only_moves = self.view.moving and model.moving and all(isinstance(event.body, _MOTION) for event, _ in arrived)
+        hint = not only_moves or self.calm or self._unhinted >= HINT_FRAMES
+        self._unhinted = 1 if hint else self._unhinted + 1
+        view = self._view(hint)
         if stage.main.is_one_line:
             view = self._with_ends(view)
         self.view = view
         if stage.screen is stage.main:  # a screen that changes under another one has that one drawn as a whole
-            stage.main.show(view)
+            stage.main.show(view, hint=hint)
         elif isinstance(stage.screen, Following):
             stage.screen.show(view)
-        moving = model.moving or (view.robot is not None and view.robot.moving)
         if self.calm:
-            self._seldom.resume() if moving else self._seldom.pause()
+            self._seldom.resume() if view.moving else self._seldom.pause()
             return False
-        if moving:
+        if view.moving:
             self._viewing.hurry()
-        return moving
+        return view.moving
 
     @property
     def failed(self) -> bool:
@@ -301,17 +310,18 @@ class Drawing:
         """What the clock of the events says now; before there is any, the time of the newest."""
         return max(self.model.t, self._stage.clock() - self._lag)
 
-    def _view(self) -> View:
-        stage, model, handle = self._stage, self.model, self._stage.handle
+    def _view(self, hint: bool) -> View:
+        """What is to be seen now; without ``hint`` with the keys of the last time."""
+        model, handle = self.model, self._stage.handle
         bare = self._sending.fare == "bare"
         view = View(
             model=model,
             now=self.time,
             started=handle is not None,
             failed=self.failed,
-            newest=stage.acting("newest") or "" if stage.main.reads_conversation else "",
+            newest=self._newest() if hint else self.view.newest,
             session=self._session,
-            hints=self._hints(),
+            hints=self._hints() if hint else self.view.hints,
             parts=self.parts,
             floor_map=self._floor_map,
             turn=(turn := self._turn_looked_at()),
@@ -349,6 +359,9 @@ class Drawing:
             self._looked_at = next((turn for turn in kept if turn.id == self.browsed), self._looked_at)
         return self._looked_at
 
+    def _newest(self) -> str:
+        return self._stage.acting("newest") or "" if self._stage.main.reads_conversation else ""
+
     def _hints(self) -> tuple[Hint, ...]:
         """The keys that do something now, where the keyboard is; the one that stops is always among them."""
         stage, line = self._stage, self._stage.main.line
@@ -385,14 +398,14 @@ class Drawing:
             self._parts_timer.pause()
         if parts != self.parts:
             self.parts = parts
-            self._frames.ask()
+            self.ask()
 
     def _feel_pulse(self) -> None:
         stage = self._stage
         if self._sending.feel():
             self.pace()
             self._viewing.spare(self._sending.fare)
-            self._frames.ask()
+            self.ask()
         if stage.handle is None:
             return
         match self._watchdog.look(stage.clock(), stage.handle.pulse()):
@@ -403,7 +416,7 @@ class Drawing:
                 self.model = engine_is_back(self.model)
             case None:
                 return
-        self._frames.ask()
+        self.ask()
 
 
 def _robot_state(parts: Sequence[PartStatus]) -> PartState | None:

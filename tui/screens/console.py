@@ -218,14 +218,15 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
             return False
         return self._panes.zoomed is not None or self._panes.in_front or self.focused is not None
 
-    def show(self, view: View) -> None:
-        """Bring every pane but the log up to date."""
+    def show(self, view: View, *, hint: bool = True) -> None:
+        """Bring every pane but the log up to date; without ``hint``, the keys that act are those of the last time."""
         model = view.model
         self.line.wait_for(named(loading(view.parts)), failed=view.failed)
         self._ask.tell(busy=model.busy or model.asks or bool(model.waiting), ended=model.ended is not None)
         if self._one_line is not None:
             self._one_line.update_from(view)
-            self.hint()
+            if hint:
+                self.hint()
             return
         self._status.update_from(view)
         self._problem.update_from(model.problem)
@@ -259,7 +260,8 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         moving = Moving(view.robot, model.path, trail, things=things, people=people, held=held, now=now)
         self._floor.show_moving(moving, view.scan, view.no_way)
         self._by_hand.tell(view.standstill)
-        self.hint()
+        if hint:
+            self.hint()
 
     def show_log(self, model: ConsoleModel) -> None:
         """Bring the log up to date; it has a slower pace of its own."""

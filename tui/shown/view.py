@@ -72,6 +72,11 @@ class View(Struct, frozen=True):
     link: LinkFigures | None = None  # how good the line is; None: nobody wants to know
 
     @property
+    def moving(self) -> bool:
+        """The robot is."""
+        return self.model.moving or (self.robot is not None and self.robot.moving)
+
+    @property
     def pressed(self) -> bool:
         """The emergency stop is."""
         return self.model.pressed or (self.robot is not None and self.robot.estop)

@@ -95,7 +95,6 @@ class Figures(Lines[tuple[Piece, ...]]):
 
     def update_from(self, view: View) -> None:
         self._view = view
-        self.entitle()
         self._arrange()
 
     def on_resize(self, event: events.Resize) -> None:

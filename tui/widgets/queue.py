@@ -100,7 +100,6 @@ class ActionQueue(Lines[Shown | Waits]):
         if (told := tuple(request for request in model.waiting if request.id)) != self._told:
             self._told = told
             self._know(told)
-        self.hint()
         roomy = self.size.height >= _ROOM_FOR_WORDS
         rows = [
             _shown(

@@ -138,7 +138,6 @@ class Timeline(FromTop[Head | Bar | Offered | str]):
             if len(items) - matters > 2 * max(_LEAST_ROWS, self.size.height):
                 break
         self._fresh = fresh
-        self.hint()
         self.show(items or [strings.NO_TURNS], matters=matters)
 
     def on_resize(self, event: events.Resize) -> None:
