@@ -116,7 +116,7 @@ def _plain(step: Step, words: Words) -> tuple[Effect, ...]:
         case "move_right":
             return (Effect("turn", (_negative(first),), _second(args)),)
         case "set_cmdvel":
-            return (_velocity(*(float(value) for value in args)),)
+            return (_velocity_within(args) if any(".." in str(value) for value in args) else _velocity(*map(float, args)),)
         case "navigation":
             return (Effect("go", (_places(first, words),)),)
         case "get_current_pose":
@@ -180,6 +180,13 @@ def _negative(value: Value) -> Value:
         return -value
     low, dots, high = value.partition("..")
     return f"-{high}..-{low}" if dots else value
+
+
+def _velocity_within(args: Sequence[Value]) -> Effect:
+    """The same of a velocity or time that is a range: a way between the least and the most, at any speed."""
+    ends = [[float(end) for end in str(value).split("..")] for value in args]
+    least, most = _velocity(*(end[0] for end in ends)), _velocity(*(end[-1] for end in ends))
+    return Effect(most.what, tuple(f"{low}..{high}" for low, high in zip(least.args, most.args, strict=True)))
 
 
 def _velocity(x: float, y: float, turn: float, duration: float) -> Effect:
