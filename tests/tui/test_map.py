@@ -255,6 +255,22 @@ async def test_after_the_mouse_the_keys_that_the_map_names_are_those_that_act() 
         await desk.until(lambda: "+" not in desk.text.splitlines()[floor.region.bottom])
 
 
+@pytest.mark.parametrize("key", ["q", "e", "d", "y", "m", "2", "tab", "up"])
+async def test_any_key_but_the_answer_is_a_no_and_nothing_else(key: str) -> None:
+    async with console(engine()) as desk:
+        await desk.press("m", "tab", "enter")
+        assert "any other key: no" in desk.text
+        assert "q quit" not in desk.text
+        pointed = view(desk).pointed
+        await desk.press(key)
+        assert "any other key: no" not in desk.text
+        assert desk.app.screen is desk.app.main
+        assert (view(desk).has_focus, view(desk).pointed) == (True, pointed)
+        assert desk.engine.sent == []
+        await desk.press("enter")
+        assert "any other key: no" in desk.text
+
+
 async def test_a_click_points_and_asks_and_a_click_on_the_question_goes() -> None:
     async with console(engine(RED)) as desk:
         floor = view(desk)

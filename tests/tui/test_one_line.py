@@ -129,6 +129,15 @@ async def test_an_open_question_is_told_as_one() -> None:
         assert "ASKING" in desk.text
 
 
+@pytest.mark.parametrize("columns", [60, 80])
+async def test_how_many_wait_has_its_room_beside_a_question_that_is_too_long(columns: int) -> None:
+    async with console(engine(), size=(columns, 1), one_line=True, in_line=True) as desk:
+        desk.engine.publish(ev.ClarificationAsked("Which one: the white cup or the blue cup?", "bring me the cup"))
+        desk.engine.publish(ev.RequestsWaiting(("nod", "dance")), turn=None)
+        await desk.settled()
+        assert re.search(r"ASKING .*… +2 waiting", desk.text)
+
+
 async def test_what_happens_keeps_its_room_where_there_is_little() -> None:
     async with console(engine(), size=(40, 2), one_line=True, in_line=True) as desk:
         desk.engine.publish(ev.SpeechStarted("I am in the kitchen, and nothing is there.", False))
@@ -408,6 +417,7 @@ async def test_how_each_request_ended_is_told_also_after_the_emergency_stop_is_r
         over(desk.engine, "R3", "go to the moon", "failed", UNKNOWN, "T2")
         await desk.settled()
         assert "■ beep  never begun: the emergency stop" in desk.text
+        assert desk.app.drawing.ending._next is None, "its time does not run while something else has the line"
         released(desk)
         await desk.settled()
         for words in (

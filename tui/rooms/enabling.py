@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 _IN_PANES: Final = ("map", "zoom", "border", "scroll_line", "newest", "next_pane", "add", "speed")
 """The actions that do nothing while a page is open."""
+_WHILE_ASKED: Final = frozenset(key.action.partition("(")[0] for key in KEYS if key.everywhere) | {"release"}
+"""The actions whose keys act while the map asks something: those that act everywhere."""
 _NEEDING_ROOM: Final = (
     "pane", "next_pane", "palette", "recall", "settings", "zoom", "border", "map", "camera", "by_hand",
 )  # fmt: skip
@@ -73,6 +75,8 @@ class Enabling:
         reason."""
         stage = self._stage
         if action in self.without_room:
+            return None
+        if self._on_main and stage.main.asks and action not in _WHILE_ASKED:
             return None
         if action in _IN_PANES and not self._on_main:
             return None

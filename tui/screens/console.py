@@ -210,6 +210,11 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         return True
 
     @property
+    def asks(self) -> bool:
+        """The map asks whether to go somewhere: any key but the answer is a no."""
+        return self._floor.asks and self.focused is self._floor
+
+    @property
     def is_away(self) -> bool:
         """There is a step to go back."""
         if self._is_covered or self._problem.display or self.driving_by_hand:

@@ -357,11 +357,25 @@ class FloorView(Widget, can_focus=True):
             self._asked = None
             self._refresh_caption()
 
-    def on_key(self) -> None:
-        """Before the key acts: any of them takes the question back, unless it is the answer."""
+    @property
+    def asks(self) -> bool:
+        """The question whether to go there stands."""
+        return self._asked is not None
+
+    def on_key(self, event: events.Key) -> None:
+        """Before the key acts: any of them takes the question back, unless it is the answer, and does nothing else."""
+        if not self._take_back():
+            return
+        if not any(binding.action == "map_go" for binding in self._bindings.key_to_bindings.get(event.key, ())):
+            self._answering = None
+            event.stop()
+
+    def _take_back(self) -> bool:
+        """The question stands no more, unless what was done is the answer. False where none stood."""
         self._answering, self._asked = self._asked, None
         if self._answering is not None:
             self._refresh_caption()
+        return self._answering is not None
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Whether it would change what is shown, or ask or tell something. While a question stands, any key but the
@@ -476,7 +490,7 @@ class FloorView(Widget, can_focus=True):
         if self._frame is None:
             return
         self.post_message(self.Touched())
-        self.on_key()
+        self._take_back()
         if event.y == self.size.height - 1 and self._answering is not None:
             self.action_map_go()
             return
