@@ -116,7 +116,9 @@ def _plain(step: Step, words: Words) -> tuple[Effect, ...]:
         case "move_right":
             return (Effect("turn", (_negative(first),), _second(args)),)
         case "set_cmdvel":
-            return (_velocity_within(args) if any(".." in str(value) for value in args) else _velocity(*map(float, args)),)
+            return (
+                _velocity_within(args) if any(".." in str(value) for value in args) else _velocity(*map(float, args)),
+            )
         case "navigation":
             return (Effect("go", (_places(first, words),)),)
         case "get_current_pose":

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from time import perf_counter
-from typing import Final, Literal, Protocol
+from typing import Any, Final, Literal, Protocol
 
 from engine.errors import ExitCode, PlanError, SaysoError
 from engine.perception.someone import Someone, someone
@@ -83,17 +83,57 @@ class Verdict:
         return self.answers[0]
 
 
-async def judge(entry: Entry, planner: Plans, words: KnownWords) -> Verdict:
+class _Known:
+    """The words of a world, of whose things some were seen: whoever fetches those goes there anyway."""
+
+    def __init__(self, words: KnownWords, seen: Sequence[str], say: str = "") -> None:
+        self._words = words
+        self._said = frozenset(
+            words.place(" ".join(behind.split()[:size]))
+            for behind in _SOURCE.split(say.casefold())[1:]
+            for size in (1, 2)
+        )
+        told = [(sentence, _WHERE.search(sentence)) for sentence in seen]
+        self._spots = [
+            (words.things(sentence[: at.start()].removeprefix("the ")), words.place(_place(sentence[at.end() :])))
+            for sentence, at in told
+            if at is not None
+        ]
+
+    def homes(self, thing: str) -> frozenset[str]:
+        """Where a thing is from the start, where it was seen, and where somebody says that it is."""
+        seen = {place for things, place in self._spots if thing in things}
+        return (
+            self._words.homes(thing) | self._said | seen | {room for place in seen if (room := self._words.room(place))}
+        )
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._words, name)
+
+
+_SOURCE: Final = re.compile(r"\b(?:from|off|out of|on|in|at|by|inside|under) (?:the |my |your |our )?")
+"""What stands before where a thing is said to be."""
+
+
+def _place(words: str) -> str:
+    return words.strip(" .").removeprefix("the ")
+
+
+async def judge(entry: Entry, planner: Plans, world: KnownWords) -> Verdict:
     """Ask the planner, and judge what it says. Where its plan looks, both outcomes are played to it."""
-    name = f"judged {next(_cycles)}"
+    name, words = f"judged {next(_cycles)}", _Known(world, entry.seen, entry.say)
     request = PlanRequest(entry.say, entry.happened(), name, entry.language, holding=entry.holding, seen=entry.seen)
     answer = await _ask(planner, request)
     ok = acceptable(entry.ok, answer, words, must_go_on=_waits(entry))
     answers = [answer]
     if ok:
         for after in entry.then if answer.outcome == "plan" else ():
+            words = _Known(world, (*entry.seen, *after.seen), entry.say)
             answers.append(await _ask(planner, _after(request, answer, after, words)))
-            ok = ok and acceptable(after.ok, answers[-1], words, must_go_on=False)
+            ok = ok and (
+                acceptable(after.ok, answers[-1], words, must_go_on=False)
+                or _is_done(after, answer, answers[-1], words)
+            )
     said = " ".join((entry.say, entry.holding, *entry.seen, *map(in_words, entry.happened())))
     out_of_nowhere = () if ok or answer.outcome != "plan" else _out_of_nowhere(entry, answer, said, words)
     return Verdict(
@@ -104,6 +144,12 @@ async def judge(entry: Entry, planner: Plans, words: KnownWords) -> Verdict:
         ungrounded=out_of_nowhere,
         forbidden=answer.outcome == "plan" and set(entry.ok) <= {"refuse", "impossible"} and "refuse" in entry.ok,
     )
+
+
+def _is_done(after: Next, first: Answer, then: Answer, words: Words) -> bool:
+    """Whether nothing is left to do because the first plan has done it already: it tried, and it went well."""
+    done = not after.feedback.startswith("failed") and not then.steps and then.outcome in ("plan", "chat")
+    return done and acceptable(after.ok, first, words, must_go_on=False)
 
 
 def acceptable(ok: Sequence[str], answer: Answer, words: Words, *, must_go_on: bool) -> bool:
@@ -183,11 +229,32 @@ def _after(request: PlanRequest, answer: Answer, after: Next, words: Words) -> P
     """What is asked when the plan is done, and this is what came of it."""
     assert isinstance(answer.found, Plan)
     *before, last = answer.found.actions
-    done = (*(Ran(action, "ok") for action in before), Ran(last, "ok", after.feedback, _found(after.feedback)))
+    how: Literal["ok", "failed"] = "failed" if after.feedback.startswith("failed") else "ok"
+    done = (*(Ran(action, "ok") for action in before), Ran(last, how, after.feedback, _found(after.feedback)))
     said = (*request.happened, Said(request.text), answer.found, *done)
     return PlanRequest(
-        "", said, request.cycle, request.language, holding=request.holding, seen=after.seen, sees=_sees(after, words)
-    )
+        "", said, request.cycle, request.language, holding=request.holding, seen=after.seen, sees=_sees(after, words),
+        may_be_at=_may_be_at(after, words),
+    )  # fmt: skip
+
+
+def _may_be_at(after: Next, words: Words) -> Callable[[str, str], bool]:
+    """Whether a thing that is seen may be at a place: ``white cup on the stool`` is not on the shelf. Where the world
+    tells no rooms, one may be in the other."""
+    told = [(_WHERE.split(sentence)[0], _WHERE.search(sentence), sentence) for sentence in after.seen]
+    spots = [(words.things(head), words.place(_place(rest[found.end() :]))) for head, found, rest in told if found]
+
+    def may_be_at(thing: str, place: str) -> bool:
+        where = [at for things, at in spots if thing == ANYTHING or words.things(thing) & things]
+        there = words.place(place)
+        return not where or any(_may_be_the_same(at, there, words) for at in where)
+
+    return may_be_at
+
+
+def _may_be_the_same(one: str, other: str, words: Words) -> bool:
+    rooms = words.room(one), words.room(other)
+    return one == other or rooms[0] == other or rooms[1] == one or not any(rooms)
 
 
 def _sees(after: Next, words: Words) -> Callable[[str], bool]:
