@@ -97,6 +97,10 @@ class Plan:
     steps: tuple[str, ...] = ()
     finished: bool = True
     """When its actions have gone well, nothing is left to be thought over."""
+    minds_failure: bool = False
+    """What comes next depends on how it went, also where it failed."""
+    decided: tuple[bool, ...] = ()
+    """Whether the conditions of the request that have been looked at held, the first one first."""
     written: str = ""
     """As the model wrote it; empty for plans that no model wrote."""
 
@@ -111,8 +115,11 @@ class Plan:
         return tuple(groups)
 
     def is_worth_thinking_over(self, failed: str | None) -> bool:
-        """Whether a model made it that may find another way after this failure. A small one is only asked about what
-        may be better the second time: it explains nothing that the failure itself does not say."""
+        """Whether the request says what is to be done then, or a model made it that may find another way after this
+        failure. A small one is only asked about what may be better the second time: it explains nothing that the
+        failure itself does not say."""
+        if self.minds_failure:
+            return True
         if self.source == "local":
             return failed in _BETTER_TWICE
         return self.source in ("openai", "dify")

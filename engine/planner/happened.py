@@ -104,6 +104,18 @@ def worked_last(happened: Sequence[Happened]) -> bool | None:
     return None if last is None else last.outcome == "ok"
 
 
+def decided_last(happened: Sequence[Happened]) -> tuple[bool, ...]:
+    """How the conditions of the newest plan were decided."""
+    last = next((entry for entry in reversed(happened) if isinstance(entry, Plan)), None)
+    return last.decided if last is not None else ()
+
+
+def is_open(happened: Sequence[Happened]) -> bool:
+    """Whether the newest plan of a reader has left something to be decided."""
+    last = next((entry for entry in reversed(happened) if isinstance(entry, Plan | NoPlan)), None)
+    return isinstance(last, Plan) and last.source == "reader" and not last.finished
+
+
 def in_words(entry: Happened) -> str:
     """The same in words: what was said, an answer as models write it, what became of an action."""
     match entry:

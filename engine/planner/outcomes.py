@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Final
 
@@ -22,9 +23,18 @@ from engine.planner.doing.conditions import looked_for_once, of_itself, of_succe
 from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, Which
 from engine.planner.doing.handling import is_rubbish
 from engine.planner.doing.looking import topic_of
+from engine.planner.doing.people import as_name
 from engine.planner.doing.sought import ANYTHING, PERSON, Sought, sought
 from engine.planner.entities import Entities
-from engine.planner.happened import answered_last, counted_last, last_question, named_last, planned_last, worked_last
+from engine.planner.happened import (
+    answered_last,
+    counted_last,
+    decided_last,
+    last_question,
+    named_last,
+    planned_last,
+    worked_last,
+)
 from engine.planner.phrases.phrases import Phrases, Told
 from engine.planner.phrases.said import Calls
 from engine.planner.request import Heard, Language, NoPlan
@@ -82,25 +92,38 @@ class Outcomes:
         request = heard.request
         thing, place = self._told_of(meaning)
         thing = thing or named_last(request.happened, "object") or request.holding or self._only_seen(request.seen)
+        thing = thing or self._entities.thing_in(heard.text)
         return self._done(wanted, heard, thing, place or named_last(request.happened, "place"))
 
-    def after(self, meaning: Meaning, heard: Heard, sees: Callable[[str], bool] | bool) -> Plan | NoPlan | None:
-        """What is to be done after the look of a condition; ``sees`` says what was seen, or whether it holds."""
+    def after(
+        self,
+        meaning: Meaning,
+        heard: Heard,
+        sees: Callable[[str], bool] | bool,
+        decided: tuple[bool, ...] | None = None,
+    ) -> Plan | NoPlan | None:
+        """What is to be done after the look of a condition; ``sees`` says what was seen, or whether it holds.
+        ``decided`` are the conditions before it; None: as the last plan has it."""
         wanted = self._wanted(meaning)
-        index = next((at for at, node in enumerate(wanted) if isinstance(node, If)), None)
-        if index is None:
-            return None
-        node = wanted[index]
-        assert isinstance(node, If)
+        if decided is None:
+            decided = () if heard.request.text else decided_last(heard.request.happened)
+        doing = Doing(self._entities, heard.request.holding, said=heard.text)
         try:
-            doing = Doing(self._entities, heard.request.holding)
-            calls_of(wanted[:index], doing)  # names what "it" and "there" are
-            condition = self._condition(node, doing, index)
+            following = self._next_condition(wanted, decided, doing)
+            if following is None:
+                return None
+            node, condition, behind = following
+            if doing.calls and of_success(condition, worked=True) is not None:
+                return self._after_an_attempt(node, condition, behind, doing, heard, sees)
             if depends_on_an_answer(condition, doing.calls):
-                return self._after_an_answer(node, wanted[index + 1 :], doing, heard, sees)
+                return self._after_an_answer(node, behind, doing, heard, sees)
             looked_for = sought(doing, condition)
         except (Open, Which, NowhereKnown, Unable):
             return None
+        if looked_for.asks and not isinstance(sees, bool):
+            sees = (worked_last(heard.request.happened) is True) == looked_for.there
+        if not isinstance(sees, bool):
+            sees = _seen_there(sees, heard.request.may_be_at, looked_for.at)
         if not isinstance(sees, bool) and looked_for.is_open(sees):
             key = "which_speaker" if looked_for.who == ME else "which_person"
             return _question(heard, "which_person", SAID[heard.language][key].format(who=looked_for.who))
@@ -109,10 +132,12 @@ class Outcomes:
             return None
         thing, holds = looked_for.thing, sees if isinstance(sees, bool) else looked_for.holds(sees, people or 0)
         branch = node.then if holds else node.otherwise
-        if holds and condition.kind == "unseen" and _OVER_THERE.search(heard.text):
+        if holds and not looked_for.there and _OVER_THERE.search(heard.text):
             branch = tuple(_put_there(one, condition) for one in branch)
-        rest = (*_only_wanted(branch), *wanted[index + 1 :])
+        rest = (*_only_wanted(branch), *behind)
         missing = holds != looked_for.there
+        if missing and not isinstance(sees, bool) and self._is_known(rest[:1], looked_for, heard):
+            return self.after(meaning, heard, heard.request.sees or sees, (*decided, holds))
         told = _what_was_seen(looked_for, heard.language, missing=missing)
         if all(self._only_tells(one) for one in rest):
             return _answer(heard, told)
@@ -123,7 +148,65 @@ class Outcomes:
         found = self._done(
             rest, heard, names[0] if len(names) == 1 else thing, doing.place, after=replace(looked_for, names=names)
         )
+        return self._decided(found, heard, (*decided, holds))
+
+    def _is_known(self, following: Sequence[Do | If | Repeat], looked_for: Sought, heard: Heard) -> bool:
+        """Whether the condition that follows is on the same thing, and that was seen elsewhere: no look is needed."""
+        node = next(iter(following), None)
+        sees, thing = heard.request.sees, looked_for.thing
+        one_thing = looked_for.count is None and not looked_for.who and thing not in (ANYTHING, PERSON)
+        if not isinstance(node, If) or sees is None or not one_thing or not sees(thing):
+            return False
+        other = self._entities.of(node.condition.words("thing") or "it")
+        return bool(node.condition.words("place")) and (other.refers or other.thing == thing)
+
+    def _next_condition(
+        self, wanted: Sequence[Do | If | Repeat], decided: Sequence[bool], doing: Doing
+    ) -> tuple[If, Condition, Sequence[Do | If | Repeat]] | None:
+        """The first condition that is not ``decided`` yet, and what stands behind it; ``doing`` learns what was named
+        before. None where there is none."""
+        for held in (*decided, None):
+            index, node = next(((at, one) for at, one in enumerate(wanted) if isinstance(one, If)), (0, None))
+            if node is None:
+                return None
+            calls_of(wanted[:index], doing)
+            condition = self._condition(node, doing, index)
+            if held is None:
+                return node, condition, wanted[index + 1 :]
+            wanted = (*_only_wanted(node.then if held else node.otherwise), *wanted[index + 1 :])
+            self._name(condition, doing)
+        return None
+
+    @staticmethod
+    def _decided(found: Plan | NoPlan | None, heard: Heard, decided: tuple[bool, ...]) -> Plan | NoPlan:
+        """What is done after conditions were ``decided`` so; the word that there is nothing to do."""
+        if isinstance(found, Plan) and not found.finished:
+            return replace(found, decided=decided)
         return found if found is not None else _answer(heard, SAID[heard.language]["all_right"])
+
+    def _name(self, condition: Condition, doing: Doing) -> None:
+        """What a condition names is what "it" and "there" are from now on."""
+        for words in condition.all("thing")[:1]:
+            with suppress(Open, Which, NowhereKnown, Unable):
+                doing.thing(words)
+        doing.went(Do("look", tuple(role for role in condition.roles if role.name == "place")))
+
+    def _after_an_attempt(
+        self,
+        node: If,
+        condition: Condition,
+        rest: Sequence[Do | If | Repeat],
+        doing: Doing,
+        heard: Heard,
+        sees: Callable[[str], bool] | bool,
+    ) -> Plan | NoPlan | None:
+        """What is to be done when it is known how that went which was to be tried."""
+        worked = worked_last(heard.request.happened) is True
+        holds = sees if isinstance(sees, bool) else of_success(condition, worked=worked) is True
+        branch = node.then if holds else node.otherwise
+        found = self._done((*_only_wanted(branch), *rest), heard, doing.named, doing.place)
+        decided = () if heard.request.text else decided_last(heard.request.happened)
+        return self._decided(found, heard, (*decided, holds))
 
     def _after_an_answer(
         self, node: If, rest: Sequence[Do | If | Repeat], doing: Doing, heard: Heard, sees: Callable[[str], bool] | bool
@@ -138,7 +221,8 @@ class Outcomes:
         branch = node.then if holds else node.otherwise
         whoever = Sought(PERSON, holds, (), who=doing.who)
         found = self._done((*_only_wanted(branch), *rest), heard, doing.named, doing.place, after=whoever)
-        return found if found is not None else _answer(heard, SAID[heard.language]["all_right"])
+        decided = () if heard.request.text else decided_last(heard.request.happened)
+        return self._decided(found, heard, (*decided, holds))
 
     def _seen_lately(self, act: Do, heard: Heard) -> str:
         """Where somebody was seen whom a question is about; empty where that is not known: they are looked for then."""
@@ -156,7 +240,7 @@ class Outcomes:
         return act.act in _OF_THE_SESSION and not (act.act == "answer" and others)
 
     def _wanted(self, meaning: Meaning) -> tuple[Do | If | Repeat, ...]:
-        return _only_wanted(looked_for_once(meaning.wanted(), self._entities))
+        return _only_wanted(looked_for_once(meaning.wanted(), self._entities, meaning.text))
 
     def _only_tells(self, node: Node) -> bool:
         """Whether it asks for no more than the answer: "let me know", "say so"."""
@@ -283,17 +367,20 @@ class Outcomes:
                 holds = of_itself(doing, condition)
                 worked = True if first else worked_last(heard.request.happened)
                 if holds is None and worked is not None:
-                    holds = of_success(condition, worked)
-                    if first and (not holds or node.otherwise):
-                        holds = None  # a plan ends with an action that fails: the other branch would never be done
+                    holds = of_success(condition, worked=worked)
+                    if first and holds is not None and (not holds or node.otherwise):
+                        found = self._planned(heard, first)  # and when it is known how that went, the rest
+                        return replace(found, finished=False, minds_failure=True) if isinstance(found, Plan) else found
                 if holds is not None:  # there is nothing to look at
                     branch = _only_wanted(node.then if holds else node.otherwise)
                     rest = (*acts[:index], *branch, *acts[index + 1 :])
                     nothing = _answer(heard, SAID[heard.language]["all_right"])
                     return self._done(rest, heard, named, place) if rest else nothing
                 answered = depends_on_an_answer(condition, first)
-                found = self._planned(heard, first if answered else (*first, *sought(doing, condition).look))
-                return replace(found, finished=False) if isinstance(found, Plan) else found
+                looked_for = None if answered else sought(doing, condition)
+                found = self._planned(heard, first if looked_for is None else (*first, *looked_for.look))
+                minds = looked_for is not None and looked_for.asks
+                return replace(found, finished=False, minds_failure=minds) if isinstance(found, Plan) else found
             calls = calls_of(acts, doing)
             if not calls:
                 return None
@@ -315,7 +402,7 @@ class Outcomes:
     def _condition(self, node: If, doing: Doing, index: int) -> Condition:
         """The condition of the node at ``index``, before which ``doing`` has been done."""
         thing, place = not index or not doing.named, not index and not doing.place
-        return with_antecedent(node, self._entities, thing=thing, place=place)
+        return with_antecedent(node, self._entities, doing.said, thing=thing, place=place)
 
     def _completed(self, act: Do) -> Do:
         """The act with what a correction leaves to what it corrects: a unit ("no, two"), a kind ("the blue one")."""
@@ -366,6 +453,13 @@ def _put_there(node: Node, condition: Condition) -> Node:
     return replace(node, roles=(*node.roles, *places))
 
 
+def _seen_there(
+    sees: Callable[[str], bool], may_be_at: Callable[[str, str], bool], place: str
+) -> Callable[[str], bool]:
+    """Whether something was seen that is not elsewhere: from the desk, a cup on the table is seen as well."""
+    return (lambda thing: sees(thing) and may_be_at(thing, place)) if place else sees
+
+
 def _answer(heard: Heard, words: str) -> Plan:
     """Words alone; nothing is done."""
     return Plan(heard.text, (), words, "reader")
@@ -395,7 +489,8 @@ def is_no_order(meaning: Meaning) -> bool:
 
 
 _OWN_NAME: Final = re.compile(
-    r"(?:(?:hi|hello|hey)[, ]+)?(?:(?:my name is|my name's|call me|i am called|i'm called) (?P<said>[^\W\d_][\w'-]*)|"
+    r"(?:(?:hi|hello|hey|(?:please )?remember (?:my name|me|who i am))[,: ]+)?"
+    r"(?:(?:my name is|my name's|call me|i am called|i'm called) (?P<said>[^\W\d_][\w'-]*)|"
     r"(?:i am|i'm) (?P<en>(?-i:[A-Z])[\w'-]*(?: (?-i:[A-Z])[\w'-]*)?))|"
     r"(?:你好[，,]?)?(?:我叫|我的名字[叫是]|叫我)(?P<zh>[\u3400-\u9fff\w]{1,6})",
     re.IGNORECASE,
@@ -409,7 +504,7 @@ def _own_name(text: str) -> str:
     if found is None:
         return ""
     name = found["said"] or found["en"] or found["zh"]
-    return name.title() if name.islower() else name
+    return as_name(name)
 
 
 def _takes_all_back(meaning: Meaning) -> bool:

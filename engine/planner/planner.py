@@ -21,7 +21,7 @@ from engine.llm.chat import Chat, ChatError, Message
 from engine.plan import Action, ActionCall, InWords, Plan, parse_calls
 from engine.planner.afterthoughts import afterthought
 from engine.planner.completeness import completeness
-from engine.planner.happened import last_question, last_said, rounds, to_repeat
+from engine.planner.happened import is_open, last_question, last_said, rounds, to_repeat
 from engine.planner.not_an_order import marks
 from engine.planner.options import agreed
 from engine.planner.phrases.asked import Asked
@@ -318,9 +318,10 @@ class Planner:
         return NoPlan(heard.request.text, "not_understood", answer)
 
     async def _after_feedback(self, request: PlanRequest, text: str, language: Language) -> Plan | NoPlan:
-        first = request.sees is not None and rounds(request.happened) == 1
+        depends = rounds(request.happened) == 1 or is_open(request.happened)
         if (
-            first
+            depends
+            and request.sees is not None
             and self._learned is not None
             and (decided := await asyncio.to_thread(self._learned.decided, Heard(request, text, language)))
         ):

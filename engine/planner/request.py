@@ -163,6 +163,8 @@ class PlanRequest:
     """Things that the robot has seen and where, a sentence each."""
     sees: Callable[[str], bool] | None = None
     """Whether such a thing (``red box``) has been seen since the request was made."""
+    may_be_at: Callable[[str, str], bool] = lambda thing, place: True
+    """Whether one of those that were seen may be there: on a piece of furniture or in a room, by its name."""
     picture: bytes | None = None
     """What the camera shows after a look, as a PNG file; only models that see get it."""
     enter: Callable[[Literal["DECIDING", "PLANNING"]], None] = lambda stage: None

@@ -34,6 +34,7 @@ from engine.planner.phrases.follow_ups import follow_up
 from engine.planner.phrases.phrases import Phrases, Told
 from engine.planner.request import Heard, Language, NoPlan
 from engine.planner.sentences import SAID
+from engine.planner.text.conditions import without_empty_branches
 from engine.planner.validation import Validation
 from engine.skills.vocabulary import Vocabulary
 from engine.understanding.learned import UNDIRECTED
@@ -171,6 +172,7 @@ class Understood:
         return self._outcomes.after(chosen[0], heard, heard.request.sees)
 
     def _meanings(self, text: str) -> tuple[Meaning, ...]:
+        text = without_empty_branches(text)
         if (act := follow_up(text)) is not None:
             likeliest = next(iter(self._read(text)), None)
             directed = likeliest.directed if likeliest is not None else 1.0  # in a room, people say "go on" to others

@@ -14,7 +14,7 @@ from engine.perception.people import PersonSeen
 from engine.perception.someone import someone
 from engine.robot.floor_map import FloorMap
 from engine.robot.robot import Robot
-from engine.skills.find import whereabouts
+from engine.skills.find import may_stand, whereabouts
 
 MOST_TOLD = 12
 """Things that are told, those that were seen last."""
@@ -65,6 +65,20 @@ class Recall:
             return any(thing.seen_at >= t for thing in self._memory.find(what))
 
         return sees
+
+    def where_since(self, t: float) -> Callable[[str, str], bool]:
+        """Whether a thing that was seen after ``t`` may be on a piece of furniture, beside it, or in a room, by its
+        name; so it may where the map has no such name."""
+        floor: FloorMap = self._robot.floor_map
+
+        def may_be_at(words: str, place: str) -> bool:
+            try:
+                seen = [thing for thing in self._memory.find(wanted(words)) if thing.seen_at >= t]
+            except PlanError:
+                return True
+            return not seen or any(may_stand(thing, place, floor) for thing in seen)
+
+        return may_be_at
 
     def _saw_somebody(self, words: str, t: float) -> bool:
         try:

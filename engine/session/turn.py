@@ -337,7 +337,7 @@ class Turn:
             picture = await recall.picture() if not text and self._looked() else None
             request = replace(request, picture=picture)
             request = replace(request, holding=recall.holding(), seen=recall.seen(), sees=recall.since(self._asked_at))
-            request = replace(request, people=recall.people())
+            request = replace(request, people=recall.people(), may_be_at=recall.where_since(self._asked_at))
         remains: Remains[Plan | NoPlan] = Remains(lambda found: self._drop(text, found))
         self._thinking, self._stage = True, None
         try:

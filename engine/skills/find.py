@@ -197,12 +197,33 @@ def in_a_bin(thing: Thing, floor: FloorMap) -> bool:
 def whereabouts(thing: Thing, floor: FloorMap) -> str:
     """Where a thing is, in words: ``on the coffee table in the living room``."""
     x, y, _ = thing.position
-    under = (piece.name for piece in floor.furniture if thing.surface > 0.03 and piece.holds(x, y, margin=-0.05))
-    on = next(under, None)
+    on = _furniture_under(thing, floor)
     room = next((room.name for room in floor.rooms if room.holds(x, y)), None)
     if thing.kind == "person":
         return f"in the {room}" if room else "here"
     return f"{f'on the {on}' if on else 'on the floor'}{f' in the {room}' if room else ''}"
+
+
+def may_stand(thing: Thing, place: str, floor: FloorMap) -> bool:
+    """Whether a thing may be on, in or right beside the piece of furniture of this name, or in the room; True where the
+    map has no such name."""
+    x, y, _ = thing.position
+    if room := next((room for room in floor.rooms if room.name == place), None):
+        return room.holds(x, y)
+    piece = next((piece for piece in floor.furniture if piece.name == place), None)
+    on = _furniture_under(thing, floor)
+    return piece is None or (on == place if on is not None else piece.away(x, y) <= _BESIDE)
+
+
+_BESIDE: Final = 0.5
+"""m from a piece of furniture at which a thing on the floor is said to be there."""
+
+
+def _furniture_under(thing: Thing, floor: FloorMap) -> str | None:
+    """The name of what a thing stands on; None: the floor."""
+    x, y, _ = thing.position
+    under = (piece.name for piece in floor.furniture if thing.surface > 0.03 and piece.holds(x, y, margin=-0.05))
+    return next(under, None)
 
 
 def listing(things: tuple[Thing, ...]) -> str:

@@ -17,6 +17,7 @@ from engine.planner import build
 from engine.planner.accounted import accounted
 from engine.planner.planner import Planner
 from engine.planner.request import Heard, NoPlan, PlanRequest, Said
+from engine.planner.text.conditions import without_empty_branches
 from engine.planner.understood import MAYBE, SURE, Understood
 from engine.understanding.learned import LearnedReader
 from engine.understanding.meaning import Meaning, meaning_of
@@ -40,14 +41,14 @@ class Written:
     def knows(self, line: str, confidence: float = 1.0, *, directed: float = 1.0) -> str:
         example = read(line)
         meaning = replace(meaning_of(example.text, example.steps, "learned", confidence), directed=directed)
-        self._known.setdefault(example.text, []).append(meaning)
+        self._known.setdefault(without_empty_branches(example.text), []).append(meaning)
         return example.text
 
     def read(self, text: str) -> Meaning | None:
         return next(iter(self.readings(text)), None)
 
     def readings(self, text: str) -> tuple[Meaning, ...]:
-        return tuple(self._known.get(text, ()))
+        return tuple(self._known.get(without_empty_branches(text), ()))
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from typing import Final
 from engine.planner.doing.doing import Doing
 from engine.planner.entities import Entities
 from engine.understanding.acts import RoleName
-from engine.understanding.meaning import Condition, Do, If, Node
+from engine.understanding.meaning import Condition, Do, If, Node, Role
 
 _TOLD: Final = re.compile(
     r"\b(?:i|we|you(?:'re| are)?|further|told|someone|somebody|he|she|they)\b.*"
@@ -23,18 +23,25 @@ _TOLD: Final = re.compile(
 _GOES_ON: Final = frozenset({"follow", "patrol", "dance"})
 """Acts that go on until something ends them."""
 _ITSELF: Final = re.compile(
-    r"you(?:rself|'re| are|'ve| have)?|your (?:hands?|gripper|claw|arm)|你(?:自己|手里|手上|手)?|机器人"
+    r"you(?:rself|'re| are|'ve| have)?|u|(?:your|ur) (?:hands?|gripper|claw|arm)|你(?:自己|手里|手上|手)?|机器人"
 )
 _ITSELF_HOLDS: Final = re.compile(
     r"(?:you|you're|you are|you've|you have) (?:already |still )?((?:got |hold|carry|grip).*)|"
-    r"(?:你|你?手[里上])((?:拿|抓|夹).*)"
+    r"(?:你|你?手[里上])((?:拿|抓|夹).*)|"
+    r"(?:have |you )?(got your hands? full|your hands? (?:is |are )?full|"
+    r"got (?:any|some)?thing in your (?:hands?|gripper))|"
+    r"((?:拿|抓|夹)[着了].*)"
 )
 """That it holds something, told as an event."""
 _EMPTY: Final = re.compile(r"empty|free|nothing|空|没")
-_HOLDING: Final = re.compile(r"hold|carry|grip|got|in your (?:hand|grip)|拿|抓|夹|空手|手里|empty[- ]?handed")
-_HELD_THING: Final = re.compile(r".*?(?:holding|carrying|hold|carry|got)|in your (?:hands?|gripper|grip)|[拿抓夹]着?")
+_HOLDING: Final = re.compile(r"hold|carry|grip|got|full|in your (?:hand|grip)|拿|抓|夹|空手|手里|empty[- ]?handed")
+_HELD_THING: Final = re.compile(
+    r".*?(?:holding|carrying|hold|carry|got|have)|in your (?:hands?|gripper|grip)|[拿抓夹]着?"
+)
 """What stands before the name of the thing in such a state."""
-_ANYTHING: Final = re.compile(r"(?:any|some|no)thing.*|things?|stuff|(?:什么|任何)?东西|什么|空|.*handed")
+_ANYTHING: Final = re.compile(
+    r"your hands? (?:are )?full|(?:any|some|no)thing.*|things?|stuff|(?:什么|任何)?东西|什么|空|.*handed"
+)
 
 
 def untimed(act: Do) -> Do:
@@ -56,7 +63,7 @@ def untimed(act: Do) -> Do:
 
 def of_itself(doing: Doing, condition: Condition) -> bool | None:
     """Whether a condition about what the robot holds is met; None for any other condition."""
-    found = _about_its_hand(condition)
+    found = _about_its_hand(condition) or _about_what_it_holds(doing, condition)
     if found is None:
         return None
     state, thing = found
@@ -69,7 +76,7 @@ def of_itself(doing: Doing, condition: Condition) -> bool | None:
     return met == (condition.kind != "is_not")
 
 
-def of_success(condition: Condition, worked: bool) -> bool | None:
+def of_success(condition: Condition, *, worked: bool) -> bool | None:
     """Whether a condition on how the last action went is met; None for any other condition."""
     who = condition.words("person").casefold() or condition.words("thing").casefold()
     said = (condition.words("topic") or condition.words("state")).casefold().replace("’", "'")
@@ -98,27 +105,45 @@ def _about_its_hand(condition: Condition) -> tuple[str, str] | None:
     who, thing = condition.words("person").casefold(), condition.words("thing")
     state = condition.words("state").casefold()
     if condition.kind == "event" or not (who or thing or condition.words("place")):
-        told = _ITSELF_HOLDS.fullmatch(condition.words("topic").casefold() or state)
-        who, state = ("you", told[1] or told[2]) if told is not None else ("", "")
+        told = _ITSELF_HOLDS.fullmatch(re.sub(r"\bur\b", "your", condition.words("topic").casefold() or state))
+        who, state = ("you", next(filter(None, told.groups()))) if told is not None else ("", "")
     elif condition.kind not in ("is", "is_not"):
         return None
     if not who:  # "your hand is empty"
         who, thing = (condition.words("place") or thing).casefold(), ""
-    elif condition.words("place"):
+    elif condition.words("place") and not _ITSELF.fullmatch(condition.words("place").casefold()):
         return None
     if not _ITSELF.fullmatch(who) or not (_HOLDING.search(state) or _EMPTY.fullmatch(state)):
         return None
     return state, thing or _HELD_THING.sub("", state).strip()
 
 
-def looked_for_once(nodes: Sequence[Node], entities: Entities) -> tuple[Node, ...]:
+def _about_what_it_holds(doing: Doing, condition: Condition) -> tuple[str, str] | None:
+    """The same of a condition on what that is: "if what you're carrying is a box"."""
+    who, state = condition.words("person") or condition.words("thing"), condition.words("state")
+    speaks_of_it = _ITSELF.fullmatch(who.casefold()) is not None or doing.entities.of(who or "it").held
+    speaks_of_it = speaks_of_it and re.search(r"carry|hold|grip|hand|拿|抓|夹", doing.said.casefold()) is not None
+    thing = doing.entities.of(state).thing if state and condition.kind in ("is", "is_not") and speaks_of_it else None
+    return ("", thing) if thing is not None else None
+
+
+def looked_for_once(nodes: Sequence[Node], entities: Entities, said: str = "") -> tuple[Node, ...]:
     """The nodes without a search that the condition behind it makes anyway: "look for the ball in the hall, and if it's
     there dance"; and with what needs a thing that may be missing as what depends on it: "bring me the red box, or if
     you can't find that, the blue one"."""
     made: list[Node] = []
-    for node in nodes:
+    for given in nodes:
+        node = given
+        if isinstance(given, If):
+            node = _without_what_stays(_at_each_place(_of_a_mess(_named_nowhere(given)), entities), said)
         last = made[-1] if made else None
-        if isinstance(node, If) and isinstance(last, Do) and last.act in _LOOKS and _about_it(last, node, entities):
+        if isinstance(node, If) and _ends_anyway(node):
+            continue
+        if isinstance(node, If) and isinstance(last, If) and _one_or_the_other(last, node, entities):
+            made[-1] = replace(last, otherwise=(node,))
+        elif isinstance(node, If) and (missed := _only_if_missed(node, entities)) is not None:
+            made += missed
+        elif isinstance(node, If) and isinstance(last, Do) and last.act in _LOOKS and _about_it(last, node, entities):
             taken = [role for role in last.roles if role.name in ("thing", "person", "place")]
             kept = [role for role in node.condition.roles if not entities.of(role.words).refers]
             names = {role.name for role in kept}
@@ -127,10 +152,104 @@ def looked_for_once(nodes: Sequence[Node], entities: Entities) -> tuple[Node, ..
         elif isinstance(node, If) and isinstance(last, Do) and last.act in _NEEDS and _is_missing(last, node, entities):
             sought = [role for role in last.roles if role.name == "thing"]
             at = [replace(role, name="place") for role in last.roles if role.name == "source"]
-            made[-1] = If(Condition("seen", (*sought, *at)), (last, *node.otherwise), node.then)
+            if at:
+                made[-1] = If(Condition("seen", (*sought, *at)), (last, *node.otherwise), node.then)
+            else:
+                made.append(If(_FAILED, node.then, node.otherwise))
         else:
             made.append(node)
     return tuple(made)
+
+
+_FAILED: Final = Condition("event", (Role("topic", "you fail", 0, 0),))
+"""That the action before it has failed."""
+
+
+def _at_each_place(node: If, entities: Entities) -> If:
+    """Of a thing that may be at one of several places, one condition after the other: "on the desk or the shelf"."""
+    condition = node.condition
+    places = [role for role in condition.roles if role.name == "place"]
+    things = condition.all("thing")
+    if condition.kind != "seen" or len(places) < 2 or len(things) != 1 or entities.of(things[0]).every:
+        return node
+    others = tuple(role for role in condition.roles if role.name != "place")
+    first, *rest = places
+    behind = _at_each_place(replace(node, condition=replace(condition, roles=(*others, *rest))), entities)
+    return If(replace(condition, roles=(*others, first)), node.then, (behind,))
+
+
+def _named_nowhere(node: If) -> If:
+    """ "If it's nowhere": it is not there."""
+    condition = node.condition
+    roles = tuple(
+        replace(role, words="it") if role.name == "thing" and _NOWHERE.fullmatch(role.words.casefold()) else role
+        for role in condition.roles
+    )
+    return node if roles == condition.roles else replace(node, condition=replace(condition, kind="unseen", roles=roles))
+
+
+def _of_a_mess(node: If) -> If:
+    """What is tidy is not tidied: "see whether it is tidy, and clean it if it isn't"."""
+    condition = node.condition
+    cleans = bool(node.then) and all(isinstance(act, Do) and act.act in ("clean", "tidy") for act in node.then)
+    if not cleans or condition.kind != "is" or TIDY.fullmatch(condition.words("state").casefold()) is None:
+        return node
+    return replace(node, condition=replace(condition, kind="is_not"))
+
+
+TIDY: Final = re.compile(r"(?:all |nice and |quite )?(?:tidy|clean|neat|in order)(?: enough)?|整[洁齐]|干净的?")
+"""A state of a room in which nothing lies about."""
+_NOWHERE: Final = re.compile(r"(?:it'?s |it is )?nowhere(?: to be (?:seen|found))?|luck")
+
+
+def _without_what_stays(node: If, said: str) -> If:
+    """Without what is said to be left as it is, which a reader takes for an act: "…, leave it there"."""
+    if _STAYS.search(said.casefold()) is None:
+        return node
+    then, otherwise = (
+        tuple(one for one in branch if not (isinstance(one, Do) and _leaves_it(one)))
+        for branch in (node.then, node.otherwise)
+    )
+    return replace(node, then=then, otherwise=otherwise)
+
+
+def _leaves_it(act: Do) -> bool:
+    return act.act in ("leave", "stop") or (act.act in ("put", "drop") and not act.words("place"))
+
+
+_STAYS: Final = re.compile(
+    r"\b(?:leave|let) (?:it|them|him|her|that|those|everything)(?: all)?\b(?: (?:alone|be|there|where))?|"
+    r"\b(?:it|they) stays?\b|"
+    r"别动|不用管|不管它|放着"
+)
+
+
+def _only_if_missed(node: If, entities: Entities) -> tuple[Node, ...] | None:
+    """What a reader has the wrong way round: "bring me the white cup, or the blue one if it can't be found" does not
+    bring the white one if it cannot be found. None for every other condition."""
+    first = node.then[0] if len(node.then) == 1 else None
+    if not node.otherwise or not isinstance(first, Do) or first.act not in _NEEDS or first.words("source"):
+        return None
+    return (first, If(_FAILED, node.otherwise, ())) if _is_missing(first, node, entities) else None
+
+
+def _one_or_the_other(first: If, second: If, entities: Entities) -> bool:
+    """Whether they ask for the same thing at two places: it is at one of them at the most."""
+    conditions = (first.condition, second.condition)
+    if first.otherwise or any(condition.kind != "seen" or condition.words("person") for condition in conditions):
+        return False
+    one, other = (entities.of(condition.words("thing") or "it") for condition in conditions)
+    places = [entities.of(condition.words("place") or "it").place for condition in conditions]
+    same = not one.every and one.thing is not None and (other.refers or other.thing == one.thing)
+    return same and None not in places and places[0] != places[1]
+
+
+def _ends_anyway(node: If) -> bool:
+    """Whether it only says that the robot stops when it is told to."""
+    stops = all(isinstance(act, Do) and act.act == "stop" for act in node.then) and not node.otherwise
+    return (
+        stops and node.condition.kind == "event" and _TOLD.search(node.condition.words("topic").casefold()) is not None
+    )
 
 
 _LOOKS: Final = frozenset({"find", "look", "check"})
@@ -144,7 +263,8 @@ def _is_missing(act: Do, node: If, entities: Entities) -> bool:
     elsewhere = any(not entities.of(words).refers for words in node.condition.all("place"))
     if node.condition.kind != "unseen" or not thing or len(needed) != 1 or elsewhere:
         return False
-    return entities.of(thing).refers or entities.of(thing).thing == entities.of(needed[0]).thing
+    sought = entities.of(needed[0]).thing
+    return entities.of(thing).refers or sought in (entities.of(thing).thing, entities.like(thing, sought or ""))
 
 
 def _about_it(search: Do, node: If, entities: Entities) -> bool:
@@ -159,21 +279,28 @@ def _about_it(search: Do, node: If, entities: Entities) -> bool:
     return not place or entities.of(place).refers
 
 
-def with_antecedent(node: If, entities: Entities, *, thing: bool = True, place: bool = True) -> Condition:
+def with_antecedent(
+    node: If, entities: Entities, said: str = "", *, thing: bool = True, place: bool = True
+) -> Condition:
     """The condition with the thing that "it" is in it, where that is only named in what depends on it: "pick up the cup
-    only if it is on the desk"; so with the place: "go down the hall unless somebody is in there". ``thing``, ``place``:
-    whether none was named before."""
+    only if it is on the desk"; so with the place: "go down the hall unless somebody is in there". What was ``said``
+    before the condition goes first: "the cup was on the desk; if it's still there …". ``thing``, ``place``: whether
+    none was named before."""
     acts = [act for act in (*node.then, *node.otherwise) if isinstance(act, Do)]
-    things = (words for act in acts for words in act.all("thing") if not entities.of(words).refers)
+    begins = min((role.start for role in node.condition.roles), default=0)
+    things = (role.words for role in _named_before(acts, begins, "thing") if not entities.of(role.words).refers)
     places = (
-        words for act in acts for words in act.all("place") if entities.of(words).place and not entities.of(words).me
+        role.words
+        for role in _named_before(acts, begins, "source", "place")
+        if entities.of(role.words).place and not entities.of(role.words).me
     )
+    refers = {role for role in node.condition.roles if entities.of(role.words).refers or _OF_THEM.fullmatch(role.words)}
     meant: dict[RoleName, str | None] = {
-        "thing": next(things, None) if thing else None,
-        "place": next(places, None) if place else None,
+        "thing": entities.thing_in(said[:begins]) or next(things, None) if thing else None,
+        "place": entities.place_in(said[:begins]) or next(places, None) if place else None,
     }
     roles = (
-        replace(role, words=words) if (words := meant.get(role.name)) and entities.of(role.words).refers else role
+        replace(role, words=words) if (words := meant.get(role.name)) and role in refers else role
         for role in node.condition.roles
     )
     condition = replace(node.condition, roles=tuple(roles))
@@ -183,5 +310,13 @@ def with_antecedent(node: If, entities: Entities, *, thing: bool = True, place: 
     return replace(condition, roles=(*condition.roles, replace(state, name="place", words=meant["place"])))
 
 
+def _named_before(acts: Sequence[Do], begins: int, *names: RoleName) -> Sequence[Role]:
+    """The roles of these names: first those that were said before the condition ``begins``, in the order of a text."""
+    roles = [role for act in acts for role in act.roles if role.name in names]
+    return sorted(roles, key=lambda role: (role.start >= begins, role.start))
+
+
+_OF_THEM: Final = re.compile(r"(?:any|some|one|a few|several)(?: of (?:it|them|those))?", re.IGNORECASE)
+"""Of what is to be taken: "take the blocks off the desk if there are any"."""
 _THERE: Final = re.compile(r"\bthere\b|在那")
 """A state of being where something is to go: "to the bed if it isn't there already"."""

@@ -9,15 +9,17 @@ from typing import Final, get_args
 
 from engine.errors import PlanError
 from engine.perception.sighting import Colour
-from engine.perception.someone import Someone, UnknownPerson, someone
-from engine.planner.doing.doing import Doing, Unable
+from engine.perception.someone import Someone, UnknownPerson, is_named_after_kin, someone
+from engine.planner.doing.conditions import TIDY
+from engine.planner.doing.doing import WHERE_IT_IS, Doing, Unable
+from engine.planner.doing.handling import is_rubbish
 from engine.planner.doing.moving import anybody
 from engine.planner.doing.people import spot
 from engine.planner.doing.sense import plain
 from engine.planner.entities import Entities
 from engine.planner.phrases.said import Calls, call
 from engine.planner.text.counts import Count, at_least, how_many
-from engine.skills.vocabulary import ME
+from engine.skills.vocabulary import FLOOR, ME
 from engine.understanding.meaning import Condition
 
 PERSON: Final = "person"
@@ -35,7 +37,7 @@ _EACH: Final = re.compile(r"(?:all|both|every|each)\b|所有|全部|每")
 """Of a kind, each one has to be there."""
 _FLOOR: Final = re.compile(r"(?:on )?(?:the |this )?(?:floor|ground|carpet)|在?(?:地上|地面上?|地板上?)")
 """The floor of wherever that is."""
-_EMPTY: Final = re.compile(r"empty|free|nothing|clear|bare|vacant|unoccupied|空|没")
+_EMPTY: Final = re.compile(r"empty|free|nothing|clear|bare|vacant|unoccupied|空[着的]?|没")
 """What a place is where nothing and nobody is."""
 
 
@@ -54,8 +56,13 @@ class Sought:
     """Of the things that are counted, or that were seen."""
     empty: bool = False
     """Whether it is asked if a place is empty: of things and of people."""
+    at: str = ""
+    """The name of the room or piece of furniture where it is to be; empty: wherever it is seen."""
     who: str = ""
     """Whoever is to be there, as skills know them; empty: anybody, or a thing."""
+
+    asks: bool = False
+    """Whether it is known by asking people there for their name."""
 
     @property
     def counts_people(self) -> bool:
@@ -103,24 +110,46 @@ def sought(doing: Doing, condition: Condition) -> Sought:
         thing = many[0]
     found = doing.entities.of(thing) if thing else None
     at = found.at.words if not place and found is not None and found.at is not None and found.at.known else place
-    if at and _FLOOR.fullmatch(at.casefold()):
+    if at and (_FLOOR.fullmatch(at.casefold()) or WHERE_IT_IS.fullmatch(at.casefold())):
         at = ""
     is_there = bool(at) and bool(doing.calls) and doing.entities.of(at).refers
+    if who and looks is None and at and not is_there and _is_stranger(doing, who):
+        return Sought(PERSON, there, call("meet", who, spot(doing, at)), who=who, asks=True)
     going = call("navigation", doing.spot(at)) if at and not is_there else ()
     look = (*going, *call("seewhat"))
+    name = _name_of(doing, at) if at else ""
     if len(several := condition.all("thing")) > 1:  # "if both … are there", "if neither … is"
         names = tuple(doing.thing(words) for words in several)
-        return Sought(thing, there, look, at_least(len(names) if there else 1), names)
+        return Sought(thing, there, look, at_least(len(names) if there else 1), names, at=name)
     if many is None:
         members = doing.entities.members(found) if found is not None and _EACH.match(thing.casefold()) else ()
         if len(members) > 1:
-            return Sought(doing.thing(thing), there, look, at_least(len(members)), members)
-        looked_for = PERSON if person else ANYTHING if not thing or is_anything(thing) else doing.thing(thing)
-        return Sought(looked_for, there, look, who=who, empty=not thing and not person)
+            return Sought(doing.thing(thing), there, look, at_least(len(members)), members, at=name)
+        looked_for = (
+            PERSON
+            if person
+            else ANYTHING
+            if not thing or is_anything(thing) or is_rubbish(thing)
+            else doing.thing(thing)
+        )
+        return Sought(looked_for, there, look, who=who, empty=not thing and not person, at=name)
     names = doing.entities.members(found) if found is not None else ()
     if len(names) < 2:
         raise Unable("count", thing)
-    return Sought(thing, there, look, many[1], names)
+    return Sought(thing, there, look, many[1], names, at=name)
+
+
+def _is_stranger(doing: Doing, who: str) -> bool:
+    """Whether it is a name that the robot cannot tell anybody by."""
+    return who != ME and doing.entities.is_name(who) and not doing.entities.is_known(who)
+
+
+def _name_of(doing: Doing, words: str) -> str:
+    """What the room or piece of furniture is called that these words name; empty for other places."""
+    found = doing.entities.of(words)
+    if found.refers and doing.place:
+        found = doing.entities.of(doing.entities.place_name(doing.place))
+    return found.room or "" if found.surface in (None, FLOOR) else found.surface
 
 
 def _looks(condition: Condition) -> Someone | None:
@@ -149,7 +178,8 @@ def _who(doing: Doing, words: str, looks: Someone | None = None) -> tuple[str, s
             raise Unable("person", words) from None
     if who.is_anybody:
         return str(looks) if looks is not None else "", where
-    is_named = words[:1].isupper() and not lower.startswith(("the ", "a ", "my ", "your "))
+    determined = lower.startswith(("the ", "a ", "my ", "your "))
+    is_named = is_named_after_kin(words) or (not determined and (words[:1].isupper() or doing.entities.is_name(lower)))
     if _PRONOUN.fullmatch(lower) or not (is_named or doing.entities.of(words).person or doing.entities.is_known(words)):
         raise Unable("person", words)
     return str(_both(who, looks) if looks is not None else who), where
@@ -196,6 +226,17 @@ def as_seen(condition: Condition, entities: Entities) -> Condition:
                 replace(next(role for role in others if role.name == "thing"), name="place", words=at.words),
             )
         return Condition("seen" if positive else "unseen", roles)
+    if TIDY.fullmatch(state) is not None or (
+        positive and _MESSY.search(state) is not None
+    ):  # there is something to tidy up
+        spots = [role for role in others if entities.of(role.words).room or entities.of(role.words).refers]
+        messy = positive == (TIDY.fullmatch(state) is None)
+        return Condition("seen" if messy else "unseen", tuple(replace(role, name="place") for role in spots[:1]))
+    if how_many(state) is not None and condition.words("place"):  # "on the table it is more than one box"
+        return Condition(
+            "seen" if positive else "unseen",
+            tuple(replace(role, name="thing") if role.name == "state" else role for role in condition.roles),
+        )
     empty = _EMPTY.fullmatch(state) is not None
     if empty and (spot := entities.of(thing or condition.words("place"))) and (spot.place or spot.room):
         roles = tuple(replace(role, name="place") for role in others if role.name in ("thing", "place"))
@@ -203,6 +244,7 @@ def as_seen(condition: Condition, entities: Entities) -> Condition:
     return condition
 
 
+_MESSY: Final = re.compile(r"\bmess|untidy|dirty|filthy|clutter|chaotic|not (?:clean|tidy)|乱|脏|不干净|不整[洁齐]")
 _STAYS: Final = re.compile(
     r"(?:still |already |now )*(?:lying|standing|sitting|left|kept|waiting|lies|stands|sits|placed|sleeping)"
     r"(?: (?:on|in|at|by|near|inside|under)(?: top of)?)?(?: the| my| your)?"

@@ -8,6 +8,10 @@ from typing import Final
 IF_POLITE: Final = re.compile(
     r"\b(?:obliged|grateful|glad|happy|great|nice|lovely|good|kind|brilliant|wonderful|love it|appreciate it|like it|"
     r"help) if you(?:'d| would| could| can| might)?\b|"
+    r"\b(?:i|we)(?:'d| would| should) (?:be |feel )?(?:so |very |ever so |most |really )*"
+    r"(?:obliged|grateful|glad|happy|pleased|delighted|like it|love it|appreciate it) if\b|"
+    r"\bif you(?:'ve| have)(?: got)? (?:nothing (?:else|better)(?: to do| on)?|(?:some |any )?(?:spare |free )?time|"
+    r"nothing (?:to do|on))\b|"
     r"\bif you(?:'d| would) (?:be so (?:kind|good)|please|like to|care to)\b|"
     r"\bif (?:you (?:don't mind|do not mind|can|could|would|like|please|want to|have (?:time|a (?:moment|minute)))|"
     r"(?:that|it)(?:'s| is) (?:ok|okay|all right|alright|possible|no trouble|not too much trouble))\b"
@@ -16,6 +20,40 @@ IF_POLITE: Final = re.compile(
     re.IGNORECASE,
 )
 """A condition by its form alone: politeness, and what makes no difference."""
+_ELSE: Final = (
+    r"(?:otherwise|or else|else|if not|"
+    r"(?:if|when) (?:it|he|she|they|that|there|you)(?:'s not| isn't| is not|'re not| aren't| are not| doesn't| don't|"
+    r" can't| cannot| haven't)(?: (?:there|one|any|find (?:it|any|one)))*|"
+    r"if there(?:'s| is| are)? ?(?:none|nothing|nobody|no one)|"
+    r"if (?:none|nothing|nobody))"
+)
+_NOTHING: Final = (
+    r"(?:(?:then|just|please|you can|simply|do)[ ,]+)*"
+    r"(?:leave (?:it|them|that|everything|things)(?: all)?(?: alone| be| there| where (?:it|they)"
+    r"(?: is| are|'s|'re)| as (?:it|they)(?: is| are|'s|'re))?|let (?:it|them|that) be|do nothing|nothing|never ?mind|"
+    r"forget (?:it|about it)|don't bother|don't worry(?: about it)?|that's (?:fine|ok|okay|all right)|"
+    r"it's (?:fine|ok|okay)|no worries|whatever|skip it|"
+    r"stay (?:put|where you are)|it stays?(?: there| put| where it is)?)"
+)
+_EMPTY_BRANCH: Final = re.compile(
+    rf"[\s,.;:–—-]*(?:\b(?:and|but) )?\b{_ELSE}[\s,:–-]+{_NOTHING}(?=\W*(?:$|[.;!?]))|"
+    r"[，,。；; ]*(?:要是|如果)?(?:不在|没有?|没看到|找不[到着]|不是|不然|否则|要不|没人|在别处)"
+    r"(?:的话)?[，, ]?(?:那?就|也)?"
+    r"(?:算了|不用管|不管(?:它|了)?|别管|没事|别动|不用了|放着|什么[也都]不用?做)(?:吧|了)?(?=[。！!]?$|[，。])",
+    re.IGNORECASE,
+)
+
+
+def without_empty_branches(text: str) -> str:
+    """The text with blanks in place of what is to be done with nothing where a condition does not hold: "…; otherwise
+    leave it". As long as before."""
+    plain = text.replace("’", "'")
+    for found in _EMPTY_BRANCH.finditer(plain):
+        if CONDITION.search(plain[: found.start()]):
+            text = f"{text[: found.start()]}{' ' * (found.end() - found.start())}{text[found.end() :]}"
+    return text
+
+
 CONDITION: Final = re.compile(
     r"\b(?:if|whether|unless|in case|should there|as long as|provided|whenever|otherwise)\b"
     r"|\bis there\b.*\bthen\b|如果|要是|假如|是否|有没有|否则|的话|除非|只有.{1,20}才|"

@@ -14,11 +14,11 @@ from typing import Final
 
 _NUMBERS: Final = {
     "two": 2, "three": 3, "four": 4, "five": 5, "six": 6, "both": 2, "2": 2, "3": 3, "4": 4, "5": 5, "6": 6,
-    "one": 1, "a single": 1, "1": 1, "两": 2, "二": 2, "三": 3, "四": 4, "五": 5,
+    "one": 1, "a single": 1, "1": 1, "两": 2, "二": 2, "三": 3, "四": 4, "五": 5, "一": 1,
 }  # fmt: skip
 _HOW: Final[Mapping[str, Callable[[int, int], bool]]] = {
     "at least": operator.ge, "": operator.ge, "no fewer than": operator.ge, "至少": operator.ge,
-    "more than": operator.gt, "超过": operator.gt,
+    "more than": operator.gt, "超过": operator.gt, "多于": operator.gt, "不止": operator.gt,
     "exactly": operator.eq, "only": operator.eq, "just": operator.eq, "只": operator.eq, "正好": operator.eq,
     "fewer than": operator.lt, "less than": operator.lt, "不到": operator.lt,
     "at most": operator.le, "no more than": operator.le, "最多": operator.le,
@@ -60,7 +60,7 @@ def how_many(words: str) -> tuple[str, Count] | None:
 
 _AMOUNT: Final = re.compile(
     rf"(?:(?P<how>{'|'.join(sorted((how for how in _HOW if how.isascii() and how), key=len, reverse=True))}) |"
-    r"(?P<how_zh>至少|超过|只|正好|不到|最多)有?)?"
+    r"(?P<how_zh>至少|超过|多于|不止|只|正好|不到|最多)有?)?"
     rf"(?P<number>{'|'.join(sorted(_NUMBERS, key=len, reverse=True))})(?P<more> or more)?"
     r"(?: (?:of )?(?:the |my |those |these )?|[个只块瓶杯件把张本])(?P<rest>.+?)(?P<or_more> or more)?"
 )
