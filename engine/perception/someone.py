@@ -140,17 +140,33 @@ _KINDS_ZH: Final = re.compile(
     "(?P<male>男[人士的孩生]|先生|男性)|(?P<female>女[人士的孩生]|女性|小姐)|人|客人|孩子|小孩|访客|朋友|谁|大家"
 )
 _FILLERS: Final = re.compile(
-    r"\b(?:the|a|an|any|some|that|this|those|these|all|every|each|other|who|which|is|are|'s|'re|there|of|and|"
+    r"\b(?:the|a|an|any|some|that|this|those|these|em|all|every|each|other|who|which|is|are|'s|'re|there|of|and|"
     r"only|to|with|on|in|at|my|our|please|mr|mrs|ms|miss|dr|male|female|specific)\b|[.,!?;:]"
 )
 _FILLERS_ZH: Final = re.compile("[这那每各]一?[个位名]|一[个位名]|[个位名每]|全部|全体|有|在|正|的|所有|所|和|，|。|？")
 _NAME: Final = re.compile(r"[^\W\d_][^\W\d_'’.-]*(?: [^\W\d_][^\W\d_'’.-]*){0,2}")
 
 
+_KIN: Final = re.compile(
+    r"^(?:(?:my|our|your|his|her|their|the) )?(?:(?:little|big|old|younger|older|best|dear|good) )?"
+    r"(?:grandson|granddaughter|sister|brother|husband|wife|son|daughter|friend|colleague|neighbou?r|boss|cousin|nephew|niece|flatmate|"
+    r"roommate|girlfriend|boyfriend|partner|guest|visitor|mother|father|student|assistant|manager)"
+    r",? (?=[^\W\d_][\w'’.-]*(?: [^\W\d_][\w'’.-]*)?$)(?!(?:in|on|at|by|with|who|that|is|near|sitting|standing|lying|"
+    r"waving|wearing|pointing|raising|over|from|under|next|beside|there|here|and|or)\b)",
+    re.IGNORECASE,
+)
+"""What somebody is to others, before their name."""
+
+
+def is_named_after_kin(words: str) -> bool:
+    """Whether a name follows what somebody is to others: "my sister Emma"."""
+    return _KIN.match(words) is not None
+
+
 def someone(words: str) -> Someone:
     """Whom these words mean, in English or Chinese; what is nothing else is a name. Raises :class:`UnknownPerson`."""
     chinese = is_chinese(words)
-    rest = " ".join(words.translate(SIMPLER).split())
+    rest = _KIN.sub("", " ".join(words.translate(SIMPLER).split()))
     found = Someone()
     for pattern, what in _CHINESE if chinese else _ENGLISH:
         match = pattern.search(rest.casefold() if len(rest.casefold()) == len(rest) else rest)

@@ -14,6 +14,8 @@ from typing import Final, get_args
 
 from engine.han import is_chinese
 from engine.perception.sighting import Colour
+from engine.planner.amounts import number
+from engine.planner.conventions import FULL
 from engine.planner.doing.sense import negates_a_condition
 from engine.planner.not_an_order import Mark, MarkKind, marks
 from engine.planner.text.conditions import CONDITION, IF_POLITE
@@ -72,6 +74,23 @@ _NO_NUMBER: Final = re.compile(r"\d{16}")
 """More digits than a number has."""
 _ARM: Final = re.compile(r"\bservo (?:number )?(?:1|one)\b|舵机[1一]|[1一]号舵机")
 """What turns the arm about its vertical axis: the number is a name."""
+_OF_A_STEP: Final = re.compile(
+    r"\bstep (?:number )?(?:\d|one|two|three|four|five|six)\b|第[一二三四五六\d](?:步|件事?|做)|"
+    r"\b\d(?:st|nd|rd|th)\b"
+)
+"""Which step of several this is."""
+_TO: Final = re.compile(r"\b2 (?=(?:me|u|you|the|my|us)\b)")
+""" "To", as people type it."""
+_TOLD_OF: Final = re.compile(
+    r"\b(?:i|we|he|she|they)(?:'ve|'s| have| has) (?:already |just )?\w+(?:ed|en|t|d)\b[^,.;!?]*"
+)
+"""What somebody has done."""
+_LISTED_ACTS: Final = re.compile(
+    r"\b(?:these|those|the following|do) (?:two|three|four|\d)\b|"
+    r"\b(?:two|three|four|\d) (?:things|jobs|tasks|errands)\b|"
+    r"[两二三四\d]件事"
+)
+"""How many acts are listed."""
 _NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once", "一", "一次", "一遍", "一下", "一趟", "一回", "一声", "一眼"})
 
 
@@ -190,6 +209,8 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
         before, _, behind = plain.rpartition(mark.words)
         if depends and (_OTHERWISE.search(before) or (_ENDS.match(behind) and _opens_a_branch(before, nodes))):
             continue  # "… otherwise don't bother"
+        if depends and mark.kind == "asked" and re.match(r"\W*should (?:you|i|we|he|she|it|they)\b", mark.words):
+            continue  # "should you see the ball, …"
         if any(isinstance(node, _NODES[mark.kind]) for node in nodes):
             if not _placed(mark, meaning):
                 return False
@@ -198,9 +219,38 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
         elif not any(mark.words in words for words in quoted) and not negates_a_condition(mark.words, meaning):
             asks = mark.kind == "asked" and acts & _QUESTIONS
             negated = mark.kind == "forbidden" and depends and not _ORDERED.search(mark.words)
-            if not asks and not negated:
+            if not (asks or negated or _tells_why(mark, meaning, plain, acts) or _keeps_straight(mark, plain, acts)):
                 return False
     return True
+
+
+def _tells_why(mark: Mark, meaning: Meaning, plain: str, acts: set[str]) -> bool:
+    """Whether it is a reason for what is said behind it: "I don't need the box any more, throw it away"."""
+    found = _NO_USE.search(plain)
+    if mark.kind != "forbidden" or found is None or not found.start() <= plain.find(mark.words) < found.end():
+        return False
+    behind = _CLAUSE_END.split(plain[found.end() :], maxsplit=1)[1:]
+    return _trusted(meaning) and acts <= _WITH_THINGS and any(len(clause.strip(" .。!！")) > 1 for clause in behind)
+
+
+def _keeps_straight(mark: Mark, plain: str, acts: set[str]) -> bool:
+    """Whether only a turn is forbidden, where nothing turns: "slide left, don't turn"."""
+    return acts <= _STRAIGHT and _NO_TURN.search(plain, max(plain.find(mark.words), 0)) is not None
+
+
+_STRAIGHT: Final = frozenset({"forward", "backward", "sideways_left", "sideways_right"})
+_NO_TURN: Final = re.compile(
+    r"(?:don't|dont|do not|never|without|不要|不许|别|不) ?(?:turn|rotat|spin|转)[a-z]*"
+    r"(?: (?:round|around|at all|please))*(?=\W*(?:$|[,.;:!?，。；]))"
+)
+_NO_USE: Final = re.compile(
+    r"\b(?:i|we|nobody|no one|he|she|they) (?:really |just )?(?:don't|do not|dont|doesn't|does not|never|won't) "
+    r"(?:really )?(?:need|want|use|like|drink|eat|wear|play with)\b|"
+    r"不要了|不用了|不想要|用不[着上]|不喝了?|不吃了?|没人要"
+)
+"""That a thing is of no use to somebody."""
+_CLAUSE_END: Final = re.compile(r"[,.;:!?，。；！？]|\b(?:so|and|then)\b|就|那")
+_WITH_THINGS: Final = frozenset({"throw_away", "put", "bring", "tidy", "pick_up", "clean"})
 
 
 def _opens_a_branch(before: str, nodes: Sequence[Node]) -> bool:
@@ -248,7 +298,10 @@ _WAYS: Final = (
 def _order_stands(text: str, nodes: Sequence[Node]) -> bool:
     """Whether what is told first is not done first, where words say so: "go to the kitchen, but first beep"."""
     acts = [node for node in nodes if isinstance(node, Do)]
-    found = _FIRST.match(text) or _BEFOREHAND.search(text)
+    last, found = _FIRST.match(text), _BEFOREHAND.search(text)
+    if last is None and found is not None and found.start() == 0:
+        return True  # "once you have been there, …": told in the order in which it is done
+    found = last or found
     if found is None or len(acts) < 2 or not acts[0].roles:
         return True
     begins = min(role.start for role in acts[0].roles)
@@ -270,7 +323,8 @@ def _colour_stands(text: str, nodes: Sequence[Node]) -> bool:
 
 _COLOUR: Final = re.compile(r"\bcolou?r|颜色")
 _OTHERWISE: Final = re.compile(
-    r"(?:\b(?:else|otherwise|if not|if there (?:isn't|aren't|is not|are not)(?: any| one)?)|"
+    r"(?:\b(?:else|otherwise|if not|(?:if|when) (?:it|that|he|she|they|there)"
+    r"(?:'s not|'re not| is not| are not| isn't| aren't)(?: any| one)?)|"
     r"没有?(?:的话)?|不然|否则|要不然?)"
     r"[\W_]*(?:(?:then|just|do|you can|就|那|那就|也)\b[\W_]*)*(?:就|那就)?$"
 )
@@ -320,10 +374,16 @@ def _numbers_stand(meaning: Meaning, nodes: Sequence[Node]) -> bool:
     if any(isinstance(node, Repeat) for node in nodes):
         return True
     spans = [(role.start, role.end) for node in nodes for role in _roles(node)]
-    text = _ARM.sub(lambda found: " " * len(found[0]), meaning.text.casefold())
+    turns = any(isinstance(node, Do) and node.act == "turn_around" for node in nodes)
+    acts = sum(isinstance(node, Do) for node in nodes)
+    text = meaning.text.casefold()
+    for names in (_ARM, _OF_A_STEP, _TO, _TOLD_OF):
+        text = names.sub(lambda found: " " * len(found[0]), text)
+    text = _LISTED_ACTS.sub(lambda found: " " * len(found[0]) if number(found[0]) == acts else found[0], text)
     counts = (token for token in read_measures(words_of(text).tokens) if token.kind in ("number", "quantity"))
     return all(
         meaning.text[token.start : token.end].casefold() in _NO_AMOUNTS
+        or (turns and (token.unit, token.value) == ("deg", FULL))  # which the act reads itself
         or any(start <= token.start < end for start, end in spans)
         for token in counts
     )

@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from engine.planner.conventions import A_BIT, FULL, HALF, QUARTER, Manner
+from engine.planner.conventions import A_BIT, A_BIT_OF_A_TURN, FULL, HALF, QUARTER, Manner
 from engine.planner.text.measures import read_measures
 from engine.planner.text.words import words_of
 
 _A_BIT: Final = re.compile(
     r"(?:just )?(?:a (?:little|tiny|wee|small|teeny)?\s*(?:bit|tad|touch|little|smidge|smidgen|step|nudge)|"
-    r"a little|slightly|"
+    r"(?:a )?(?:little|bit|tad)|slightly|"
     r"a few (?:cm|centimet(?:re|er)s))(?: (?:more|further))?|一点[点儿]?|一丁点儿?|一小点儿?|一些|一小步|稍微|一丢丢"
 )
 _PART_OF: Final = re.compile(r"(.*\d.*|point .*) of an? (\w+)")
@@ -24,11 +24,13 @@ _ANGLES: Final[tuple[tuple[re.Pattern[str], float], ...]] = (
     (re.compile(r"full|whole|all the way|complete|once (?:a)?round|circle|一圈|一整圈|整圈|一周"), FULL),
 )
 _SLOW: Final = re.compile(
-    r"slow|gentl|careful|half (?:the |your )?(?:normal )?speed|easy|unhurried|leisur|creep|"
+    r"slow|gentl|careful|crawl|snail|tiptoe|inch by inch|"
+    r"half (?:the |your )?(?:normal )?speed|easy|unhurried|leisur|creep|"
     r"慢|轻|小心|缓|半速|一半的?速度"
 )
 _FAST: Final = re.compile(
-    r"fast|quick|speed|hurr|rapid|swift|brisk|full (?:speed|throttle)|possible|快|迅速|全速|急|赶紧"
+    r"fast|quick|speed|zoom|dash|zip|rush|asap|"
+    r"hurr|rapid|swift|brisk|full (?:speed|throttle)|possible|快|迅速|全速|急|赶紧"
 )
 _COUNTS: Final = {
     "once": 1,
@@ -77,6 +79,7 @@ def _is_a_bit(plain: str) -> bool:
 
 def angle(words: str) -> float | None:
     """deg, positive; a number alone counts as degrees. None where the words tell none."""
+    words = re.sub(r"^(?=(?:hundred|thousand)\b)", "a ", words.strip(), flags=re.IGNORECASE)
     found = quantity(words, "deg")
     if found is None:
         found = number(words)
@@ -85,6 +88,12 @@ def angle(words: str) -> float | None:
     if found is None and (count := _COUNTS.get(words.casefold().strip())) is not None:
         found = FULL * count
     return found
+
+
+def turn(words: str) -> float | None:
+    """As :func:`angle`, of a turn to a side, which may be a little one."""
+    found = angle(words)
+    return A_BIT_OF_A_TURN if found is None and _A_BIT.fullmatch(words.casefold().strip()) else found
 
 
 def times(words: str) -> int | None:

@@ -13,5 +13,7 @@ TURN_SPEED: dict[Manner | None, float] = {"slow": 0.5, None: 1.0, "fast": 2.0}
 """rad/s; the middle one is the turning skills' own."""
 A_BIT = 0.2
 """m, as in "back up a bit"."""
+A_BIT_OF_A_TURN = 30.0
+"""deg, as in "turn a little to the left"."""
 QUARTER, HALF, FULL = 90.0, 180.0, 360.0
 """deg. "Turn left" is a quarter turn, "turn around" a half one."""

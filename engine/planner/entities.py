@@ -80,7 +80,8 @@ _ME: Final = re.compile(
     r"我|我们|咱们?|这|这里|这儿|这边|我(?:这|那)?(?:里|儿|边|面前|身边|手里|手上)|我旁边|本人"
 )
 _IT: Final = re.compile(
-    r"it|them|that|this|that one|this one|these|those|the (?:thing|object|item|one|same)|"
+    r"its?|them|that|this|that one|this one|these|those|the (?:thing|object|item|one|same)|"
+    r"(?:all of )?'?em|(?:that|this) (?:thing|object|item)|"
     r"(?:them|those|these) (?:both|all|two|three)|(?:both|all|the pair) of (?:them|those|these)|它们?俩|"
     r"它|它们|这个|那个|这|那|这东西|那东西|这个东西|那个东西"
 )
@@ -101,13 +102,21 @@ _REMEMBERED: Final = re.compile(
     r"(?:(?:the|that|your|my) )?(?:saved|stored|remembered|memori[sz]ed|marked|noted|recorded) "
     r"(?:place|spot|position|point|pose|location)|(?:刚才|你)?(?:记住|记下|保存)(?:下来)?的(?:那个)?(?:位置|地方|点)"
 )
+_LYING_ABOUT: Final = re.compile(
+    r"(?<=\w)(?: (?:that|which))?(?:'s| is| are)? (?:lying|left|strewn) (?:about|a?round)(?: here| there)?$"
+)
+"""What says no more of a thing than that it is somewhere."""
+_STUFF_OF_A_KIND: Final = re.compile(r"(?<=\w )stuff$")
+_OF_COLOUR: Final = re.compile(r"\b(\w+) (?:of|in) (?:the )?colou?r (\w+)$")
 _NOTHING_SAID: Final = re.compile(
     r"(?:\b(?:the|a|an|my|your|that|this|to|u[hm]+|e+r?h?m+|er|hmm+|well|whatsit|thingy|thingamajig|thingummy|doodah|"
-    r"whatchamacallit|what's it called|what's its name|you know|the one)\b[ ,.]*)+|(?:那个|这个|嗯|呃|啥|什么来着)+"
+    r"whatchamacallit|what's it called|what's its name|you know|the one)\b[ ,.]*)+|"
+    r"(?:那个|这个|那什么|那啥|嗯|呃|啥|什么来着)+"
 )
 """What a speaker says who has not found the word."""
 _THERE: Final = re.compile(
-    r"there|over there|that (?:place|spot)|the same place|(?:right )?where you(?:'re| are)(?: now)?|"
+    r"there|over there|(?:that|this) (?:place|spot)(?: there| here)?|(?:the )?same (?:place|spot)(?: as before)?|"
+    r"(?:right )?where you(?:'re| are)(?: now)?|"
     r"原地|那|那里|那儿|那边"
 )
 _FLOOR: Final = re.compile(r"floor|ground|carpet|rug")
@@ -139,7 +148,7 @@ _ZH_INNER: Final = re.compile(rf"(?<=[\u3400-\u9fff])的?[这那]一?{_MEASURE}(
 """In the middle of a noun phrase: "white, that cup" is "that white cup"."""
 _ZH_FRONT: Final = re.compile(
     rf"^(?:(?:[这那](?:一?{_MEASURE}|儿的?|里的?)?|[一两几某每]{_MEASURE})|"
-    "[我你他她咱](?:们|家)?的|所有的?|全部的?|在|到|去|从)+(?=.)"
+    "[我你他她咱](?:们|家)?的|[我你他她](?=[^们的我你他她].)|所有的?|全部的?|在|到|去|从)+(?=.)"
 )
 _ZH_AT: Final = re.compile(
     "在?(?P<at>.+?)(?:里面?|上面?|旁边?|边上?|那[边里儿]|前面?)?的?(?P<who>(?:穿|正在|坐|站|躺|挥|招|举|指).+|[^的]*(?:人|孩子?|[男女]士|[男女]生|先生|小姐|朋友|客人|访客))"
@@ -208,7 +217,8 @@ class Entities:
         for side, pattern in _SIDES:
             if pattern.fullmatch(plain):
                 return Entity(words, side=side)
-        plain = plain.removesuffix("'s")
+        plain = _OF_COLOUR.sub(r"\2 \1", _LYING_ABOUT.sub("", plain.removesuffix("'s")))
+        plain = _STUFF_OF_A_KIND.sub("things", plain)
         if _IT.fullmatch(plain) or _THERE.fullmatch(plain):
             return Entity(words, refers=True)
         if _HELD.fullmatch(plain):
@@ -217,6 +227,8 @@ class Entities:
             return Entity(words, vague=True)
         chinese = is_chinese(plain)
         inner = plain if chinese else _OUTER.sub("", plain)
+        if _IT.fullmatch(_ZH_BACK.sub("", plain) if chinese else inner):  # "next to it"
+            return Entity(words, refers=True)
         head, where = (plain, "") if chinese or _BUT.search(inner) else _parted(plain)
         candidates = list(dict.fromkeys(_chinese(plain) if chinese else _english(head)))
         bare = () if chinese else (_bare(inner),)
@@ -310,6 +322,20 @@ class Entities:
     def place_name(self, symbol: str) -> str:
         """What people call a place of the map."""
         return self._vocabulary.place_name(symbol)
+
+    def thing_in(self, text: str) -> str:
+        """The thing of this house that a text names last; empty where it names none."""
+        return self._named_last(text, self._vocabulary.inventory())
+
+    def place_in(self, text: str) -> str:
+        """The place that a text names last; empty where it names none."""
+        return self._named_last(text, self._vocabulary.places())
+
+    @staticmethod
+    def _named_last(text: str, names: Sequence[str]) -> str:
+        plain = text.casefold()
+        ends = {name: plain.rfind(name) + len(name) for name in names if _stands_in(name, plain)}
+        return max(ends, key=lambda name: (ends[name], len(name)), default="")
 
     def side_in(self, words: str) -> Side | None:
         """The side that is spoken of in a description: "the wall on your right"."""
@@ -468,6 +494,11 @@ def _is_plural(words: str, thing: str) -> bool:
     one, *_, last = thing.split()[-1], *words.split()
     plural = last in (f"{one}s", f"{one}es", f"{one.removesuffix('y')}ies")
     return plural and _SOME.match(words) is None
+
+
+def _stands_in(name: str, plain: str) -> bool:
+    """Whether a text holds this name, and not only as a part of a word."""
+    return (is_chinese(name) and name in plain) or re.search(rf"\b{re.escape(name)}\b", plain) is not None
 
 
 def _with_question(entity: Entity, which: list[str]) -> Entity:

@@ -7,7 +7,7 @@ the same, the one that has been seen is meant; else it is asked which one.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -61,10 +61,12 @@ class Validation:
         return Plan(goal=text, actions=actions, response=response, source="phrases", steps=steps)
 
     def one_of(
-        self, found: Plan | NoPlan, request: PlanRequest, language: Language, located: Collection[str] = ()
+        self, found: Plan | NoPlan, request: PlanRequest, language: Language, located: Mapping[str, str] | None = None
     ) -> Plan | NoPlan:
         """With the one thing that can be meant, where several are called so and only one of them has been seen; the
-        question which one it is, where that is open. Of those that are ``located``, the one that is there is meant."""
+        question which one it is, where that is open. Of those that are ``located``, each with the name of its place,
+        the one that is there is meant."""
+        located = located or {}
         if isinstance(found, NoPlan):
             return found
         actions: list[Action] = []
@@ -74,15 +76,27 @@ class Validation:
             called = [name for name in several if is_said(name, request.text)]
             if len(called) == 1 and words == self._vocabulary.object(called[0]):
                 several = ()  # another thing looks like it, and is called otherwise
-            if len(several) > 1 and words not in located and not any_of(words, request.text):
+            if len(several) > 1 and words in located and _apposed(several, request.text) is None:
+                there = [name for name in several if _was_seen_at(name, located[words], request.seen)]
+                if len(there) > 1 and not any_of(words, request.text):
+                    return which_of(found.goal, there, language)
+                if there:
+                    action = replace(action, args={**action.args, "object": self._vocabulary.object(there[0])})
+            elif len(several) > 1 and not any_of(words, request.text):
                 seen = [name for name in several if any(name in told for told in request.seen)]
                 if (apposed := _apposed(several, request.text)) is not None:
                     seen = [apposed]
+                elif len(called) == 1:  # "the yellow box …; the box …"
+                    seen = called
                 if len(seen) != 1:
                     return which_of(found.goal, several, language)
                 action = replace(action, args={**action.args, "object": self._vocabulary.object(seen[0])})
             actions.append(action)
         return replace(found, actions=tuple(actions))
+
+
+def _was_seen_at(name: str, place: str, seen: Sequence[str]) -> bool:
+    return any(name in told and f"the {place}" in told.casefold() for told in seen)
 
 
 def _apposed(several: Sequence[str], text: str) -> str | None:

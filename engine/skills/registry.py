@@ -12,7 +12,7 @@ import inspect
 import re
 from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Final, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 from config.nearest import did_you_mean, nearest
 from config.schema import SkillRecord
@@ -311,4 +311,13 @@ def any_of(word: str, said: str) -> bool:
     return (
         re.search(rf"\b(?:an?|some|any|one of \w+) {name}(?:e?s)?\b|[一任][个只本张块瓶些何]?{name}", said, re.I)
         is not None
+        or _WHICHEVER.search(said) is not None
     )
+
+
+_WHICHEVER: Final = re.compile(
+    r"\b(?:whichever|either one|any of (?:them|those|these)|doesn't matter which|"
+    r"don't (?:care|mind) which)\b|哪个都[行可]|随便",
+    re.IGNORECASE,
+)
+"""Any one of them will do."""

@@ -24,7 +24,7 @@ def flat() -> Entities:
 
 def done(flat: Entities, line: str, holding: str = "") -> str:
     example = read(line)
-    calls = calls_of(meaning_of(example.text, example.steps).wanted(), Doing(flat, holding))
+    calls = calls_of(meaning_of(example.text, example.steps).wanted(), Doing(flat, holding, said=example.text))
     return "; ".join(f"{call.name}({', '.join(map(told, call.positional))})" for call in calls)
 
 
@@ -174,6 +174,61 @@ def told(argument: Quantity | str) -> str:
         ("beep | toot {times: twice}, {time: a second} each", "beep(1 s); beep(1 s)"),
         ("backward | 往后退{amount: 一点点}", "move_forward(-0.2 m)"),
         ("turn_around | do {amount: a full turn}", "move_left(360 deg)"),
+        ("forward backward | ahead {1.amount: 80 cm} and then back {2.amount: the same distance}",
+         "move_forward(0.8 m); move_forward(-0.8 m)"),
+        ("turn_right turn | right {1.amount: forty degrees} and {2.amount: another forty} the same way",
+         "move_right(40 deg); move_right(40 deg)"),
+        ("turn_left | in the left direction {amount: hundred degree}", "move_left(100 deg)"),
+        ("go wait | go to {1.place: the kitchen door}, there you wait", "navigation(T)"),
+        ("put put | {1.thing: that ball} on {1.place: the bed}, stick {2.thing: it} on {2.place: the shelf}",
+         "navigation(Q); pick_object(ball); place_object(shelf)"),
+        ("tidy | {thing: blue stuff} goes on {place: the workbench}", "tidy(blue, workbench)"),
+        ("put | {thing: the box of colour green} on {place: the counter}",
+         "pick_object(green box); place_object(counter)"),
+        ("tidy | {thing: everything blue that's lying around} to {place: the shelf}", "tidy(blue, shelf)"),
+        ("put | {thing: the bottle} on {place: the floor by the bed}", "carry(bottle, Q)"),
+        ("bring guide | fetch {1.person: Oliver} at {1.place: the exit} and lead {2.person: him} to "
+         "{2.place: the sofa}",
+         "meet(Oliver, exit); guide(Oliver, H)"),
+        ("sort | the hall's an absolute tip, sort {thing: it} out", "clean_room(hall)"),
+        ("remember | this is Julia; remember her name, {text: Julia}", "learn_name(Julia)"),
+        ("greet | wish {person: them} a good morning", "say(Good morning.)"),
+        ("switch_on | turn on {thing: the blue light}", "light(blue)"),
+        ("tidy | clear up {thing: any rubbish that you come across}", "clear_rubbish()"),
+        ("bring | 把{thing: 三号积木}送到{place: 我床上}", "carry(block 3, Q)"),
+        ("turn_around | one complete spin", "move_left(360 deg)"),
+        ("turn_around | 转个圈", "move_left(360 deg)"),
+        ("turn_around | right about", "move_left(180 deg)"),
+        ("turn_left | {amount: a little} to the left", "move_left(30 deg)"),
+        ("forward | on {amount: 1 m} {manner: at a crawl}", "move_forward(1 m, 0.1 m/s)"),
+        ("bring | {thing: blocks 1 and 2} to {place: the hall}", "carry(block 1, E); carry(block 2, E)"),
+        ("bring | {thing: 方块1和2}搬到{place: 走廊}", "carry(block 1, E); carry(block 2, E)"),
+        ("pick_up put | you take {1.thing: blue cup} and put {2.thing: him} on {2.place: desk}",
+         "pick_object(blue cup); place_object(desk)"),
+        ("put bring put | put {1.thing: the ball} on {1.place: the desk}, get {2.thing: the bottle}, put {3.thing: it} "
+         "{3.place: there} too",
+         "pick_object(ball); place_object(desk); pick_object(bottle); place_object(desk)"),
+        ("pick_up pick_up | 拿{1.thing: 瓶子}，拿完再拿{2.thing: 蓝杯子}",
+         "carry(bottle, zero); carry(blue cup, zero)"),
+        ("bring | bring {thing: the ball} back {place: where it was}, {source: the desk}",
+         "carry(ball, N)"),
+        ("put bring | put {1.thing: the ball} on {1.place: the desk} and {2.thing: the bottle} {2.place: next to it}",
+         "pick_object(ball); place_object(desk); carry(bottle, N)"),
+        ("put | {thing: the ball} on {place: the floor of the study}", "carry(ball, D)"),
+        ("throw_away | {thing: everything that's lying about} in {source: the study}", "clean_room(study)"),
+        ("tidy | get {thing: the rubbish} off {source: the floor}", "clean_room()"),
+        ("find | is there {thing: any rubbish} in {place: the hall}", "scan_room(hall)"),
+        ("look | say what you see {place: from where you are standing}", "seewhat()"),
+        ("remember go go_back | remember this spot, go to {2.place: the desk}, come back to {3.place: it}",
+         "get_current_pose(); navigation(N); navigation(zero)"),
+        ("remember | save {place: this spot} as {text: plant corner}", "remember_place(plant corner)"),
+        ("remember | this is my friend, {text: her name is julia}, remember her", "learn_name(Julia)"),
+        ("ask report | ask {1.person: Nina} {1.text: if shes hungry} and report back",
+         "meet(Nina); ask_person(Nina, Are you hungry?); report_answer()"),
+        ("find report | track down {1.thing: the ball} and tell me {2.topic: where it's got to}", "locate(ball)"),
+        ("tell | 喊{person: 厨房里的人}{text: 都来吃西瓜}", "tell_everyone(来吃西瓜, person, kitchen)"),
+        ("tell | tell {person: my husband Walter} {text: it is time}", "meet(Walter); tell(Walter, it is time)"),
+        ("greet | welcome {person: the guest} at {place: the exit}", "find_person(person, exit); say(Welcome.)"),
     ],
 )  # fmt: skip
 def test_acts_become_calls_of_skills(flat: Entities, line: str, calls: str) -> None:

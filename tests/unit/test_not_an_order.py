@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from itertools import product
 
 import pytest
@@ -10,9 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from engine.plan import Plan
+from engine.planner.accounted import accounted
 from engine.planner.not_an_order import marks
 from engine.planner.planner import NoPlan, Planner, PlanRequest
 from engine.planner.request import Happened, Said
+from engine.understanding.meaning import Meaning, meaning_of
+from engine.understanding.notation import read
 from tests.history import asked
 from tests.unit.test_two_stage import Model, planner_with
 
@@ -148,3 +152,54 @@ def test_what_was_taken_back_before_a_question_was_answered_stays_taken_back() -
     found = planned("oh leave it", *before)
     assert isinstance(found, Plan)
     assert not found.actions
+
+
+def read_as(line: str, *, sure: float = 1.0) -> Meaning:
+    example = read(line)
+    return replace(meaning_of(example.text, example.steps), confidence=sure)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "follow | follow {person: me} and don't lose me",
+        "follow | 跟着{person: 我}，别跟丢了",
+        "go | go to {place: the bedroom}, don't wake the baby",
+        "sideways_left | slide left {amount: 25 cm}, don't turn",
+        "throw_away | I don't need {thing: the green box} any more, throw it away",
+        "throw_away | {thing: 黄盒子}不要了，丢掉吧",
+        "go bring | step one go to {1.place: the sofa} step two bring {2.thing: the ball} to {2.place: the hall}",
+        "bring bring | swap these two: {1.thing: the ball} to {1.place: the desk}, {2.thing: a cup} to {2.place: me}",
+        "come | come back 2 {person: me}",
+        "turn_around | do a full turn on the spot",
+        "turn_around say | 先转一个圈圈然后说{2.text: 你好}",
+        "throw_away | {thing: 黄盒子}我不要了，扔掉。",
+        "clean patrol | clean {1.place: the study} 1st then patrol",
+        "go look | once you have been to {1.place: the bedroom}, look round {2.place: the hall}",
+        "clean | if you've nothing else to do, clean {place: the hall}",
+        "bring | I should be ever so glad if {thing: the blue box} were taken to {place: the bedroom}",
+        "if unseen then bring end | bring {2.thing: the cup} if {1.thing: the red one} can't be found",
+        "pick_up | pick up {thing: the cup} and don't let go",
+        "tell | 去找爸爸跟他说{text: 我饿了}",
+        "if seen then beep else nod end | beep if {1.thing: the ball} is in {1.place: the hall} and nod if it's not",
+        "if seen then throw_away end | should you see {1.thing: the ball} in {1.place: the hall}, bin {2.thing: it}",
+        "ask tell | ask {1.person: Lucy} {1.text: if she is well} and tell {2.person: me} what she says",
+    ],
+)
+def test_a_caution_a_reason_and_a_count_of_steps_do_not_stop_it(line: str) -> None:
+    assert accounted(read_as(line))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "go | go to {place: the kitchen}, don't turn",
+        "bring | bring {thing: the box}, I don't need it",
+        "bring | bring {thing: the box} I don't want the cup",
+        "go | go to {place: the kitchen} and don't go in",
+        "bring | bring {thing: the cup} two times three",
+        "go | go to {place: the kitchen}, no it's not",
+    ],
+)
+def test_what_forbids_something_else_still_does(line: str) -> None:
+    assert not accounted(read_as(line))

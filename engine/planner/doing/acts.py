@@ -37,7 +37,7 @@ from engine.planner.doing.moving import (
     wait,
 )
 from engine.planner.doing.people import answer, ask, introduce, until_they_stand
-from engine.planner.doing.several import one_by_one, spread
+from engine.planner.doing.several import one_by_one, spread, with_each
 from engine.planner.doing.signals import arm_turn, beep, greet, just, light, often, remember, say, switch, tell, wave
 from engine.planner.phrases.said import Calls, call
 from engine.understanding.meaning import Do, If, Repeat
@@ -81,7 +81,7 @@ def _do(act: Do, doing: Doing) -> None:
         return
     if act.until is not None and (act := untimed(act)).until is not None:
         raise Unable("until")
-    act = one_by_one(act, doing)
+    act = one_by_one(with_each(act, doing), doing)
     roles = Roles(act)
     found = _ACTS.get(act.act)
     if found is None:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 from engine.plan import MAX_ACTIONS, ActionCall
+from engine.planner import amounts
 from engine.planner.entities import Entities, Entity
 from engine.planner.phrases.said import Question
 from engine.understanding.acts import RoleName
@@ -17,7 +18,9 @@ from engine.understanding.meaning import Do, Role
 
 _VAGUE: Final = re.compile(r"\b(?:some|any)?(?:thing|one|stuff)$|\banother$|东西$|一个$|个$")
 """Ends of what names nothing in particular."""
-_ANY_OF: Final = re.compile(r"(?:an?|any|some|either)\b(?! (?:other|certain))|随便|任意|任何|一[个只瓶杯盒]")
+_ANY_OF: Final = re.compile(
+    r"(?:an?|any|some|either)\b(?! (?:other|certain))|随便|任意|任何|一[个只瓶杯盒]|[个只](?=.)"
+)
 _EITHER: Final = re.compile(r"\bor\b|还是|或者")
 _OTHER: Final = re.compile(r"\b(?:an)?other\b|\belse\b|另|别的|其他")
 """One that is not the one that was spoken of."""
@@ -37,6 +40,15 @@ _THIS_ROOM: Final = re.compile(
     r"(?:(?:all of )?(?:the|this|that|my|our) )?(?:whole |entire )?(?:room|area)(?: here)?|in here|"
     r"(?:这个?|那个?|整个)?(?:房间|屋子|屋)"
 )
+
+
+WHERE_IT_IS: Final = re.compile(
+    r"(?:from )?(?:right )?(?:where |the (?:place|spot|position) (?:where )?)you(?:'re| are)"
+    r"(?: (?:now|at|standing|sitting|parked))*|"
+    r"(?:from )?(?:your|the) (?:current|present) (?:place|spot|position|location)|"
+    r"你(?:现在)?(?:站|停)?(?:着)?的(?:地方|位置)"
+)
+"""Where the robot stands."""
 
 
 class Open(Exception):
@@ -93,8 +105,9 @@ class Doing:
     """Whether it is done because a condition held: "in" and "on it" are then where that was."""
     greeting: str = "Hello."
     """In the speaker's language."""
-    located: set[str] = field(default_factory=set)
-    """Things that are said to be somewhere, as skills know them: of several that are called so it is the one there."""
+    located: dict[str, str] = field(default_factory=dict)
+    """Things that are said to be somewhere, as skills know them, and what that place is called: of several that are
+    called so it is the one there."""
     calls: list[ActionCall] = field(default_factory=list)
     last: tuple[ActionCall, ...] = ()
     """Those of the last act."""
@@ -120,7 +133,7 @@ class Doing:
     def where(self, words: str) -> Entity:
         """What words for a place name; "there" is the place that was named last."""
         found = self.entity(words)
-        return self.entities.of(self.place) if found.refers and self.place else found
+        return self.entities.of(self.entities.place_name(self.place)) if found.refers and self.place else found
 
     def thing(self, words: str) -> str:
         """A thing as skills know it; "it" is what was named last. An unknown one is given on as it was said: whoever
@@ -152,7 +165,7 @@ class Doing:
         at = self.entities.of(source) if source else found.at
         thing = self.thing(words)
         if at is not None and at.place is not None and not at.refers:
-            self.located.add(thing)
+            self.located[thing] = at.surface or at.room or self.entities.place_name(at.place)
         return thing
 
     def _seen(self, words: str) -> str:
@@ -201,6 +214,11 @@ _LETS_GO: Final = frozenset({
 """Skills after which nothing is held."""
 
 
+def _says_nothing(role: Role) -> bool:
+    """Whether an act is the same without it: how it is done is left to the skill, and once is how often."""
+    return role.name == "manner" or (role.name == "times" and amounts.times(role.words) == 1)
+
+
 class Roles:
     """The roles of an act; each one that is asked for counts as used."""
 
@@ -223,6 +241,6 @@ class Roles:
 
     def must_be_used(self) -> None:
         """Raises Unable where a role is left over. How gently something is done may be left to the skill."""
-        left = next((role for role in self.act.roles if role not in self._used and role.name != "manner"), None)
+        left = next((role for role in self.act.roles if role not in self._used and not _says_nothing(role)), None)
         if left is not None:
             raise Unable("role", left.words)

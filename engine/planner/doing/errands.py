@@ -44,9 +44,18 @@ def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If
             ):
                 made[-1] = _with_things([role for role in last.roles if role.name == "thing"], node)
                 continue
+            elif last.act == "put" and node.act == "put" and _is_moved(last, node, doing):
+                where = [replace(role, name="source") if role.name == "place" else role for role in last.roles]
+                made[-1] = _with_things(where, node)
+                continue
+            elif last.act == "pick_up" and node.act in ("pick_up", "bring") and not _same_thing(last, node, doing):
+                made[-1] = replace(last, act="bring")  # only one fits into the hand
+                node = replace(node, act="bring")
             elif last.act == "bring" and _same_thing(last, node, doing):
                 made.pop()
-                made += _errand(last, node, doing)
+                made += _errand(
+                    last, node, doing, placed=any(one.words("place") for one in made if isinstance(one, Do))
+                )
                 continue
         made.append(node)
     return tuple(made)
@@ -66,7 +75,7 @@ def _with_things(roles: Sequence[Role], then: Do) -> Do:
     return replace(then, roles=(*roles, *(role for role in then.roles if role.name != "thing")))
 
 
-def _errand(fetch: Do, then: Do, doing: Doing) -> tuple[Do, ...]:
+def _errand(fetch: Do, then: Do, doing: Doing, *, placed: bool) -> tuple[Do, ...]:
     """What is done with a thing that is fetched, where the next act says more: "take the ball to the bedroom, put it on
     the bed" picks it up only; what has been brought is not put down once more."""
     picked = tuple(role for role in fetch.roles if role.name in ("thing", "source"))
@@ -75,6 +84,8 @@ def _errand(fetch: Do, then: Do, doing: Doing) -> tuple[Do, ...]:
         for act in (fetch, then)
     )
     match then.act:
+        case "put" if placed and not says_where and doing.entity(then.words("place") or "it").refers:
+            return (Do("pick_up", picked), then)  # where something was put before
         case "put" if not says_more:
             return (fetch,)
         case "bring" if not says_where:
@@ -84,6 +95,12 @@ def _errand(fetch: Do, then: Do, doing: Doing) -> tuple[Do, ...]:
         case "put" | "throw_away":
             return (Do("pick_up", picked), then)
     return (fetch, then)
+
+
+def _is_moved(first: Do, second: Do, doing: Doing) -> bool:
+    """Whether the first place is where the thing is: "that ball on the bed, put it on the shelf"."""
+    it = second.words("thing")
+    return bool(it) and doing.entity(it).refers and not first.words("source") and _same_thing(first, second, doing)
 
 
 def _several(take: Do, then: Do, doing: Doing) -> bool:

@@ -14,7 +14,7 @@ from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable,
 from engine.planner.doing.moving import colour_of, is_everywhere
 from engine.planner.phrases.said import Calls, call
 from engine.skills.places import ZERO_SYMBOL
-from engine.skills.vocabulary import BIN
+from engine.skills.vocabulary import BIN, FLOOR
 from engine.understanding.meaning import Do
 
 
@@ -112,6 +112,8 @@ def _put_one(doing: Doing, words: str, place: str, source: str) -> Calls:
     target = doing.where(place)
     if target.every:
         raise Unable("role", place)
+    if target.surface == FLOOR and target.room is None and target.at is not None and target.at.place is not None:
+        return carried(doing, words, target.at.place, source)  # "on the floor by the bed"
     group = doing.entity(words)
     colour = colour_of(doing, group.thing or words.casefold())
     if group.every and not group.refers:
@@ -120,7 +122,8 @@ def _put_one(doing: Doing, words: str, place: str, source: str) -> Calls:
         return call("tidy", colour, target.surface)
     if target.place is not None:
         doing.place = target.place
-    surface = None if target.place is not None and _BESIDE.search(place.casefold()) else target.surface
+    beside = _BESIDE.search(place.casefold()) is not None or (target.room is not None and target.surface == FLOOR)
+    surface = None if target.place is not None and beside else target.surface
     if surface is not None and surface != target.room:
         put = call("place_in_bin") if surface == BIN else call("place_object", surface)
         return (*fetched(doing, words, source or source_of(doing, Roles(Do("put")), words)), *put)
@@ -130,9 +133,9 @@ def _put_one(doing: Doing, words: str, place: str, source: str) -> Calls:
         return carried(doing, words, target.place or ZERO_SYMBOL, source)
     if _WHERE_IT_BELONGS.search(place.casefold()) and _numbered(words):
         return call("apriltag_sort", Quantity(amounts.number(words) or 0, ""))
-    if (beside := doing.entities.of(_AT_A_THING.sub("", place)).thing) and not is_rubbish(beside):
+    if (other := doing.entities.of(_AT_A_THING.sub("", place)).thing) and not is_rubbish(other):
         made = fetched(doing, words, source)
-        return (*made, *call("navigate_to_object", beside), *call("putdown"))
+        return (*made, *call("navigate_to_object", other), *call("putdown"))
     if target.refers or target.side or place.casefold() in ("down", "away", "aside"):
         if target.refers or target.side == "ahead":
             return (*fetched(doing, words, source), *call("putdown"))
@@ -156,8 +159,12 @@ def carried(doing: Doing, words: str, place: str, source: str) -> Calls:
 
 
 def bring(doing: Doing, roles: Roles) -> Calls:
+    if roles.words("person") and not roles.all("thing") and not doing.entity(roles.words("person")).me:
+        return people.meet(doing, roles)  # "fetch Oliver at the exit"
     things, source = roles.all("thing") or _it(doing), roles.words("source")
     person, place = roles.words("person"), roles.words("place")
+    if source and _WHERE_IT_WAS.fullmatch(place.casefold()):  # "back where it was, the coffee table"
+        place, source = source, ""
     goal = ZERO_SYMBOL
     if person:
         who = doing.entity(person)
@@ -177,6 +184,12 @@ def bring(doing: Doing, roles: Roles) -> Calls:
             doing.named = doing.in_hand
         made += carried(doing, words, goal, source)
     return made
+
+
+_WHERE_IT_WAS: Final = re.compile(
+    r"(?:back )?(?:to )?(?:where (?:it|they) (?:was|were|came from|belongs?)(?: before)?|"
+    r"(?:its|the|their) (?:old |original )?(?:place|spot))|原处|原来的(?:地方|位置)"
+)
 
 
 def _served(doing: Doing, things: tuple[str, ...], person: str, place: str) -> Calls:
@@ -206,13 +219,13 @@ def throw_away(doing: Doing, roles: Roles) -> Calls:
     things, source = roles.all("thing"), roles.words("source")
     if source and doing.entity(source).surface == BIN:  # "into the bin"
         source = ""
-    if len(things) == 1 and _is_rubbish(doing, things[0]):
+    if len(things) == 1 and (_is_rubbish(doing, things[0]) or _LYING_ABOUT.fullmatch(things[0].casefold())):
         where = source or source_of(doing, roles, things[0])
         return cleaned(doing.entity(where).room) if where else call("clear_rubbish")
+    if not things and doing.in_hand:
+        return call("place_in_bin")
     if not things:
-        if doing.in_hand:
-            return call("place_in_bin")
-        raise Open("which_thing")
+        things = _it(doing)
     made: Calls = ()
     for words in things:
         if doing.entity(words).refers and doing.in_hand and not made:
@@ -225,9 +238,15 @@ def throw_away(doing: Doing, roles: Roles) -> Calls:
     return made
 
 
+_LYING_ABOUT: Final = re.compile(
+    r"(?:everything|anything|whatever|all(?: the)?(?: things| stuff)?)(?: that| which)?(?:'s| is| are)? "
+    r"(?:(?:lying|left|strewn|scattered)(?: about| around)?|on the (?:floor|ground))(?: (?:in|on) .*)?|"
+    r"(?:地上|散落)的?(?:所有)?(?:东西|玩意儿?)"
+)
+"""All that is on a floor."""
 _RUBBISH: Final = re.compile(
     r"(?:(?:all|all of|the|this|that|your|my|our|any|some) )*(?:rubbish|trash|garbage|litter|waste|debris|junk|refuse)"
-    r"(?: (?:in|from|on|off) .*)?|"
+    r"(?: (?:in|from|on|off|that|which|lying|left) .*)?|"
     r"(?:这些|那些|所有的?)?(?:垃圾|废物)"
 )
 """What lies about and nobody wants."""
@@ -246,6 +265,8 @@ def _is_rubbish(doing: Doing, words: str) -> bool:
 
 def tidy(doing: Doing, roles: Roles) -> Calls:
     thing, place, source = roles.words("thing"), roles.words("place"), roles.words("source")
+    if thing and not place and _is_rubbish(doing, thing):
+        return throw_away(doing, roles)
     if thing and not place and (height := _taller_than(thing)) is not None:
         colour = colour_of(doing, thing.casefold())
         return call("color_remove_higher", colour, height) if colour else call("apriltag_remove_higher", height)
@@ -255,7 +276,7 @@ def tidy(doing: Doing, roles: Roles) -> Calls:
     if (room.room or is_everywhere(thing or place) or is_this_room(thing or place)) and not (thing and place):
         return cleaned(room.room)
     colour = colour_of(doing, doing.entity(thing).thing or "") if thing else ""
-    if thing and place and colour and (doing.entity(thing).every or thing.casefold().rstrip().endswith("s")):
+    if thing and place and colour and _is_several(doing, thing):
         surface = doing.entity(place).surface
         if surface is None:
             raise NowhereKnown(doing.entities.near(place))
@@ -265,6 +286,12 @@ def tidy(doing: Doing, roles: Roles) -> Calls:
     if not thing and not place and not source:
         return call("clean_room")
     raise Open("where_put")
+
+
+def _is_several(doing: Doing, words: str) -> bool:
+    """Whether all of a kind are meant, or may be: "red things", 蓝色的东西."""
+    plain = words.casefold().rstrip()
+    return doing.entity(words).every or plain.endswith(("s", "东西", "玩意儿"))
 
 
 _TALLER: Final = re.compile(r"(?:tall|high|more|above|over|exceed|upwards?|bigger).*|[高超]")
@@ -300,8 +327,15 @@ def cleaned(room: str | None) -> Calls:
     return call("clean_room", room) if room else call("clean_room")
 
 
+_SORTS_OUT: Final = re.compile(r"\bsort (?:it|this|that|everything) out\b")
+"""To tidy up."""
+
+
 def sort(doing: Doing, roles: Roles) -> Calls:
     words = roles.words("thing")
+    if words and doing.entity(words).refers and _SORTS_OUT.search(doing.said.casefold()) and not doing.named:
+        room = doing.entities.of(doing.entities.place_in(doing.said)).room
+        return cleaned(room)
     tag = amounts.number(doing.thing(words) if words and doing.entity(words).refers else words)
     if tag is None:
         raise Open("which_tag")

@@ -8,8 +8,8 @@ from typing import Final
 from engine.perception.naming import is_choice
 from engine.plan import Quantity
 from engine.planner.doing import people
-from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable
-from engine.planner.doing.handling import source_of
+from engine.planner.doing.doing import WHERE_IT_IS, Doing, NowhereKnown, Open, Roles, Unable
+from engine.planner.doing.handling import is_rubbish, source_of
 from engine.planner.doing.moving import anybody, turned
 from engine.planner.phrases.said import Calls, call
 
@@ -26,6 +26,8 @@ def look(doing: Doing, roles: Roles) -> Calls:
 
 
 def looked(doing: Doing, words: str, *, is_thing: bool = False) -> Calls:
+    if WHERE_IT_IS.fullmatch(words.casefold().strip()):
+        return call("seewhat")
     found = doing.entity(words)
     if found.side:
         return (*turned(found.side), *call("seewhat"))
@@ -57,7 +59,7 @@ def find(doing: Doing, roles: Roles) -> Calls:
         sought = found.thing or "person"
     elif not thing:
         raise Open("which_thing")
-    elif _ANYTHING.fullmatch(thing.casefold()):  # what there is
+    elif _ANYTHING.fullmatch(thing.casefold()) or is_rubbish(thing):  # what there is
         return looked(doing, place) if place else call("seewhat")
     elif place and doing.entities.several(thing)[1] > 1 and (listed := _listed(doing, thing, place)):
         return listed  # "find three snacks in the kitchen"
@@ -122,7 +124,13 @@ def describe(doing: Doing, roles: Roles) -> Calls:
 
 def report(doing: Doing, roles: Roles) -> Calls:
     """Where it is, what it can do, or what is to be seen there; other questions about itself are no actions."""
-    kind = topic_of(roles.words("topic"))
+    topic = roles.words("topic")
+    kind = topic_of(topic)
+    asked = any(made.name == "ask_person" for made in doing.calls)
+    if asked and kind in ("", "done"):
+        return call("report_answer")
+    if kind == "report_pose" and doing.calls and doing.calls[-1].name == "locate" and _WHERE_THAT_IS.search(topic):
+        return ()  # what is looked for is told of
     if kind in ("done", "stopped") and doing.calls:
         return ()  # what came of it is told in any case
     if kind in ("report_pose", "list_skills"):
@@ -133,6 +141,7 @@ def report(doing: Doing, roles: Roles) -> Calls:
     return () if looked else call("seewhat")
 
 
+_WHERE_THAT_IS: Final = re.compile(r"\bwhere(?:abouts)? (?:it|they|he|she|that)\b|(?:它|[他她])在?哪", re.IGNORECASE)
 _LOOKING: Final = frozenset({"seewhat", "scan_room", "locate"})
 """Actions that tell what they see."""
 _TOPICS: Final = (

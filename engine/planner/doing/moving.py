@@ -39,6 +39,14 @@ def move(name: str, sign: int) -> Callable[[Doing, Roles], Calls]:
         if time:
             raise Unable("role", time)
         metres = amounts.distance(amount)
+        before = doing.calls[-1] if doing.calls else None
+        if (
+            _AS_MUCH.search(amount.casefold())
+            and before is not None
+            and before.name in ("move_forward", "move_sideways")
+        ):
+            first = before.positional[0]
+            metres = abs(first.value) if isinstance(first, Quantity) else metres
         if metres is None and any(letter.isdigit() for letter in amount):
             raise Unable("amount", amount[:20])
         if metres is None:
@@ -46,6 +54,10 @@ def move(name: str, sign: int) -> Callable[[Doing, Roles], Calls]:
         return call(name, Quantity(sign * metres, "m"), *speed)
 
     return move
+
+
+_AS_MUCH: Final = re.compile(r"\bsame\b|\bas (?:much|far)\b|同样|一样")
+"""As far as before."""
 
 
 def turn(name: str) -> Callable[[Doing, Roles], Calls]:
@@ -61,7 +73,7 @@ def turn(name: str) -> Callable[[Doing, Roles], Calls]:
             )
         if time:
             raise Unable("role", time)
-        degrees = amounts.angle(amount) if amount else QUARTER
+        degrees = amounts.turn(amount) if amount else QUARTER
         if degrees is None:
             raise Open("which_way")
         return call(name, Quantity(degrees, "deg"), *(() if value is None else (Quantity(value, "rad/s"),)))
@@ -77,14 +89,21 @@ def unspecified(doing: Doing, roles: Roles) -> Calls:
 def turn_to_no_side(doing: Doing, roles: Roles) -> Calls:
     """A turn after which it is the same, to whichever side it went; any other one is asked about."""
     degrees = amounts.angle(roles.words("amount"))
+    before = doing.calls[-1].name if doing.calls else ""
+    if degrees is not None and before in ("move_left", "move_right") and _ONCE_MORE.search(doing.said.casefold()):
+        return call(before, Quantity(degrees, "deg"))
     if degrees is None or degrees % HALF:
         raise Open("which_way")
     return call("move_left", Quantity(degrees, "deg"))
 
 
+_ONCE_MORE: Final = re.compile(r"\b(?:again|another|same (?:way|direction|side))\b|再|同一个?方向")
+"""To the side to which it has turned before."""
+
+
 def turn_around(doing: Doing, roles: Roles) -> Calls:
     amount, often = roles.words("amount"), roles.words("times")
-    degrees = amounts.angle(amount) if amount else HALF
+    degrees = amounts.angle(amount) if amount else FULL if _SPIN.search(doing.said.casefold()) else HALF
     if degrees is None:
         raise Open("which_way")
     if often:
@@ -95,6 +114,13 @@ def turn_around(doing: Doing, roles: Roles) -> Calls:
     elif degrees % HALF:  # to either side it would not be the same
         raise Open("which_way")
     return call("move_left", Quantity(degrees, "deg"))
+
+
+_SPIN: Final = re.compile(
+    r"\b(?:spin|twirl|pirouette|(?:full|complete|whole|entire) (?:turn|circle|rotation|revolution|loop))\b|"
+    r"转一?个?圈"
+)
+"""A turn after which the robot faces where it did before."""
 
 
 def go(doing: Doing, roles: Roles) -> Calls:
@@ -143,6 +169,8 @@ def go_back(doing: Doing, roles: Roles) -> Calls:
     words = roles.words("place")
     if not words or doing.entity(words).me or _STARTED.search(words.casefold()):
         return call("navigation", ZERO_SYMBOL)
+    if doing.entity(words).refers and any(made.name == "get_current_pose" for made in doing.calls):
+        return call("navigation", ZERO_SYMBOL)  # "remember where you are, go to the desk and come back to it"
     return charge(doing, roles) if _CHARGING.search(words.casefold()) else call("navigation", doing.spot(words))
 
 
@@ -253,7 +281,8 @@ def guide(doing: Doing, roles: Roles) -> Calls:
 
 
 def patrol(doing: Doing, roles: Roles) -> Calls:
-    places = [words for words in roles.all("place") if not doing.entity(words).every and not is_everywhere(words)]
+    places = [words for words in roles.all("place") if not (doing.entity(words).every or is_everywhere(words))]
+    places = [words for words in places if not doing.entities.rooms_meant(words)]
     symbols = [symbol for words in places for symbol in _several(doing, words)]
     return call("patrol", ",".join(symbols)) if symbols else call("patrol")
 
@@ -279,6 +308,8 @@ def wait(doing: Doing, roles: Roles) -> Calls:
     place, time = roles.words("place"), roles.words("time")
     if place and doing.entity(place).refers:
         place = ""  # where it is, or has just gone to
+        if not time and doing.calls and not roles.words("person"):
+            return ()
     others = [words for words in roles.all("person") if not doing.entity(words).me]
     if roles.words("person") and not others and not time and not place and doing.calls:
         return ()  # for the speaker, where it has just gone to
@@ -286,6 +317,9 @@ def wait(doing: Doing, roles: Roles) -> Calls:
         if not doing.calls or doing.calls[-1].name != "navigation":
             raise Unable("person", others[0])
         return ()  # the robot stays where it has just gone
+    stays = bool(doing.calls) and doing.calls[-1].name == "navigation"
+    if stays and not (time or place or roles.words("person")):
+        return ()  # where it has just gone to
     seconds = amounts.quantity(time, "s")
     if seconds is None and place and amounts.number(time) is None:
         return call("navigation", doing.spot(place))

@@ -21,6 +21,12 @@ from engine.skills.places import ZERO_SYMBOL
 from engine.skills.vocabulary import ME
 
 
+def as_name(words: str) -> str:
+    """A name as it is written."""
+    name = words.strip(" .,!?。，！？")
+    return name.title() if name.islower() else name
+
+
 def somebody(doing: Doing, words: str, where: str = "", *, stranger: bool = False) -> tuple[str, str]:
     """Who these words mean, as skills know them, and the room or the piece of furniture where they are said to be, else
     nothing. Raises Open for a pronoun that nobody was named for, and for a stranger without a name ("my aunt") of whom
@@ -39,7 +45,11 @@ def somebody(doing: Doing, words: str, where: str = "", *, stranger: bool = Fals
     there = spot(doing, where or at)
     if doing.entities.is_stranger(who) and not there and not stranger:
         there = doing.entities.place_name(doing.place)  # where it has just been sent
-        if not there and _NO_NAME.match(plain):
+        if (
+            not there
+            and _NO_NAME.match(plain)
+            and who.name.casefold().endswith(_NO_NAME.sub("", plain, count=1).strip())
+        ):
             raise Open("where_person")
     doing.who = str(who)
     return doing.who, there
@@ -164,11 +174,17 @@ _HERE: Final = re.compile(r"\bbring\b.*\bback\b|\bback (?:here|to me|with you)\b
 
 def tell(doing: Doing, words: str, where: str, text: str) -> Calls:
     """Gone to and told; several people each by themselves, in all rooms where none is said."""
-    if are_several(doing, words):
+    everybody = _ALL_OF_THEM.match(text)
+    if are_several(doing, words) or everybody is not None:
+        text = text[everybody.end() :] if everybody is not None else text
         kind, room = somebody(doing, words, where)
         return call("tell_everyone", text, kind, *((room,) if room else ()))
     who, there = somebody(doing, words, where)
     return (*find_person(doing, who, there), *call("tell", who, text))
+
+
+_ALL_OF_THEM: Final = re.compile(r"都(?=[\u3400-\u9fff])")
+"""Behind those who are told something: each of them is."""
 
 
 def ask(doing: Doing, roles: Roles) -> Calls:
@@ -193,6 +209,8 @@ def question(text: str) -> str:
     plain = text.strip(" .?!。？")
     if not plain.isascii():
         return f"请问，{re.sub('[他她]们?', '您', plain)}？"
+    plain = re.sub(r"\b(he|she|they)(?=(?:s|re|ve|ll|d)\b)", r"\1'", plain, flags=re.I)  # "shes" is she's
+    plain = re.sub(r"\b(he|she|they)'(s|re|ve)\b", _written_out, plain, flags=re.I)
     plain = re.sub(r"^(?:about|for|to tell (?:me|you|us)|to say)\s+", "", plain, flags=re.I)
     plain = re.sub(r"^(?:if|whether)\s+(?:he|she|they)\s+", "do you ", plain, flags=re.I)
     plain = re.sub(r"^do you (is|are|has|have|would|will|can|wants?|likes?|needs?)\b", _first, plain, flags=re.I)
@@ -207,6 +225,10 @@ def question(text: str) -> str:
     if not re.match(r"(?:what|where|when|why|how|which|who|do|does|is|are|would|will|can|could|have)\b", turned, re.I):
         turned = f"what {'is' if turned.casefold().startswith('your ') else 'about'} {turned}"
     return f"{turned[:1].upper()}{turned[1:].rstrip()}?"
+
+
+def _written_out(found: re.Match[str]) -> str:
+    return f"{found[1]} {'have' if found[2] == 've' else 'are' if found[2] == 're' else 'is'}"
 
 
 def _first(found: re.Match[str]) -> str:

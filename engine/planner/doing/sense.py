@@ -67,9 +67,17 @@ def negates_a_condition(words: str, meaning: Meaning) -> bool:
         if isinstance(node, If) and node.condition.kind in _NEGATIVE and node.condition.roles:
             end = max(role.end for role in node.condition.roles)
             opened = [found.end() for found in _OPENS.finditer(text, 0, end)]
+            missing = _NOT_FOUND.match(text, end)
+            end = missing.end() if missing is not None else end
             if opened and opened[-1] <= at and at + len(words) <= end:
                 return True
     return False
+
+
+_NOT_FOUND: Final = re.compile(
+    r"(?:'s| is)? (?:can't|cannot|can not|isn't|is not|not|couldn't) (?:to )?be (?:found|seen)\b"
+)
+"""What is told of a thing that is missing, behind its name."""
 
 
 def plain(text: str) -> str:

@@ -26,12 +26,40 @@ _BOTH: Final = re.compile(r"both\b")
 _EVERYWHERE: Final[tuple[RoleName, ...]] = ("place", "thing", "person")
 
 
+def with_each(act: Do, doing: Doing) -> Do:
+    """The act with a role for each of "blocks 1 and 2", and with "him" as the thing that it is where nobody else was
+    spoken of."""
+    roles: list[Role] = []
+    for role in act.roles:
+        found = _NUMBERED.fullmatch(role.words.casefold().strip()) if role.name == "thing" else None
+        if found is not None:
+            kind = found["kind"] or found["zh"]
+            roles += [replace(role, words=f"{kind} {number}") for number in _NUMBER.findall(found["numbers"])]
+        elif role.name == "thing" and _PERSONAL.fullmatch(role.words.casefold()) and not doing.who:
+            roles.append(replace(role, words="it") if doing.named or doing.in_hand else role)
+        else:
+            roles.append(role)
+    return replace(act, roles=tuple(roles))
+
+
+_NUMBER: Final = re.compile(r"\d+|one|two|three|four|five|[一二三四五]")
+_NUMBERED: Final = re.compile(
+    rf"(?:the )?(?:(?P<kind>block|cube|box|tag)(?:e?s)?(?: numbers?)?|(?P<zh>方块|积木))"
+    rf"(?P<numbers> ?(?:{_NUMBER.pattern})(?:(?:号|, (?:and )?| and | & |和|、|跟| or )+(?:{_NUMBER.pattern}))+)号?"
+)
+_PERSONAL: Final = re.compile(r"him|her|he|she|[他她]")
+
+
 def one_by_one(act: Do, doing: Doing) -> Do:
     """The act with the things of this house that "all the cups but the blue one" are; as it is where it has no such
     group, and for what a skill does with all things of a colour."""
     to_a_place = act.act == "tidy" and bool(act.words("place"))
     if are_several(doing, act.words("person")):  # each of them gets one: "drinks to everyone"
         return act
+    if act.words("source") and doing.seen:
+        seen = [name for words in act.all("thing") for name in _members(doing, words, ()) if name in doing.seen]
+        if len(seen) == 1:  # of these there is only one
+            return replace(act, roles=(*(r for r in act.roles if r.name != "thing"), Role("thing", seen[0], 0, 0)))
     if act.words("source") and any(_is_group(doing, words, act) for words in act.all("thing")):
         raise Unable("every", act.words("thing"))  # which of them lie there, nobody knows yet
     if not (act.act in _WITH_THINGS or to_a_place) or not any(_is_group(doing, one, act) for one in act.all("thing")):

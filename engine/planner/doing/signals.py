@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from engine.facts import topic_of
+from engine.han import is_chinese
 from engine.plan import ActionCall, Quantity
 from engine.planner import amounts
 from engine.planner.doing import people
@@ -81,7 +82,8 @@ def switch(colour: str) -> Callable[[Doing, Roles], Calls]:
         own = [_LIGHT.search(words.casefold()) or (lit and doing.entity(words).refers) for words in things]
         if not things or not all(own):
             raise Unable("act")
-        return call("light", colour)
+        named = next((shade for words in things for shade in _COLOURS if shade in words.casefold().split()), colour)
+        return call("light", named if colour != "off" else colour)
 
     return switch
 
@@ -129,8 +131,12 @@ def tell(doing: Doing, roles: Roles) -> Calls:
         return people.answer(doing, roles)  # the time, the day, something about the robot itself
     if not text and doing.calls and (who is None or is_me) and _HOW_IT_WENT.search(roles.words("topic").casefold()):
         return ()  # what came of it is told in any case
+    if not text and _SOMETHING.fullmatch(roles.words("topic").casefold()):
+        raise Open("what")
     if not text:
         raise Unable("act")
+    if is_me and doing.calls and _IS_DONE.fullmatch(text.casefold()):
+        return ()
     if who is not None and who.place is None and not who.me:
         return people.tell(doing, person, place, text)
     going: Calls = call("navigation", doing.spot(place)) if place else ()
@@ -139,6 +145,8 @@ def tell(doing: Doing, roles: Roles) -> Calls:
     return (*going, *call("say", text))
 
 
+_SOMETHING: Final = re.compile(r"(?:some|any)thing.*|sth|什么|点?事情?|一声|")
+_IS_DONE: Final = re.compile(r"(?:(?:you(?:'re| are)?|ur|it's|it is|you've) )?(?:all )?(?:done|finished|ready)")
 _HOW_IT_WENT: Final = re.compile(
     r"^$|\bdone\b|\bdid\b|finish|work(?:s|ed)\b|\bw(?:ent|as it)\b|\bthere\b|到了|完|好了|怎么样"
 )
@@ -152,7 +160,17 @@ def greet(doing: Doing, roles: Roles) -> Calls:
         return people.tell(doing, words[0], place, doing.greeting)
     going = people.before(doing, roles) or ()
     greets = any(made.name == "meet" for made in going)
-    return going if greets else (*going, *call("say", doing.greeting))
+    return going if greets else (*going, *call("say", _greeting(doing)))
+
+
+def _greeting(doing: Doing) -> str:
+    if (
+        wish := re.search(r"\bgood (?:morning|afternoon|evening|night)\b|[早晚]上好|早安|晚安", doing.said, re.I)
+    ) is not None:
+        return f"{wish[0].capitalize()}{'。' if is_chinese(wish[0]) else '.'}"
+    if re.search(r"\bwelcom", doing.said, re.IGNORECASE):
+        return "Welcome."
+    return "欢迎。" if "欢迎" in doing.said else doing.greeting
 
 
 def wave(doing: Doing, roles: Roles) -> Calls:
@@ -172,9 +190,23 @@ def beep(doing: Doing, roles: Roles) -> Calls:
 
 
 def remember(doing: Doing, roles: Roles) -> Calls:
-    for words in roles.all("place"):
-        if not (doing.entity(words).me or doing.entity(words).refers):
-            roles.words("text")
-    if roles.words("text"):
-        raise Unable("name", roles.words("text"))
+    """The place where the robot is, by its name where one is said; or the name of whoever is introduced."""
+    places, text = roles.all("place"), roles.words("text")
+    if (named := _CALLED.match(text.strip())) is not None:
+        return call("learn_name", people.as_name(named["name"] or named["zh"]))
+    if text and _A_NAME.search(doing.said.casefold()):
+        return call("learn_name", people.as_name(text))
+    if text:
+        return call("remember_place", text)
+    for words in places:
+        doing.entity(words)
     return call("get_current_pose")
+
+
+_A_NAME: Final = re.compile(r"\b(?:his|her|their) name\b|[他她]的名字")
+_CALLED: Final = re.compile(
+    r"(?:(?:his|her|their|my \w+'s) name(?: is|'s)|(?:he|she|they)(?: is|'s| are|'re) called) (?P<name>.+)|"
+    r"[他她](?:的名字)?(?:叫|是)(?P<zh>.+)",
+    re.IGNORECASE,
+)
+"""What somebody's name is told with."""
