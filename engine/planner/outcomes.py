@@ -92,7 +92,8 @@ class Outcomes:
         request = heard.request
         thing, place = self._told_of(meaning)
         thing = thing or named_last(request.happened, "object") or request.holding or self._only_seen(request.seen)
-        thing = thing or self._entities.thing_in(heard.text)
+        begins = min((role.start for node in wanted if isinstance(node, Do) for role in node.roles), default=0)
+        thing = thing or self._entities.thing_in(heard.text[:begins])
         return self._done(wanted, heard, thing, place or named_last(request.happened, "place"))
 
     def after(

@@ -349,6 +349,13 @@ def test_what_a_condition_leaves_undone_takes_nothing_back(
     assert (isinstance(found, Plan) and [action.name for action in found.actions] == ["navigation", "seewhat"]) == looks
 
 
+def test_what_is_named_behind_it_is_not_it(understood: Understood, reader: Written) -> None:
+    found = plan(understood, reader.knows("put | put {thing: it} on {place: the desk}, next to the ball"))
+    assert isinstance(found, NoPlan), "nobody knows what"
+    found = plan(understood, reader.knows("put | who left the ball here, put {thing: it} on {place: the desk}"))
+    assert isinstance(found, Plan)
+
+
 def test_what_a_microphone_hears_and_nobody_says_to_the_robot_moves_nothing(planner: Planner, reader: Written) -> None:
     said = reader.knows("light | the traffic {colour: light} was yellow", directed=0.01)
     overheard = asyncio.run(planner.plan(PlanRequest(said, spoken=True)))
