@@ -9,6 +9,8 @@ from engine.skills.outcome import Result, ok
 from engine.skills.registry import Measure, Word, skill
 
 BEEP_S = 0.2
+_LOOK_S, _LOOKS = 0.02, 25
+"""How often the state is looked at for the new colour, s, and how many times at most: not every robot tells it."""
 
 COLOURS: dict[str, tuple[int, int, int]] = {
     "off": (0, 0, 0),
@@ -36,4 +38,7 @@ async def beep(context: SkillContext, seconds: Annotated[float, Measure("s", 0.0
 async def light(context: SkillContext, color: Annotated[str, Word("colour")]) -> Result:
     """Set the colour of the light: white, red, green, blue, yellow, orange, purple, pink, cyan, or off."""
     context.robot.set_light(COLOURS[color], context.epoch)
+    for _ in range(_LOOKS):  # whatever it changes is asked about right behind it
+        if (await context.sleep(_LOOK_S)).light == COLOURS[color]:
+            break
     return ok("The light is off." if color == "off" else f"The light is {color}.")
