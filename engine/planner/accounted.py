@@ -87,6 +87,7 @@ _TOLD_OF: Final = re.compile(
 """What somebody has done."""
 _LISTED_ACTS: Final = re.compile(
     r"\b(?:these|those|the following|do) (?:two|three|four|\d)\b|"
+    r"\b(?:two|three|four|\d) (?:things|jobs|tasks|errands|steps)\b(?=\W*[:–—-])|"
     r"\b(?:two|three|four|\d) (?:things|jobs|tasks|errands)\b|"
     r"[两二三四\d]件事"
 )

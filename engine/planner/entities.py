@@ -107,7 +107,7 @@ _LYING_ABOUT: Final = re.compile(
 )
 """What says no more of a thing than that it is somewhere."""
 _STUFF_OF_A_KIND: Final = re.compile(r"(?<=\w )stuff$")
-_OF_COLOUR: Final = re.compile(r"\b(\w+) (?:of|in) (?:the )?colou?r (\w+)$")
+_OF_COLOUR: Final = re.compile(r"\b(\w+) (?:of|in) (?:the )?(?:colou?r (\w+)|(\w+) colou?r)$")
 _NOTHING_SAID: Final = re.compile(
     r"(?:\b(?:the|a|an|my|your|that|this|to|u[hm]+|e+r?h?m+|er|hmm+|well|whatsit|thingy|thingamajig|thingummy|doodah|"
     r"whatchamacallit|what's it called|what's its name|you know|the one)\b[ ,.]*)+|"
@@ -217,7 +217,7 @@ class Entities:
         for side, pattern in _SIDES:
             if pattern.fullmatch(plain):
                 return Entity(words, side=side)
-        plain = _OF_COLOUR.sub(r"\2 \1", _LYING_ABOUT.sub("", plain.removesuffix("'s")))
+        plain = _OF_COLOUR.sub(r"\2\3 \1", _LYING_ABOUT.sub("", plain.removesuffix("'s")))
         plain = _STUFF_OF_A_KIND.sub("things", plain)
         if _IT.fullmatch(plain) or _THERE.fullmatch(plain):
             return Entity(words, refers=True)

@@ -183,6 +183,7 @@ def told(argument: Quantity | str) -> str:
         ("put put | {1.thing: that ball} on {1.place: the bed}, stick {2.thing: it} on {2.place: the shelf}",
          "navigation(Q); pick_object(ball); place_object(shelf)"),
         ("tidy | {thing: blue stuff} goes on {place: the workbench}", "tidy(blue, workbench)"),
+        ("pick_up | {thing: the box of yellow colour}", "pick_object(yellow box)"),
         ("put | {thing: the box of colour green} on {place: the counter}",
          "pick_object(green box); place_object(counter)"),
         ("tidy | {thing: everything blue that's lying around} to {place: the shelf}", "tidy(blue, shelf)"),

@@ -171,6 +171,8 @@ def read_as(line: str, *, sure: float = 1.0) -> Meaning:
         "go bring | step one go to {1.place: the sofa} step two bring {2.thing: the ball} to {2.place: the hall}",
         "bring bring | swap these two: {1.thing: the ball} to {1.place: the desk}, {2.thing: a cup} to {2.place: me}",
         "come | come back 2 {person: me}",
+        "forward | come forward a touch, let's say {amount: fifteen centimetres}",
+        "forward turn_right | take 2 steps: {1.amount: half a metre} forward, right {2.amount: 90 degrees}",
         "turn_around | do a full turn on the spot",
         "turn_around say | 先转一个圈圈然后说{2.text: 你好}",
         "throw_away | {thing: 黄盒子}我不要了，扔掉。",
