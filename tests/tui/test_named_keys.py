@@ -302,8 +302,8 @@ def _hints(value: object) -> Iterator[str]:
 
 def read(desk: Desk) -> dict[str, set[str]]:
     """What stands on the screen and names a key, with the actions that may be meant: some share their words."""
-    status = {part.region.y for part in desk.app.screen.query(StatusLine) if part.region}  # whose hints are read below
-    lines = [line for row, line in enumerate(desk.text.splitlines()) if row not in status]
+    number = rf"{strings.TASK} \d+"  # of the task: not a key of what stands behind it
+    lines = [re.sub(number, " ", line, count=1) for line in desk.text.splitlines()]
     text = " ".join(" ".join(map(_plain, lines)).split())
     hints = [hint for name in vars(strings) if name.isupper() for hint in _hints(getattr(strings, name))]
     hints += [f"{{{kind}}} {word}" for kind, word in strings.FOLLOW_UPS.items()]

@@ -108,6 +108,7 @@ class Drawing:
         self._arrived: list[tuple[Event, float]] = []  # taken from the inbox, not drawn yet
         self._inbox: Inbox[tuple[Event, float]] = Inbox(lambda: stage.post_message(Woken()))
         self._unhinted = HINT_FRAMES  # frames since the keys that act were asked for
+        self._hinted_at: tuple[object, object] = (None, None)  # where the keyboard was then
         self._lag = float("inf")  # smallest seen difference between our clock and event time
         self._logged = self.model.log  # what the log has been asked to show
         self.parts: tuple[PartStatus, ...] = ()
@@ -282,8 +283,9 @@ class Drawing:
             self._logged = self.model.log
             self._logs.ask()
         only_moves = self.view.moving and model.moving and all(isinstance(event.body, _MOTION) for event, _ in arrived)
-        hint = not only_moves or self.calm or self._unhinted >= HINT_FRAMES
-        self._unhinted = 1 if hint else self._unhinted + 1
+        at = (stage.screen, stage.focused)
+        hint = not only_moves or self.calm or self._unhinted >= HINT_FRAMES or at != self._hinted_at
+        self._unhinted, self._hinted_at = 1 if hint else self._unhinted + 1, at
         view = self._view(hint)
         if stage.main.is_one_line:
             view = self._with_ends(view)
