@@ -245,6 +245,21 @@ async def test_the_log_keeps_how_one_that_was_taken_back_goes_back() -> None:
         assert told == ["enter puts it back into its place · empty the line to leave it out"]
 
 
+async def test_what_the_palette_asks_for_is_not_what_was_taken_back() -> None:
+    async with waiting() as desk:
+        await take_back(desk, 1, *WAITING[1:])
+        desk.app.main.line.send("list_skills()")  # as the palette does
+        await desk.settled()
+        said = desk.engine.sent[-1]
+        assert isinstance(said, Say)
+        assert (said.text, said.wait) == ("list_skills()", False)
+        assert desk.app.main.line.value == "beep", "it still stands in the line"
+        await desk.press("enter")
+        back = desk.engine.sent[-1]
+        assert isinstance(back, Say)
+        assert (back.text, back.wait) == ("beep", True)
+
+
 async def test_one_that_was_taken_back_goes_behind_all_others_by_the_key_that_adds() -> None:
     async with waiting() as desk:
         await take_back(desk, 1, *WAITING[1:])

@@ -50,12 +50,13 @@ class Ask(TextLine):
     class Asked(Message):
         """The user typed a request, or pasted several: ``text`` is what stood in the line."""
 
-        def __init__(self, text: str, *, waits: bool) -> None:
-            """``waits``: it is done after all that was asked for before."""
+        def __init__(self, text: str, *, waits: bool, here: bool) -> None:
+            """``waits``: it is done after all that was asked for before; ``here``: it stood in the line."""
             super().__init__()
             self.text = text
             self.requests = requests_of(text)
             self.waits = waits
+            self.here = here
 
     def __init__(self, acting: Acting, commands: Commands) -> None:
         """``acting`` says which keys act now; ``commands`` as in ``TextLine``."""
@@ -165,7 +166,7 @@ class Ask(TextLine):
             self._tell_too_long()
             return
         self.value = ""
-        self.send(written)
+        self.send(written, here=True)
         self.insert_text_at_cursor(rest)
 
     @property
@@ -199,10 +200,10 @@ class Ask(TextLine):
     def submit(self, *, waits: bool = False) -> None:
         """Ask for what stands here; ``waits``: to be done after all that was asked for before."""
         self.value, text = "", self.value
-        self.send(text, waits=waits)
+        self.send(text, waits=waits, here=True)
 
-    def send(self, text: str, *, waits: bool = False) -> None:
-        """Ask for what was written, here or elsewhere; it is remembered."""
+    def send(self, text: str, *, waits: bool = False, here: bool = False) -> None:
+        """Ask for what was written, ``here`` or elsewhere; it is remembered."""
         text = text.strip()
         if not requests_of(text):
             return
@@ -210,7 +211,7 @@ class Ask(TextLine):
         if not self._history or self._history[-1] != text:
             self._history = [*self._history[1 - _MAX_HISTORY :], text]
         self._at, self._draft = len(self._history), ""
-        self.app.post_message(self.Asked(text, waits=waits))  # before the keys behind it
+        self.app.post_message(self.Asked(text, waits=waits, here=here))  # before the keys behind it
 
     def action_recall(self, step: int) -> None:
         """Go back (−1) or forth (1) in what was sent; what was being written is kept."""
