@@ -319,9 +319,9 @@ class Entities:
         """Whether somebody of this name, or this description, is not known by name."""
         return not self._vocabulary.people.name(name)
 
-    def place_name(self, symbol: str) -> str:
-        """What people call a place of the map."""
-        return self._vocabulary.place_name(symbol)
+    def place_name(self, place: str) -> str:
+        """What people call a place of the map; a name is what it is called."""
+        return self._vocabulary.place_name(place) if self._vocabulary.is_marked(place) else place
 
     def thing_in(self, text: str) -> str:
         """The thing of this house that a text names last; empty where it names none."""

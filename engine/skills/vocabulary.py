@@ -220,6 +220,10 @@ class Vocabulary:
         """Every word for a place of the map."""
         return tuple(dict.fromkeys(self._place_words()))
 
+    def is_marked(self, place: str) -> bool:
+        """Whether that is a symbol of the map, the remembered place among them."""
+        return place in ("", ZERO_SYMBOL) or place in self._places.known()
+
     def place_name(self, symbol: str) -> str:
         """What people call a place of the map."""
         return self._places.words(symbol)[0] if symbol and symbol != ZERO_SYMBOL else ""

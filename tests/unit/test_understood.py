@@ -349,6 +349,14 @@ def test_what_a_condition_leaves_undone_takes_nothing_back(
     assert (isinstance(found, Plan) and [action.name for action in found.actions] == ["navigation", "seewhat"]) == looks
 
 
+def test_there_is_a_place_that_was_only_named_before(understood: Understood, reader: Written) -> None:
+    text = reader.knows("put | put {thing: the ball} {place: there}")
+    before = (Said("take it there"), planned("carry(bottle, dining table)"))  # by its name, not by its symbol
+    found = understood.plan(Heard(PlanRequest(text, before), text, "en"))
+    assert isinstance(found, Plan)
+    assert [action.name for action in found.actions] == ["pick_object", "place_object"]
+
+
 def test_what_is_named_behind_it_is_not_it(understood: Understood, reader: Written) -> None:
     found = plan(understood, reader.knows("put | put {thing: it} on {place: the desk}, next to the ball"))
     assert isinstance(found, NoPlan), "nobody knows what"
