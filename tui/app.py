@@ -409,10 +409,7 @@ class SaysoApp(Stage):
 
     def on_ask_asked(self, message: Ask.Asked) -> None:
         self.dressing.typed(message.text)
-        if message.here:
-            self._ask(self.queueing.asked(*message.requests, waits=message.waits))
-        else:  # what was taken back to be changed still stands in the line
-            self._ask(Say(message.requests[0], then=tuple(message.requests[1:]), wait=message.waits))
+        self._ask(self.queueing.asked(*message.requests, waits=message.waits, here=message.here))
 
     def on_action_queue_dropped(self, message: ActionQueue.Dropped) -> None:
         self.queueing.drop(message.request)

@@ -155,11 +155,11 @@ _KIN: Final = re.compile(
     r"waving|wearing|pointing|raising|over|from|under|next|beside|there|here|and|or)\b)",
     re.IGNORECASE,
 )
-"""What somebody is to others, before their name."""
+"""What a person is to others, before their name."""
 
 
 def is_named_after_kin(words: str) -> bool:
-    """Whether a name follows what somebody is to others: "my sister Emma"."""
+    """Whether a name follows what a person is to others: "my sister Emma"."""
     return _KIN.match(words) is not None
 
 

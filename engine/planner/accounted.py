@@ -84,11 +84,10 @@ _TO: Final = re.compile(r"\b2 (?=(?:me|u|you|the|my|us)\b)")
 _TOLD_OF: Final = re.compile(
     r"\b(?:i|we|he|she|they)(?:'ve|'s| have| has) (?:already |just )?\w+(?:ed|en|t|d)\b[^,.;!?]*"
 )
-"""What somebody has done."""
+"""What people have done."""
 _LISTED_ACTS: Final = re.compile(
     r"\b(?:these|those|the following|do) (?:two|three|four|\d)\b|"
-    r"\b(?:two|three|four|\d) (?:things|jobs|tasks|errands|steps)\b(?=\W*[:–—-])|"
-    r"\b(?:two|three|four|\d) (?:things|jobs|tasks|errands)\b|"
+    r"\b(?:two|three|four|\d) (?:(?:things|jobs|tasks|errands)\b|steps\b(?=\W*[:–—-]))|"
     r"[两二三四\d]件事"
 )
 """How many acts are listed."""
@@ -249,7 +248,7 @@ _NO_USE: Final = re.compile(
     r"(?:really )?(?:need|want|use|like|drink|eat|wear|play with)\b|"
     r"不要了|不用了|不想要|用不[着上]|不喝了?|不吃了?|没人要"
 )
-"""That a thing is of no use to somebody."""
+"""That a thing is of no use to people."""
 _CLAUSE_END: Final = re.compile(r"[,.;:!?，。；！？]|\b(?:so|and|then)\b|就|那")
 _WITH_THINGS: Final = frozenset({"throw_away", "put", "bring", "tidy", "pick_up", "clean"})
 

@@ -17,6 +17,7 @@ from engine.perception.naming import is_choice, parted
 from engine.perception.someone import Someone
 from engine.planner.amounts import number
 from engine.skills.places import ZERO_SYMBOL
+from engine.skills.registry import is_said
 from engine.skills.vocabulary import Ambiguous, Vocabulary
 
 Side = Literal["left", "right", "behind", "ahead"]
@@ -334,7 +335,7 @@ class Entities:
     @staticmethod
     def _named_last(text: str, names: Sequence[str]) -> str:
         plain = text.casefold()
-        ends = {name: plain.rfind(name) + len(name) for name in names if _stands_in(name, plain)}
+        ends = {name: plain.rfind(name) + len(name) for name in names if is_said(name, plain)}
         return max(ends, key=lambda name: (ends[name], len(name)), default="")
 
     def side_in(self, words: str) -> Side | None:
@@ -494,11 +495,6 @@ def _is_plural(words: str, thing: str) -> bool:
     one, *_, last = thing.split()[-1], *words.split()
     plural = last in (f"{one}s", f"{one}es", f"{one.removesuffix('y')}ies")
     return plural and _SOME.match(words) is None
-
-
-def _stands_in(name: str, plain: str) -> bool:
-    """Whether a text holds this name, and not only as a part of a word."""
-    return (is_chinese(name) and name in plain) or re.search(rf"\b{re.escape(name)}\b", plain) is not None
 
 
 def _with_question(entity: Entity, which: list[str]) -> Entity:

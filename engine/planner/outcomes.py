@@ -115,9 +115,11 @@ class Outcomes:
                 return None
             node, condition, behind = following
             if doing.calls and of_success(condition, worked=True) is not None:
-                return self._after_an_attempt(node, condition, behind, doing, heard, sees)
+                worked = worked_last(heard.request.happened) is True
+                holds = sees if isinstance(sees, bool) else of_success(condition, worked=worked) is True
+                return self._going_on(node, behind, doing, heard, (*decided, holds))
             if depends_on_an_answer(condition, doing.calls):
-                return self._after_an_answer(node, behind, doing, heard, sees)
+                return self._after_an_answer(node, behind, doing, heard, sees, decided)
             looked_for = sought(doing, condition)
         except (Open, Which, NowhereKnown, Unable):
             return None
@@ -192,25 +194,28 @@ class Outcomes:
                 doing.thing(words)
         doing.went(Do("look", tuple(role for role in condition.roles if role.name == "place")))
 
-    def _after_an_attempt(
+    def _going_on(
         self,
         node: If,
-        condition: Condition,
+        rest: Sequence[Do | If | Repeat],
+        doing: Doing,
+        heard: Heard,
+        decided: tuple[bool, ...],
+        after: Sought | None = None,
+    ) -> Plan | NoPlan:
+        """What is to be done behind a condition that needed no look, the last of those that are ``decided``."""
+        branch = node.then if decided[-1] else node.otherwise
+        found = self._done((*_only_wanted(branch), *rest), heard, doing.named, doing.place, after=after)
+        return self._decided(found, heard, decided)
+
+    def _after_an_answer(
+        self,
+        node: If,
         rest: Sequence[Do | If | Repeat],
         doing: Doing,
         heard: Heard,
         sees: Callable[[str], bool] | bool,
-    ) -> Plan | NoPlan | None:
-        """What is to be done when it is known how that went which was to be tried."""
-        worked = worked_last(heard.request.happened) is True
-        holds = sees if isinstance(sees, bool) else of_success(condition, worked=worked) is True
-        branch = node.then if holds else node.otherwise
-        found = self._done((*_only_wanted(branch), *rest), heard, doing.named, doing.place)
-        decided = () if heard.request.text else decided_last(heard.request.happened)
-        return self._decided(found, heard, (*decided, holds))
-
-    def _after_an_answer(
-        self, node: If, rest: Sequence[Do | If | Repeat], doing: Doing, heard: Heard, sees: Callable[[str], bool] | bool
+        decided: tuple[bool, ...],
     ) -> Plan | NoPlan | None:
         """What is to be done after somebody has answered; a question where the answer tells neither yes nor no."""
         answer = answered_last(heard.request.happened)
@@ -219,11 +224,8 @@ class Outcomes:
         holds = sees if isinstance(sees, bool) else is_met(node.condition, answer)
         if holds is None:
             return _question(heard, "unclear_answer", SAID[heard.language]["unclear_answer"].format(words=answer))
-        branch = node.then if holds else node.otherwise
-        whoever = Sought(PERSON, holds, (), who=doing.who)
-        found = self._done((*_only_wanted(branch), *rest), heard, doing.named, doing.place, after=whoever)
-        decided = () if heard.request.text else decided_last(heard.request.happened)
-        return self._decided(found, heard, (*decided, holds))
+        asked = Sought(PERSON, holds, (), who=doing.who)
+        return self._going_on(node, rest, doing, heard, (*decided, holds), after=asked)
 
     def _seen_lately(self, act: Do, heard: Heard) -> str:
         """Where somebody was seen whom a question is about; empty where that is not known: they are looked for then."""
@@ -504,8 +506,7 @@ def _own_name(text: str) -> str:
     found = _OWN_NAME.fullmatch(text.replace("’", "'").strip(" .!。！"))
     if found is None:
         return ""
-    name = found["said"] or found["en"] or found["zh"]
-    return as_name(name)
+    return as_name(found["said"] or found["en"] or found["zh"])
 
 
 def _takes_all_back(meaning: Meaning) -> bool:

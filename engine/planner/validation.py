@@ -76,7 +76,8 @@ class Validation:
             called = [name for name in several if is_said(name, request.text)]
             if len(called) == 1 and words == self._vocabulary.object(called[0]):
                 several = ()  # another thing looks like it, and is called otherwise
-            if len(several) > 1 and words in located and _apposed(several, request.text) is None:
+            apposed = _apposed(several, request.text)
+            if len(several) > 1 and words in located and apposed is None:
                 there = [name for name in several if _was_seen_at(name, located[words], request.seen)]
                 if len(there) > 1 and not any_of(words, request.text):
                     return which_of(found.goal, there, language)
@@ -84,7 +85,7 @@ class Validation:
                     action = replace(action, args={**action.args, "object": self._vocabulary.object(there[0])})
             elif len(several) > 1 and not any_of(words, request.text):
                 seen = [name for name in several if any(name in told for told in request.seen)]
-                if (apposed := _apposed(several, request.text)) is not None:
+                if apposed is not None:
                     seen = [apposed]
                 elif len(called) == 1:  # "the yellow box …; the box …"
                     seen = called

@@ -84,7 +84,7 @@ class Verdict:
 
 
 class _Known:
-    """The words of a world, of whose things some were seen: whoever fetches those goes there anyway."""
+    """The words of a world, of whose things some were seen: to fetch one of those is to go there anyway."""
 
     def __init__(self, words: KnownWords, seen: Sequence[str], say: str = "") -> None:
         self._words = words
@@ -93,12 +93,7 @@ class _Known:
             for behind in _SOURCE.split(say.casefold())[1:]
             for size in (1, 2)
         )
-        told = [(sentence, _WHERE.search(sentence)) for sentence in seen]
-        self._spots = [
-            (words.things(sentence[: at.start()].removeprefix("the ")), words.place(_place(sentence[at.end() :])))
-            for sentence, at in told
-            if at is not None
-        ]
+        self._spots = _spots(seen, words)
 
     def homes(self, thing: str) -> frozenset[str]:
         """Where a thing is from the start, where it was seen, and where somebody says that it is."""
@@ -115,8 +110,17 @@ _SOURCE: Final = re.compile(r"\b(?:from|off|out of|on|in|at|by|inside|under) (?:
 """What stands before where a thing is said to be."""
 
 
-def _place(words: str) -> str:
-    return words.strip(" .").removeprefix("the ")
+def _spots(seen: Sequence[str], words: Words) -> Sequence[tuple[frozenset[str], str]]:
+    """The things that are told to have been seen, and where: ``white cup on the stool``."""
+    told = [(sentence, _WHERE.search(sentence)) for sentence in seen]
+    return [
+        (
+            words.things(sentence[: at.start()].removeprefix("the ")),
+            words.place(sentence[at.end() :].strip(" .").removeprefix("the ")),
+        )
+        for sentence, at in told
+        if at is not None
+    ]
 
 
 async def judge(entry: Entry, planner: Plans, world: KnownWords) -> Verdict:
@@ -241,8 +245,7 @@ def _after(request: PlanRequest, answer: Answer, after: Next, words: Words) -> P
 def _may_be_at(after: Next, words: Words) -> Callable[[str, str], bool]:
     """Whether a thing that is seen may be at a place: ``white cup on the stool`` is not on the shelf. Where the world
     tells no rooms, one may be in the other."""
-    told = [(_WHERE.split(sentence)[0], _WHERE.search(sentence), sentence) for sentence in after.seen]
-    spots = [(words.things(head), words.place(_place(rest[found.end() :]))) for head, found, rest in told if found]
+    spots = _spots(after.seen, words)
 
     def may_be_at(thing: str, place: str) -> bool:
         where = [at for things, at in spots if thing == ANYTHING or words.things(thing) & things]

@@ -146,9 +146,10 @@ class Queueing:
             if not self._stage.main.line.value:
                 self._stage.main.line.write(taken.draft)
 
-    def asked(self, text: str, *then: str, waits: bool = False) -> Say:
-        """The command for what was in the line; ``waits``: it is done after all that was asked for before."""
-        taken = self._changing
+    def asked(self, text: str, *then: str, waits: bool = False, here: bool = True) -> Say:
+        """The command for what was asked for; ``waits``: it is done after all that was asked for before; ``here``: it
+        was in the line, where what was taken back to be changed stands."""
+        taken = self._changing if here else None
         if taken is None:
             return Say(text, then=then, wait=waits)
         self._end()

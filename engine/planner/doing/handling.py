@@ -159,10 +159,10 @@ def carried(doing: Doing, words: str, place: str, source: str) -> Calls:
 
 
 def bring(doing: Doing, roles: Roles) -> Calls:
-    if roles.words("person") and not roles.all("thing") and not doing.entity(roles.words("person")).me:
+    person, things = roles.words("person"), roles.all("thing")
+    if person and not things and not doing.entity(person).me:
         return people.meet(doing, roles)  # "fetch Oliver at the exit"
-    things, source = roles.all("thing") or _it(doing), roles.words("source")
-    person, place = roles.words("person"), roles.words("place")
+    things, source, place = things or _it(doing), roles.words("source"), roles.words("place")
     if source and _WHERE_IT_WAS.fullmatch(place.casefold()):  # "back where it was, the coffee table"
         place, source = source, ""
     goal = ZERO_SYMBOL
@@ -222,9 +222,9 @@ def throw_away(doing: Doing, roles: Roles) -> Calls:
     if len(things) == 1 and (_is_rubbish(doing, things[0]) or _LYING_ABOUT.fullmatch(things[0].casefold())):
         where = source or source_of(doing, roles, things[0])
         return cleaned(doing.entity(where).room) if where else call("clear_rubbish")
-    if not things and doing.in_hand:
-        return call("place_in_bin")
     if not things:
+        if doing.in_hand:
+            return call("place_in_bin")
         things = _it(doing)
     made: Calls = ()
     for words in things:

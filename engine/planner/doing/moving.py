@@ -281,9 +281,12 @@ def guide(doing: Doing, roles: Roles) -> Calls:
 
 
 def patrol(doing: Doing, roles: Roles) -> Calls:
-    places = [words for words in roles.all("place") if not (doing.entity(words).every or is_everywhere(words))]
-    places = [words for words in places if not doing.entities.rooms_meant(words)]
-    symbols = [symbol for words in places for symbol in _several(doing, words)]
+    symbols = [
+        symbol
+        for words in roles.all("place")
+        if not (doing.entity(words).every or is_everywhere(words) or doing.entities.rooms_meant(words))
+        for symbol in _several(doing, words)
+    ]
     return call("patrol", ",".join(symbols)) if symbols else call("patrol")
 
 

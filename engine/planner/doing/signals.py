@@ -190,7 +190,7 @@ def beep(doing: Doing, roles: Roles) -> Calls:
 
 
 def remember(doing: Doing, roles: Roles) -> Calls:
-    """The place where the robot is, by its name where one is said; or the name of whoever is introduced."""
+    """The place where the robot is, by its name where one is said; or the name of a person who is introduced."""
     places, text = roles.all("place"), roles.words("text")
     if (named := _CALLED.match(text.strip())) is not None:
         return call("learn_name", people.as_name(named["name"] or named["zh"]))

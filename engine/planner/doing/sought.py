@@ -125,13 +125,8 @@ def sought(doing: Doing, condition: Condition) -> Sought:
         members = doing.entities.members(found) if found is not None and _EACH.match(thing.casefold()) else ()
         if len(members) > 1:
             return Sought(doing.thing(thing), there, look, at_least(len(members)), members, at=name)
-        looked_for = (
-            PERSON
-            if person
-            else ANYTHING
-            if not thing or is_anything(thing) or is_rubbish(thing)
-            else doing.thing(thing)
-        )
+        any_thing = not thing or is_anything(thing) or is_rubbish(thing)
+        looked_for = PERSON if person else ANYTHING if any_thing else doing.thing(thing)
         return Sought(looked_for, there, look, who=who, empty=not thing and not person, at=name)
     names = doing.entities.members(found) if found is not None else ()
     if len(names) < 2:
@@ -146,9 +141,7 @@ def _is_stranger(doing: Doing, who: str) -> bool:
 
 def _name_of(doing: Doing, words: str) -> str:
     """What the room or piece of furniture is called that these words name; empty for other places."""
-    found = doing.entities.of(words)
-    if found.refers and doing.place:
-        found = doing.entities.of(doing.entities.place_name(doing.place))
+    found = doing.where(words)
     return found.room or "" if found.surface in (None, FLOOR) else found.surface
 
 
@@ -226,12 +219,12 @@ def as_seen(condition: Condition, entities: Entities) -> Condition:
                 replace(next(role for role in others if role.name == "thing"), name="place", words=at.words),
             )
         return Condition("seen" if positive else "unseen", roles)
-    if TIDY.fullmatch(state) is not None or (
-        positive and _MESSY.search(state) is not None
-    ):  # there is something to tidy up
+    tidy = TIDY.fullmatch(state) is not None
+    if tidy or (positive and _MESSY.search(state) is not None):  # something lies there, or nothing does
         spots = [role for role in others if entities.of(role.words).room or entities.of(role.words).refers]
-        messy = positive == (TIDY.fullmatch(state) is None)
-        return Condition("seen" if messy else "unseen", tuple(replace(role, name="place") for role in spots[:1]))
+        return Condition(
+            "seen" if positive != tidy else "unseen", tuple(replace(role, name="place") for role in spots[:1])
+        )
     if how_many(state) is not None and condition.words("place"):  # "on the table it is more than one box"
         return Condition(
             "seen" if positive else "unseen",

@@ -38,7 +38,7 @@ async def beep(context: SkillContext, seconds: Annotated[float, Measure("s", 0.0
 async def light(context: SkillContext, color: Annotated[str, Word("colour")]) -> Result:
     """Set the colour of the light: white, red, green, blue, yellow, orange, purple, pink, cyan, or off."""
     context.robot.set_light(COLOURS[color], context.epoch)
-    for _ in range(_LOOKS):  # whatever it changes is asked about right behind it
+    for _ in range(_LOOKS):  # what it has changed may be asked about at once
         if (await context.sleep(_LOOK_S)).light == COLOURS[color]:
             break
     return ok("The light is off." if color == "off" else f"The light is {color}.")
