@@ -16,6 +16,7 @@ from tests.tui import scripted
 from tests.tui.desk import Desk, console
 from tests.tui.scripted import ScriptedEngine, flat, robot_at
 from tui.keys.keys import EDITING, IN_ONE_LINE, KEYS
+from tui.rooms.ending import Ending
 from tui.shown.watchdog import engine_is_silent
 from tui.widgets.ask import Ask
 from tui.widgets.text_line import is_text
@@ -536,6 +537,24 @@ async def test_an_open_question_goes_before_how_older_requests_ended() -> None:
         desk.engine.publish(ev.ClarificationAsked("Which room?", "go to the room"))
         await desk.settled()
         assert "robot: Which room? · ■ (2) find the cup, go to the hall" in desk.text
+
+
+async def test_what_a_question_cuts_off_in_a_single_row_is_told_when_that_has_its_answer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    timed: list[tuple[int, bool]] = []
+    monkeypatch.setattr(Ending, "_time", lambda _, told: timed.append(told))
+    async with console(engine(), size=(80, 1), one_line=True, in_line=True) as desk:
+        replacing(desk.engine)
+        desk.engine.publish(ev.ClarificationAsked("Which one: the white cup or the blue cup?", "bring me the cup"))
+        await desk.settled()
+        assert re.search("ASKING .*Which one: the white cu…", desk.text)
+        assert "find the cup" not in desk.text
+        assert timed[-1] == (0, False), "nobody can read it yet"
+        desk.engine.publish(ev.QuestionEnded("bring me the cup", "declined"))
+        await desk.settled()
+        assert "■ (2) find the cup, go to the …" in desk.text
+        assert timed[-1] == (2, True)
 
 
 @pytest.mark.parametrize("by", ["interrupt", "estop"])

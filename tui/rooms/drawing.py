@@ -349,7 +349,8 @@ class Drawing:
         """With how requests ended, unless something more urgent is to be read."""
         pressed = view.robot is not None and view.robot.estop
         hidden = bool((view.notice and not view.standstill) or view.model.partial)
-        self.ending.look(view.model, pressed=pressed, hidden=hidden)
+        cut = self._stage.main.has_one_row and view.model.asking
+        self.ending.look(view.model, pressed=pressed, hidden=hidden, cut=cut)
         return replace(view, ends=self.ending.told, outdated=self.ending.outdated)
 
     def _turn_looked_at(self) -> Turn | None:

@@ -41,9 +41,10 @@ class Ending:
         self._next: Timer | None = None
         self._timed: tuple[int, bool] = 0, False  # how many the timer is for, and whether more are to be told
 
-    def look(self, model: ConsoleModel, *, pressed: bool, hidden: bool) -> None:
-        """So things are now. ``pressed``: the emergency stop is; ``hidden``: something more urgent has the line. As
-        long as either is so, the time of what is to be told does not run."""
+    def look(self, model: ConsoleModel, *, pressed: bool, hidden: bool, cut: bool = False) -> None:
+        """So things are now. ``pressed``: the emergency stop is; ``hidden``: something more urgent has the line;
+        ``cut``: what stands before the ends may leave them no room. As long as one of them is so, the time of what is
+        to be told does not run."""
         new = [end for end in model.ends if end.number > self._seen]
         self._seen = new[-1].number if new else self._seen
         self._left += new
@@ -56,7 +57,7 @@ class Ending:
             self._left = []
         alike = next((at for at, end in enumerate(self._left) if not end.is_like(self._left[0])), len(self._left))
         self.told = () if hidden else tuple(self._left[:alike])
-        self._time((0, False) if pressed else (len(self.told), len(self._left) > alike))
+        self._time((0, False) if pressed or cut else (len(self.told), len(self._left) > alike))
 
     def next(self) -> None:
         """What is told now has been told for long enough."""

@@ -466,6 +466,11 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         return self._one_line is not None
 
     @property
+    def has_one_row(self) -> bool:
+        """…which is a single row, so that a question of the robot may cut off what is told behind it."""
+        return self._one_line is not None and self._one_line.size.height <= 1
+
+    @property
     def is_hidden(self) -> bool:
         """The terminal is too small for anything but saying so."""
         return self.has_class("-tiny") and self._one_line is None

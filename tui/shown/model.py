@@ -95,6 +95,11 @@ class ConsoleModel(Struct, frozen=True):
         return self.state in REST and self.plan is not None and self.plan.stage == "question" and self.plan.open
 
     @property
+    def asking(self) -> bool:
+        """Such a question is open, or is asked just now."""
+        return self.asks or self.state == "CLARIFYING"
+
+    @property
     def held(self) -> bool:
         """What waits begins when a question of the robot has been answered."""
         return bool(self.waiting) and self.asks

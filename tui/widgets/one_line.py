@@ -119,7 +119,7 @@ def _now(view: View, *, progress: bool) -> Piece | None:
         return JOINT.join(filter(None, (f"▸ {told(row.call)}", come))), "$text-success"
     if model.plan is not None and model.plan.stage == "thinking":
         return f"{strings.YOU}: {model.plan.goal}", "$foreground"
-    if model.plan is not None and (model.asks or model.state == "CLARIFYING") and model.plan.message:
+    if model.plan is not None and model.asking and model.plan.message:
         return f"{strings.ROBOT}: {model.plan.message}", "$foreground"
     speaks = model.state not in REST and model.conversation and model.conversation[-1].who == "robot"
     return _said_last(view) if speaks else None
