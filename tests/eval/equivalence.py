@@ -122,7 +122,7 @@ def fits(wanted: Effect, done: Effect, words: Words) -> bool:
     if wanted.what in OF_THINGS:
         return is_thing(str(wanted.args[0]), str(done.args[0]), words)
     if wanted.what == "patrol":
-        return wanted.args == done.args
+        return wanted.args in (("*",), done.args)
     given = done.args[: len(wanted.args)]
     return len(given) == len(wanted.args) and all(map(_is_value, wanted.args, given))
 

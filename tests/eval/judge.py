@@ -133,7 +133,8 @@ async def judge(entry: Entry, planner: Plans, world: KnownWords) -> Verdict:
     if ok:
         for after in entry.then if answer.outcome == "plan" else ():
             words = _Known(world, (*entry.seen, *after.seen), entry.say)
-            answers.append(await _ask(planner, _after(request, answer, after, words)))
+            over = answer.finished and not after.feedback.startswith("failed")
+            answers.append(NOTHING_MORE if over else await _ask(planner, _after(request, answer, after, words)))
             ok = ok and (
                 acceptable(after.ok, answers[-1], words, must_go_on=False)
                 or _is_done(after, answer, answers[-1], words)
@@ -150,10 +151,15 @@ async def judge(entry: Entry, planner: Plans, world: KnownWords) -> Verdict:
     )
 
 
+NOTHING_MORE: Final = Answer("plan", (), "nothing more", "", 0.0)
+"""After a plan that has done all that was asked for: no planner is asked again then."""
+
+
 def _is_done(after: Next, first: Answer, then: Answer, words: Words) -> bool:
     """Whether nothing is left to do because the first plan has done it already: it tried, and it went well."""
     done = not after.feedback.startswith("failed") and not then.steps and then.outcome in ("plan", "chat")
-    return done and acceptable(after.ok, first, words, must_go_on=False)
+    acts = then is NOTHING_MORE and any(step.name not in LOOKS for step in first.steps)
+    return done and (acts or acceptable(after.ok, first, words, must_go_on=False))
 
 
 def acceptable(ok: Sequence[str], answer: Answer, words: Words, *, must_go_on: bool) -> bool:
@@ -233,7 +239,8 @@ def _after(request: PlanRequest, answer: Answer, after: Next, words: Words) -> P
     """What is asked when the plan is done, and this is what came of it."""
     assert isinstance(answer.found, Plan)
     *before, last = answer.found.actions
-    how: Literal["ok", "failed"] = "failed" if after.feedback.startswith("failed") else "ok"
+    nobody = last.name in _FINDS_PEOPLE and not any(_PERSON.match(head) for head in after.seen)
+    how: Literal["ok", "failed"] = "failed" if nobody or after.feedback.startswith("failed") else "ok"
     done = (*(Ran(action, "ok") for action in before), Ran(last, how, after.feedback, _found(after.feedback)))
     said = (*request.happened, Said(request.text), answer.found, *done)
     return PlanRequest(
@@ -285,6 +292,8 @@ def _may_be(who: Someone, seen: Someone) -> bool:
     return who.name in ("", seen.name) and all(wanted is None or has in (None, wanted) for wanted, has in told)
 
 
+_FINDS_PEOPLE: Final = frozenset({"meet", "find_person"})
+"""Skills that fail where nobody is found."""
 _PERSON: Final = re.compile(
     r"(?:the |an? )?(?:person|people|somebody|someone|man|woman|boy|girl|child|kid|guest|visitor)s?\b|"
     r"[A-Z]|有?人|[男女]"
