@@ -21,6 +21,7 @@ from engine.planner.not_an_order import Mark, MarkKind, marks
 from engine.planner.text.conditions import CONDITION, IF_POLITE
 from engine.planner.text.measures import read_measures
 from engine.planner.text.words import words_of
+from engine.understanding.acts import ACTS
 from engine.understanding.lexicon import common_characters, lexicon, words_in
 from engine.understanding.meaning import About, Do, If, Instead, Meaning, Node, Not, Repeat, Retract, Role, walk
 
@@ -151,15 +152,32 @@ def _is_learned(word: str, known: Collection[str], *, within: bool) -> bool:
 def without_an_unsaid_act(meaning: Meaning) -> Meaning:
     """The meaning as a fragment, where no word is left that could say the act: of "dishwasher" alone, nobody knows what
     is to be done with it."""
+    meaning = _without_comments(meaning)
     act = meaning.nodes[0] if len(meaning.nodes) == 1 else None
     if not isinstance(act, Do) or act.until is not None or len(act.roles) != 1 or act.roles[0].name not in _NAMES:
         return meaning
-    others = words_in(meaning.text, [(role.start, role.end) for role in act.roles])
+    others = list(words_in(meaning.text, [(role.start, role.end) for role in act.roles]))
     if any(word not in _SAY_NOTHING for word in others):
         return meaning
+    if "please" in others and act.act in ("fragment", "bring") and act.roles[0].name == "thing":
+        return replace(meaning, nodes=(Do("bring", act.roles),))  # "the bottle, please"
     return replace(meaning, nodes=(Do("fragment", act.roles),))
 
 
+def _without_comments(meaning: Meaning) -> Meaning:
+    """The meaning without what is said last and is to be said by nobody: "…, lights off. party time"."""
+    *before, last = meaning.nodes or (Retract(),)
+    if not before or not isinstance(last, Do) or last.act != "say" or _SAYS.search(meaning.text.casefold()):
+        return meaning
+    return replace(meaning, nodes=tuple(before))
+
+
+_SAYS: Final = re.compile(
+    r"\b(?:say|saying|tell|announce|shout|call|yell|whisper|speak|repeat|wish|greet|sing|ask|let|inform|remind|read|"
+    r"answer|reply|report|warn|declare|proclaim|recite|count|thank|congratulate|introduce|mention|explain|invite|"
+    r"welcome|apologi[sz]e|pass on|message|word)|[说讲告叫喊问念报唱读数祝提通]|\""
+)
+"""Words, or a quotation mark, by which something is to be said."""
 _NAMES: Final = frozenset({"place", "source", "thing", "person"})
 """Roles whose words are names."""
 _OF_ANY_WORDS: Final = _NAMES | {"except", "text", "topic"}
@@ -234,11 +252,22 @@ def _tells_why(mark: Mark, meaning: Meaning, plain: str, acts: set[str]) -> bool
 
 
 def _keeps_straight(mark: Mark, plain: str, acts: set[str]) -> bool:
-    """Whether only a turn is forbidden, where nothing turns: "slide left, don't turn"."""
-    return acts <= _STRAIGHT and _NO_TURN.search(plain, max(plain.find(mark.words), 0)) is not None
+    """Whether only what is not done anyway is forbidden: "slide left, don't turn", "count to ten without moving"."""
+    begins = max(plain.find(mark.words), 0)
+    if acts.isdisjoint(_DRIVES) and _NO_MOVE.search(plain, begins):
+        return True
+    return acts <= _STRAIGHT and _NO_TURN.search(plain, begins) is not None
 
 
 _STRAIGHT: Final = frozenset({"forward", "backward", "sideways_left", "sideways_right"})
+_DRIVES: Final = frozenset(ACTS) - frozenset({
+    "wait", "say", "beep", "light", "light_off", "stop", "nod", "shake", "arm_up", "arm_down", "report", "skills",
+})  # fmt: skip
+"""Acts that take the robot elsewhere, or may."""
+_NO_MOVE: Final = re.compile(
+    r"(?:don't|dont|do not|never|without|不要|不许|别|不) ?(?:mov|driv|budg|go(?:ing)? anywhere|动)[a-z]*"
+    r"(?: (?:at all|please|an inch|away))*(?=\W*(?:$|[,.;:!?，。；]|until\b|till\b|while\b|then\b))"
+)
 _NO_TURN: Final = re.compile(
     r"(?:don't|dont|do not|never|without|不要|不许|别|不) ?(?:turn|rotat|spin|转)[a-z]*"
     r"(?: (?:round|around|at all|please))*(?=\W*(?:$|[,.;:!?，。；]))"

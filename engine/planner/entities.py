@@ -94,6 +94,15 @@ _HELD: Final = re.compile(
     r"|你?(?:手里|手上|爪子里|夹子里)(?:[拿抓夹攥拎]着?)?的?(?:[那这]个?)?(?:东西|玩意儿?)?|你?[拿抓夹攥拎]着?的(?:那个)?东西"
 )
 """What is held, in other words than its name."""
+_HELD_THING: Final = re.compile(
+    r"(?P<en>(?:the |that |this )?[\w -]+?),? (?:(?:that|which) )?you(?:'re| are|'ve| have)? (?:still |now |already )?"
+    r"(?:got |have )?(?:holding|carrying|gripping|hold|carry|(?:got )?in (?:your|the) (?:hand|gripper|claw))"
+    r"(?: (?:now|there|in (?:your|the) (?:hand|gripper|claw)))*|"
+    r"(?P<hand>(?:the |that |this )?[\w -]+?) in your (?:hand|gripper|claw)|"
+    r"你?(?:手里|手上|爪子里|夹子里)(?:[拿抓夹攥拎]着?)?的?(?:[那这][个只]?)?(?P<zh>[\u3400-\u9fff]{1,8})|"
+    r"你?[拿抓夹攥拎]着的(?:[那这][个只]?)?(?P<taken>[\u3400-\u9fff]{1,8})"
+)
+"""A thing that is said to be held."""
 _STUFF: Final = frozenset({"one", "ones", "stuff", "things", "objects", "items", "bits", "pieces"})
 """Nouns for things of any kind."""
 _ONE: Final = re.compile(r"(?P<which>[\w -]+) ones?")
@@ -224,6 +233,8 @@ class Entities:
             return Entity(words, refers=True)
         if _HELD.fullmatch(plain):
             return Entity(words, refers=True, held=True)
+        if (in_hand := _HELD_THING.fullmatch(plain)) is not None:
+            return replace(self.of(next(filter(None, in_hand.groups()))), held=True)
         if _NOTHING_SAID.fullmatch(plain):
             return Entity(words, vague=True)
         chinese = is_chinese(plain)
@@ -237,6 +248,8 @@ class Entities:
         rest = tuple(_bare(words.rpartition(" of ")[2]) for words in bare if " of " in words)  # … of the kitchen
         whole = list(dict.fromkeys((*bare, *candidates, *rest)))
         which: list[str] = []
+        if not chinese:
+            whole += [one[:-1] for one in whole if _ONE_TOO_MANY.search(one)]  # "if the coffee tables free"
         room = self._first(self._room, whole, [])
         if room is None and floor is not None and (around := self.of(floor["en"] or floor["zh"])).room is not None:
             return replace(around, words=words)  # the floor of a room is that room
@@ -363,6 +376,14 @@ class Entities:
             return self.members(Entity(words, thing=self._object(self.near(words))))
         except PlanError:
             return ()
+
+    def room_of(self, place: str) -> str:
+        """The room of a piece of furniture; empty where it is in none."""
+        return self._vocabulary.room_of(place)
+
+    def may_be(self, words: str, thing: str) -> bool:
+        """Whether a thing of this house may be called so."""
+        return thing in self._vocabulary.fitting(self.near(words))
 
     def rooms(self) -> tuple[str, ...]:
         """The rooms of this house, in the order of the map."""
@@ -520,9 +541,16 @@ def _english(phrase: str) -> Iterator[str]:
     if " of " in plain:
         yield plain
         plain = plain.partition(" of ")[0]
+    if (use := _FOR_USE.search(plain)) is not None:
+        yield f"{use[2]} {use[1]}"
     words = plain.split()
     for start in range(len(words)):
         yield " ".join(words[start:])
+
+
+_ONE_TOO_MANY: Final = re.compile(r"[a-z]{3}s$")
+_FOR_USE: Final = re.compile(r"(\w+) for (\w+ing)$")
+""" "The table for dining"."""
 
 
 def _chinese(phrase: str) -> Iterator[str]:

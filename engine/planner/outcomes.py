@@ -21,9 +21,10 @@ from engine.planner.doing.acts import calls_of
 from engine.planner.doing.answers import depends_on_an_answer, is_met
 from engine.planner.doing.conditions import looked_for_once, of_itself, of_success, with_antecedent
 from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, Which
-from engine.planner.doing.handling import is_rubbish
+from engine.planner.doing.handling import is_rubbish, rubbish_in
 from engine.planner.doing.looking import topic_of
 from engine.planner.doing.people import as_name
+from engine.planner.doing.several import looked_first
 from engine.planner.doing.sought import ANYTHING, PERSON, Sought, sought
 from engine.planner.entities import Entities
 from engine.planner.happened import (
@@ -39,6 +40,7 @@ from engine.planner.phrases.phrases import Phrases, Told
 from engine.planner.phrases.said import Calls
 from engine.planner.request import Heard, Language, NoPlan
 from engine.planner.sentences import SAID
+from engine.planner.text.counts import how_many
 from engine.planner.unknown_places import meant, room_instead, unknown
 from engine.planner.validation import Validation
 from engine.skills.vocabulary import ME, Vocabulary
@@ -93,7 +95,7 @@ class Outcomes:
         thing, place = self._told_of(meaning)
         thing = thing or named_last(request.happened, "object") or request.holding or self._only_seen(request.seen)
         begins = min((role.start for node in wanted if isinstance(node, Do) for role in node.roles), default=0)
-        thing = thing or self._entities.thing_in(heard.text[:begins])
+        thing = thing or self._entities.thing_in(heard.text[:begins]) or rubbish_in(heard.text[:begins])
         return self._done(wanted, heard, thing, place or named_last(request.happened, "place"))
 
     def after(
@@ -141,17 +143,61 @@ class Outcomes:
         missing = holds != looked_for.there
         if missing and not isinstance(sees, bool) and self._is_known(rest[:1], looked_for, heard):
             return self.after(meaning, heard, heard.request.sees or sees, (*decided, holds))
+        decided = (*decided, holds)
+        if not isinstance(sees, bool):
+            rest, decided = self._decided_too(rest, looked_for, sees, decided)
         told = _what_was_seen(looked_for, heard.language, missing=missing)
         if all(self._only_tells(one) for one in rest):
             return _answer(heard, told)
         rest = tuple(Do("say", (Role("text", told, 0, 0),)) if self._only_tells(one) else one for one in rest)
-        names = tuple(name for name in self._entities.fitting(thing) if not isinstance(sees, bool) and sees(name))
+        fitting = self._inventory if thing == ANYTHING else self._entities.fitting(thing)
+        names = tuple(name for name in fitting if not isinstance(sees, bool) and sees(name))
         if missing and condition.words("state"):  # "if the box is red": it is another one then
             thing = self._entities.near(condition.words("thing"))
-        found = self._done(
-            rest, heard, names[0] if len(names) == 1 else thing, doing.place, after=replace(looked_for, names=names)
+        thing = "" if thing == PERSON else thing
+        it = names[0] if len(names) == 1 else thing
+        if thing in ("", ANYTHING) and not holds:  # "if the desk is empty, put the red box on it, else take the box …"
+            named = (words for one in node.then if isinstance(one, Do) for words in one.all("thing"))
+            it = next((known for words in named if (known := self._entities.of(words).thing)), it)
+        found = self._done(rest, heard, it, doing.place, after=replace(looked_for, names=names))
+        return self._decided(found, heard, decided)
+
+    def _decided_too(
+        self,
+        nodes: Sequence[Do | If | Repeat],
+        looked_for: Sought,
+        sees: Callable[[str], bool],
+        decided: tuple[bool, ...],
+    ) -> tuple[tuple[Do | If | Repeat, ...], tuple[bool, ...]]:
+        """The nodes with what is to be done in place of the conditions that the same look decides: those on other
+        things there."""
+        rest = tuple(nodes)
+        for at, node in enumerate(rest):
+            if not isinstance(node, If):
+                continue
+            condition, place = node.condition, self._entities.of(node.condition.words("place") or "there")
+            thing = self._entities.of(condition.words("thing") or "it")
+            same_place = place.refers or looked_for.at in (place.surface, place.room)
+            one_thing = thing.thing is not None and not thing.every and how_many(thing.words) is None
+            on_things = condition.kind in ("seen", "unseen") and len(condition.all("thing")) == 1
+            if not (looked_for.at and same_place and one_thing and on_things) or condition.words("person"):
+                break
+            assert thing.thing is not None
+            holds = sees(thing.thing) == (condition.kind == "seen")
+            branch = _only_wanted(node.then if holds else node.otherwise)
+            found = tuple(self._about(one, thing.words) for one in branch)
+            return self._decided_too((*rest[:at], *found, *rest[at + 1 :]), looked_for, sees, (*decided, holds))
+        return rest, decided
+
+    def _about(self, node: Do | If | Repeat, thing: str) -> Do | If | Repeat:
+        """The act with ``thing`` as what "it" is."""
+        if not isinstance(node, Do):
+            return node
+        roles = (
+            replace(role, words=thing) if role.name == "thing" and self._entities.of(role.words).refers else role
+            for role in node.roles
         )
-        return self._decided(found, heard, (*decided, holds))
+        return replace(node, roles=tuple(roles))
 
     def _is_known(self, following: Sequence[Do | If | Repeat], looked_for: Sought, heard: Heard) -> bool:
         """Whether the condition that follows is on the same thing, and that was seen elsewhere: no look is needed."""
@@ -204,8 +250,11 @@ class Outcomes:
         after: Sought | None = None,
     ) -> Plan | NoPlan:
         """What is to be done behind a condition that needed no look, the last of those that are ``decided``."""
-        branch = node.then if decided[-1] else node.otherwise
-        found = self._done((*_only_wanted(branch), *rest), heard, doing.named, doing.place, after=after)
+        branch = _only_wanted(node.then if decided[-1] else node.otherwise)
+        if after is None:  # how it went is told, where that is all that is asked for: "if you can't find it, say so"
+            told = SAID[heard.language]["worked" if worked_last(heard.request.happened) else "did_not_work"]
+            branch = tuple(Do("say", (Role("text", told, 0, 0),)) if self._only_tells(one) else one for one in branch)
+        found = self._done((*branch, *rest), heard, doing.named, doing.place, after=after)
         return self._decided(found, heard, decided)
 
     def _after_an_answer(
@@ -243,7 +292,8 @@ class Outcomes:
         return act.act in _OF_THE_SESSION and not (act.act == "answer" and others)
 
     def _wanted(self, meaning: Meaning) -> tuple[Do | If | Repeat, ...]:
-        return _only_wanted(looked_for_once(meaning.wanted(), self._entities, meaning.text))
+        once = looked_for_once(meaning.wanted(), self._entities, meaning.text)
+        return _only_wanted(looked_first(once, self._entities))
 
     def _only_tells(self, node: Node) -> bool:
         """Whether it asks for no more than the answer: "let me know", "say so"."""
@@ -355,6 +405,7 @@ class Outcomes:
             self._entities, heard.request.holding, named, place, said=heard.text, greeting=SAID[heard.language]["hello"]
         )
         doing.depends = after is not None
+        doing.instead_of = _corrected_thing(acts)
         if after is not None and after.thing == PERSON:
             doing.who = doing.found = after.who or PERSON
         elif after is not None:
@@ -405,7 +456,7 @@ class Outcomes:
     def _condition(self, node: If, doing: Doing, index: int) -> Condition:
         """The condition of the node at ``index``, before which ``doing`` has been done."""
         thing, place = not index or not doing.named, not index and not doing.place
-        return with_antecedent(node, self._entities, doing.said, thing=thing, place=place)
+        return with_antecedent(node, self._entities, doing.said, thing=thing, place=place, person=not doing.who)
 
     def _completed(self, act: Do) -> Do:
         """The act with what a correction leaves to what it corrects: a unit ("no, two"), a kind ("the blue one")."""
@@ -442,6 +493,12 @@ class Outcomes:
         """A journey to a place that the map does not have."""
         offered = room_instead(heard.text, name, self._vocabulary, heard.language)
         return offered or unknown(heard.text, name, self._phrases(heard.language).places, heard.language)
+
+
+def _corrected_thing(nodes: Sequence[Node]) -> str:
+    """The words in place of which a correction has put another thing; empty where none has."""
+    roles = (role for node in nodes if isinstance(node, Do) for role in node.roles if role.name == "thing")
+    return next((role.instead_of for role in roles if role.instead_of), "")
 
 
 _OVER_THERE: Final = re.compile(r"[放拿搬送带摆挂][过上进回]去")

@@ -34,6 +34,7 @@ from engine.planner.stages.knowledge import Knowledge
 from engine.planner.stages.two_stage import TwoStage
 from engine.planner.text.conditions import CONDITION, IF_POLITE
 from engine.planner.text.language import language_of
+from engine.planner.text.shortened import written_in_full
 from engine.planner.understood import CERTAIN, LIKELY, Reads, Understood
 from engine.planner.validation import Validation
 from engine.skills.registry import SkillRegistry
@@ -113,9 +114,19 @@ class Planner:
         """Plan what was asked for, or what comes after feedback; raises nothing."""
         if (why := too_long(request.text)) is not None:
             return NoPlan(request.text[:MAX_TEXT], "too_long", why)
+        full = written_in_full(request.text)
+        found = await self._plan(replace(request, text=full))
+        if full == request.text:
+            return found
+        if isinstance(found, Plan):
+            return replace(found, goal=request.text) if found.goal == full else found
+        return replace(found, text=request.text) if found.text == full else found
+
+    async def _plan(self, request: PlanRequest) -> Plan | NoPlan:
+        """The same of what is written in full."""
         if (written := self._written(request)) is not None:
             return written
-        text = request.text or last_said(request.happened)
+        text = request.text or written_in_full(last_said(request.happened))
         language = self._language or request.language or language_of(text)
         if not request.text:
             return await self._after_feedback(request, text, language)

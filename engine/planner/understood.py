@@ -25,7 +25,7 @@ from engine.planner.accounted import (
     without_an_unsaid_act,
 )
 from engine.planner.conversation import Conversation
-from engine.planner.doing.sense import in_its_sense
+from engine.planner.doing.sense import in_its_sense, with_sources
 from engine.planner.entities import Entities
 from engine.planner.happened import last_question
 from engine.planner.not_an_order import marks
@@ -35,6 +35,7 @@ from engine.planner.phrases.phrases import Phrases, Told
 from engine.planner.request import Heard, Language, NoPlan
 from engine.planner.sentences import SAID
 from engine.planner.text.conditions import without_empty_branches
+from engine.planner.text.shortened import written_in_full
 from engine.planner.validation import Validation
 from engine.skills.vocabulary import Vocabulary
 from engine.understanding.learned import UNDIRECTED
@@ -106,7 +107,7 @@ class Understood:
 
     def meaning(self, text: str) -> Meaning | None:
         """The likeliest meaning of ``text``."""
-        return next(iter(self._meanings(text)), None)
+        return next(iter(self._meanings(written_in_full(text))), None)
 
     def is_sure(self, text: str, enough: float) -> bool:
         """Whether the likeliest meaning is at least as likely as that."""
@@ -148,12 +149,12 @@ class Understood:
         chosen = self._chosen(heard)
         if chosen is None:
             return self._but_for_some_words(heard) or self._outcomes.meant(heard) or self._spelt_right(heard)
-        meaning, found = chosen
+        meaning, found, alike = chosen
         heard.request.read(_told(meaning))
         if isinstance(found, NoPlan) or meaning.confidence >= SURE:
             return found
-        if not found.finished:
-            return None
+        if not found.finished:  # what all of them look at first; the look decides how much they differ
+            return found if alike >= SURE else None
         if any(meaning.has(kind) for kind in (Not, Retract, About)):
             return self._asked_about(found, heard)
         return self._unless_asked(found, heard) if self._moves(found) else found
@@ -166,10 +167,19 @@ class Understood:
 
     def decided(self, heard: Heard) -> Plan | NoPlan | None:
         """What a condition decides after a look; None where there is no such condition."""
-        chosen = self._chosen(heard) if heard.request.sees is not None else None
-        if chosen is None or heard.request.sees is None:
+        sees = heard.request.sees
+        if sees is None or self._chosen(heard) is None:
             return None
-        return self._outcomes.after(chosen[0], heard, heard.request.sees)
+        afters = ((meaning, self._outcomes.after(meaning, heard, sees)) for meaning in self._considered(heard)[0])
+        found = [(meaning, after) for meaning, after in afters if after is not None]
+        likely = dict[object, float]()
+        for meaning, after in found:
+            likely[_words_of(after)] = likely.get(_words_of(after), 0.0) + meaning.confidence
+        best = max(found, key=lambda one: likely[_words_of(one[1])], default=None)
+        if best is None or not isinstance(best[1], Plan) or not best[1].finished or not self._moves(best[1]):
+            return None if best is None else best[1]
+        agreed = likely[_words_of(best[1])] >= SURE * sum(likely.values())
+        return best[1] if agreed else self._asked_about(best[1], heard)
 
     def _meanings(self, text: str) -> tuple[Meaning, ...]:
         text = without_empty_branches(text)
@@ -187,41 +197,53 @@ class Understood:
 
     def _believed(self, found: Iterable[Meaning]) -> tuple[Meaning, ...]:
         """Those of these meanings that are said in known words."""
-        return tuple(in_its_sense(without_an_unsaid_act(meaning)) for meaning in found if is_said(meaning, self._known))
+        said = (meaning for meaning in found if is_said(meaning, self._known))
+        return tuple(with_sources(in_its_sense(without_an_unsaid_act(meaning))) for meaning in said)
 
-    def _chosen(self, heard: Heard) -> tuple[Meaning, Plan | NoPlan] | None:
-        """The likeliest outcome, and the likeliest meaning that has it; None where it is likelier that others have the
-        answer."""
-        answered = self._conversation.completed(heard.request, heard.text)
+    def _chosen(self, heard: Heard) -> tuple[Meaning, Plan | NoPlan, float] | None:
+        """The likeliest outcome, the likeliest meaning that has it, and how likely all are that begin with the same;
+        None where it is likelier that others have the answer."""
+        considered, answers = self._considered(heard)
         outcomes: dict[object, tuple[Meaning, Plan | NoPlan]] = {}
+        begin = dict[object, float]()
         elsewhere = 0.0
-        for meaning in (answered,) if answered is not None else self._meanings(heard.text):
-            if meaning is not answered and not accounted(meaning, self._names):
-                continue  # words of the request have no place in it
+        for meaning in considered:
             found = self._outcomes.of(meaning, heard)
             if found is None:
                 elsewhere += meaning.confidence
                 continue
+            begin[_words_of(found)] = begin.get(_words_of(found), 0.0) + meaning.confidence
             key = self._same(meaning, found, heard)
             if key in outcomes:
                 first, found = outcomes[key]
                 meaning = replace(first, confidence=min(1.0, first.confidence + meaning.confidence))
             outcomes[key] = meaning, found
         chosen = max(outcomes.values(), key=lambda outcome: outcome[0].confidence, default=None)
-        if chosen is None or chosen[0].confidence < max(MAYBE, elsewhere):
+        if chosen is None:
             return None
-        if answered is not None and last_question(heard.request.happened) is not None:
+        meaning, found = chosen
+        alike = begin[_words_of(found)]
+        looks = isinstance(found, Plan) and not found.finished
+        if (alike if looks else meaning.confidence) < max(MAYBE, elsewhere):
+            return None
+        if answers and last_question(heard.request.happened) is not None:
             heard.request.answers()
-        return chosen
+        return meaning, found, alike
+
+    def _considered(self, heard: Heard) -> tuple[Sequence[Meaning], bool]:
+        """The meanings in which all words of the request have a place, and whether that is an answer, which has only
+        one."""
+        answered = self._conversation.completed(heard.request, heard.text)
+        if answered is not None:
+            return (answered,), True
+        return [meaning for meaning in self._meanings(heard.text) if accounted(meaning, self._names)], False
 
     def _same(self, meaning: Meaning, found: Plan | NoPlan, heard: Heard) -> object:
         """What two meanings have in common that come to the same."""
         branches: list[Plan | NoPlan | None] = [found]
         if isinstance(found, Plan) and not found.finished:
             branches += [self._outcomes.after(meaning, heard, holds) for holds in (True, False)]
-        return tuple(
-            (one.response, *map(str, one.actions)) if isinstance(one, Plan) else one and one.answer for one in branches
-        )
+        return tuple(map(_words_of, branches))
 
     def _but_for_some_words(self, heard: Heard) -> NoPlan | None:
         """The question whether the likeliest meaning is meant, although words of the request have no place in it."""
@@ -257,6 +279,11 @@ class Understood:
 
     def _moves(self, plan: Plan) -> bool:
         return any(self._validation.occupied(action.name) & _MOVING for action in plan.actions)
+
+
+def _words_of(found: Plan | NoPlan | None) -> object:
+    """What two outcomes have in common that are the same."""
+    return (found.response, *map(str, found.actions)) if isinstance(found, Plan) else found and found.answer
 
 
 def _question(heard: Heard, code: str, key: str) -> NoPlan:

@@ -584,3 +584,150 @@ def test_who_was_seen_is_known_by_what_shows() -> None:
     assert sees("person")
     assert not sees("woman"), "that does not show"
     assert not Recall(robot, memory).since(6.0)("Cleo")
+
+
+# What lies somewhere is known after a look
+
+
+def test_all_that_lies_somewhere_is_looked_at_before_it_is_taken(understood: Understood, reader: Written) -> None:
+    text = reader.knows("tidy | tidy {1.thing: everything} on {1.source: the sofa} to {1.place: the shelf}")
+    assert first(understood, text) == "navigation(H); seewhat()"
+    assert after(understood, text, "ball", "block 1", "thing") == (
+        "pick_object(ball); place_object(shelf); pick_object(block 1); place_object(shelf)"
+    )
+    assert after(understood, text) == "I see nothing there."
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "pick_up ; put | take {1.thing: the boxes} off {1.source: the sofa} and put {2.thing: them} on "
+        "{2.place: the shelf}",
+        "tidy | tidy {1.thing: all boxes} on {1.source: the sofa} to {1.place: the shelf}",
+    ],
+)
+def test_of_a_kind_those_are_taken_that_lie_there(understood: Understood, reader: Written, line: str) -> None:
+    text = reader.knows(line)
+    assert first(understood, text) == "navigation(H); seewhat()"
+    assert after(understood, text, "red box", "blue box", "box") == (
+        "pick_object(red box); place_object(shelf); pick_object(blue box); place_object(shelf)"
+    )
+
+
+def test_whichever_lies_there_is_brought(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "bring | {1.thing: whichever of the two cups} is on {1.source: the sofa}, bring it to {1.person: me}"
+    )
+    assert first(understood, text) == "navigation(H); seewhat()"
+    assert after(understood, text, "blue cup", "cup") == "carry(blue cup, zero, )"
+
+
+def test_one_look_decides_several_conditions(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if seen then put end if seen then put end | "
+        "look at {1.place: the sofa}, if {1.thing: the white cup} is there put {2.thing: it} on "
+        "{2.place: the counter}, if {3.thing: the blue cup} is there put {4.thing: it} on {4.place: the shelf}"
+    )
+    both = "pick_object(white cup); place_object(counter); pick_object(blue cup); place_object(shelf)"
+    assert after(understood, text, "white cup", "blue cup") == both
+    assert after(understood, text, "blue cup") == "pick_object(blue cup); place_object(shelf)"
+
+
+def test_readings_that_look_alike_are_as_likely_together_as_their_sum(understood: Understood, reader: Written) -> None:
+    text = "if the ball is on the sofa put it on the shelf else the desk will do"
+    begin = "if {1.thing: the ball} is on {1.place: the sofa} put {2.thing: it} on {2.place: the shelf} else"
+    reader.knows(f"if seen then put else nod end | {begin} the desk will do", 0.3)
+    reader.knows(f"if seen then put else beep end | {begin} the desk will do", 0.3)
+    assert first(understood, text) == "navigation(H); seewhat()"
+    assert after(understood, text, "ball") == "pick_object(ball); place_object(shelf)"
+
+
+# Who, how many, whether it worked, what is held
+
+
+def test_she_is_who_was_named_in_what_depends_on_it(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if seen then bring else put end | take {2.thing: the ball} to {2.person: Anna} if {1.person: she's} in "
+        "{1.place: the study}, else leave {3.thing: it} on {3.place: the desk}"
+    )
+    tried = plan(understood, text)
+    assert shown(tried) == "meet(Anna, study)"
+    assert then(understood, text, tried, "failed") == "pick_object(ball); place_object(desk)"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "count ; if seen then beep end | count {1.person: the people} in {1.place: the hall}, beep if there are "
+        "{2.person: at least two}",
+        "count ; if seen then beep end | count {1.person: the people in the hall} and if {2.thing: more than one} beep",
+    ],
+)
+def test_what_was_counted_is_what_there_has_to_be_so_many_of(
+    understood: Understood, reader: Written, line: str
+) -> None:
+    assert first(understood, reader.knows(line)) == "count_people(person, hall)"
+
+
+@pytest.mark.parametrize("role", ["person: you", "topic: you can't"])
+def test_whoever_cannot_has_failed_and_says_so(understood: Understood, reader: Written, role: str) -> None:
+    kind, end = ("unseen", " can't") if role.startswith("person") else ("event", "")
+    text = reader.knows(
+        f"find ; if {kind} then come ; say end | find {{1.thing: the ball}}, if {{2.{role}}}{end} come and say "
+        "{4.text: so}"
+    )
+    tried = plan(understood, text)
+    assert shown(tried) == "locate(ball)"
+    assert then(understood, text, tried, "failed") == "navigation(zero); say(It did not work.)"
+    assert then(understood, text, tried, "ok") == "All right."
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "if unseen then pick_up end | if there's {1.thing: nothing} in {1.place: your hand} take {2.thing: the ball}",
+        "if is then pick_up end | if there is {1.state: nothing in your hand} take {2.thing: the ball}",
+    ],
+)
+def test_the_robot_knows_what_is_in_its_hand(understood: Understood, reader: Written, line: str) -> None:
+    text = reader.knows(line)
+    assert first(understood, text) == "pick_object(ball)"
+    held = Heard(PlanRequest(text, holding="red box"), text, "en")
+    assert shown(understood.plan(held)) == "All right."
+
+
+def test_the_box_is_the_one_that_was_named(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if is then put else put end | if {1.place: the desk} is {1.state: empty}, put {2.thing: the blue box} on "
+        "{2.place: it}; otherwise put {3.thing: the box} on {3.place: the shelf}"
+    )
+    assert after(understood, text, "ball", "thing") == "pick_object(blue box); place_object(shelf)"
+
+
+def test_a_room_that_nobody_is_in_is_tidied(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if unseen then tidy end | if {1.person: nobody} is in {1.place: the hall}, tidy {2.place: it} up"
+    )
+    assert after(understood, text) == "clean_room(hall)"
+
+
+def test_what_is_fetched_instead_is_not_where_it_was_looked_for(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "bring ; if unseen then bring end | bring me {1.thing: the white cup}, {3.thing: the blue one} if there is "
+        "none on {2.place: the desk}"
+    )
+    assert first(understood, text) == "navigation(N); seewhat()"
+    assert after(understood, text, "white cup") == "carry(white cup, zero, )"
+    assert after(understood, text) == "carry(blue cup, zero, )"
+
+
+def test_beside_a_piece_of_furniture_is_somewhere_in_its_room(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if seen then bring end | if {1.thing: the white cup} is {1.place: by my bed}, bring {2.thing: it} to me"
+    )
+    request = PlanRequest(
+        "",
+        sees=lambda thing: thing == "white cup",
+        may_be_at=lambda thing, place: place in ("bedroom", "bedside table"),
+    )
+    assert shown(understood.decided(Heard(request, text, "en"))) == "carry(white cup, zero, )"

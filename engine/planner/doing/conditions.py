@@ -9,6 +9,7 @@ from typing import Final
 
 from engine.planner.doing.doing import Doing
 from engine.planner.entities import Entities
+from engine.planner.text.counts import is_amount
 from engine.understanding.acts import RoleName
 from engine.understanding.meaning import Condition, Do, If, Node, Role
 
@@ -30,13 +31,14 @@ _ITSELF_HOLDS: Final = re.compile(
     r"(?:你|你?手[里上])((?:拿|抓|夹).*)|"
     r"(?:have |you )?(got your hands? full|your hands? (?:is |are )?full|"
     r"got (?:any|some)?thing in your (?:hands?|gripper))|"
-    r"((?:拿|抓|夹)[着了].*)"
+    r"(?:there is |there's )?((?:any|some|no)thing in your (?:hands?|gripper|claw))|"
+    r"((?:拿|抓|夹)[着了].*)|你?(手[里上](?:有|没有?).*)"
 )
 """That it holds something, told as an event."""
 _EMPTY: Final = re.compile(r"empty|free|nothing|空|没")
 _HOLDING: Final = re.compile(r"hold|carry|grip|got|full|in your (?:hand|grip)|拿|抓|夹|空手|手里|empty[- ]?handed")
 _HELD_THING: Final = re.compile(
-    r".*?(?:holding|carrying|hold|carry|got|have)|in your (?:hands?|gripper|grip)|[拿抓夹]着?"
+    r".*?(?:holding|carrying|hold|carry|got|have)|in your (?:hands?|gripper|grip)|[拿抓夹]着?|手[里上](?:没?有|没)?"
 )
 """What stands before the name of the thing in such a state."""
 _ANYTHING: Final = re.compile(
@@ -73,7 +75,7 @@ def of_itself(doing: Doing, condition: Condition) -> bool | None:
         met = bool(doing.in_hand)
     else:
         met = doing.held(doing.thing(thing))
-    return met == (condition.kind != "is_not")
+    return met == (condition.kind not in ("is_not", "unseen"))
 
 
 def of_success(condition: Condition, *, worked: bool) -> bool | None:
@@ -104,9 +106,13 @@ def _about_its_hand(condition: Condition) -> tuple[str, str] | None:
     """The state of its hand that a condition is about, and the thing that is named; None where it is about none."""
     who, thing = condition.words("person").casefold(), condition.words("thing")
     state = condition.words("state").casefold()
-    if condition.kind == "event" or not (who or thing or condition.words("place")):
+    if condition.kind == "event" or (not (who or thing) and (_IN_HAND.fullmatch(condition.words("place") or "手里"))):
         told = _ITSELF_HOLDS.fullmatch(re.sub(r"\bur\b", "your", condition.words("topic").casefold() or state))
         who, state = ("you", next(filter(None, told.groups()))) if told is not None else ("", "")
+    elif condition.kind in ("seen", "unseen") and _IN_HAND.fullmatch(condition.words("place").casefold()):
+        return "got", thing  # "if there's nothing in your hand"
+    elif thing and condition.kind in ("is", "is_not") and _IN_HAND.fullmatch(state):
+        return "got", thing
     elif condition.kind not in ("is", "is_not"):
         return None
     if not who:  # "your hand is empty"
@@ -116,6 +122,9 @@ def _about_its_hand(condition: Condition) -> tuple[str, str] | None:
     if not _ITSELF.fullmatch(who) or not (_HOLDING.search(state) or _EMPTY.fullmatch(state)):
         return None
     return state, thing or _HELD_THING.sub("", state).strip()
+
+
+_IN_HAND: Final = re.compile(r"你?(?:手[里上]?|手中)|(?:in |on )?(?:your|the) (?:hands?|gripper|claw)")
 
 
 def _about_what_it_holds(doing: Doing, condition: Condition) -> tuple[str, str] | None:
@@ -135,7 +144,7 @@ def looked_for_once(nodes: Sequence[Node], entities: Entities, said: str = "") -
     for given in nodes:
         node = given
         if isinstance(given, If):
-            node = _without_what_stays(_at_each_place(_of_a_mess(_named_nowhere(given)), entities), said)
+            node = _without_what_stays(_at_each_place(_of_a_mess(_named_nowhere(_of_failing(given))), entities), said)
         last = made[-1] if made else None
         if isinstance(node, If) and _ends_anyway(node):
             continue
@@ -143,6 +152,10 @@ def looked_for_once(nodes: Sequence[Node], entities: Entities, said: str = "") -
             made[-1] = replace(last, otherwise=(node,))
         elif isinstance(node, If) and (missed := _only_if_missed(node, entities)) is not None:
             made += missed
+        elif (
+            isinstance(node, If) and isinstance(last, Do) and last.act == "count" and (counted := _counted(last, node))
+        ):
+            made[-1] = replace(node, condition=counted)
         elif isinstance(node, If) and isinstance(last, Do) and last.act in _LOOKS and _about_it(last, node, entities):
             taken = [role for role in last.roles if role.name in ("thing", "person", "place")]
             kept = [role for role in node.condition.roles if not entities.of(role.words).refers]
@@ -152,6 +165,7 @@ def looked_for_once(nodes: Sequence[Node], entities: Entities, said: str = "") -
         elif isinstance(node, If) and isinstance(last, Do) and last.act in _NEEDS and _is_missing(last, node, entities):
             sought = [role for role in last.roles if role.name == "thing"]
             at = [replace(role, name="place") for role in last.roles if role.name == "source"]
+            at = at or _elsewhere(node, entities)
             if at:
                 made[-1] = If(Condition("seen", (*sought, *at)), (last, *node.otherwise), node.then)
             else:
@@ -163,6 +177,30 @@ def looked_for_once(nodes: Sequence[Node], entities: Entities, said: str = "") -
 
 _FAILED: Final = Condition("event", (Role("topic", "you fail", 0, 0),))
 """That the action before it has failed."""
+
+
+def _of_failing(node: If) -> If:
+    """ "If you can't": that what was tried before has failed."""
+    condition = node.condition
+    if condition.kind == "seen" or any(role.name not in ("person", "topic") for role in condition.roles):
+        return node
+    said = " ".join(role.words.casefold().replace("’", "'") for role in condition.roles)
+    fails = _CANNOT.fullmatch(said) is not None or (condition.kind == "unseen" and said == "you")
+    return replace(node, condition=_FAILED) if fails and condition.kind != "is_not" else node
+
+
+_CANNOT: Final = re.compile(r"(?:you|it) (?:can't|can not|cannot|couldn't|could not|don't|do not|didn't|did not)")
+
+
+def _counted(count: Do, node: If) -> Condition | None:
+    """The condition with what was counted before, of which it says but how many there are; None for any other."""
+    said = [role for role in node.condition.roles if role.name in ("thing", "person")]
+    of = next((role for role in count.roles if role.name in ("thing", "person")), None)
+    if of is None or len(said) != 1 or not is_amount(said[0].words) or node.condition.kind not in ("seen", "unseen"):
+        return None
+    between = " " if of.words.isascii() else ""
+    places = [role for role in count.roles if role.name == "place"]
+    return replace(node.condition, roles=(replace(of, words=f"{said[0].words}{between}{of.words}"), *places))
 
 
 def _at_each_place(node: If, entities: Entities) -> If:
@@ -230,7 +268,17 @@ def _only_if_missed(node: If, entities: Entities) -> tuple[Node, ...] | None:
     first = node.then[0] if len(node.then) == 1 else None
     if not node.otherwise or not isinstance(first, Do) or first.act not in _NEEDS or first.words("source"):
         return None
-    return (first, If(_FAILED, node.otherwise, ())) if _is_missing(first, node, entities) else None
+    told_first = _begins(first.roles) < _begins(node.condition.roles)
+    if not told_first or not _is_missing(first, node, entities):
+        return None
+    if at := _elsewhere(node, entities):
+        things = tuple(role for role in first.roles if role.name == "thing")
+        return (If(Condition("seen", (*things, *at)), node.then, node.otherwise),)
+    return (first, If(_FAILED, node.otherwise, ()))
+
+
+def _begins(roles: Sequence[Role]) -> int:
+    return min((role.start for role in roles), default=0)
 
 
 def _one_or_the_other(first: If, second: If, entities: Entities) -> bool:
@@ -260,11 +308,19 @@ def _is_missing(act: Do, node: If, entities: Entities) -> bool:
     """Whether a condition is that the one thing of an act is not to be found."""
     thing = node.condition.words("thing")
     needed = act.all("thing")
-    elsewhere = any(not entities.of(words).refers for words in node.condition.all("place"))
-    if node.condition.kind != "unseen" or not thing or len(needed) != 1 or elsewhere:
+    if not thing and node.condition.words("place") and not node.condition.words("person"):
+        thing = "it"  # "bring me a cup; if there is none on the desk, …"
+    if node.condition.kind != "unseen" or not thing or len(needed) != 1:
         return False
     sought = entities.of(needed[0]).thing
-    return entities.of(thing).refers or sought in (entities.of(thing).thing, entities.like(thing, sought or ""))
+    if sought is None:
+        return entities.of(thing).refers
+    return entities.of(thing).refers or sought in (entities.of(thing).thing, entities.like(thing, sought))
+
+
+def _elsewhere(node: If, entities: Entities) -> list[Role]:
+    """The places of a condition that are no "there"."""
+    return [role for role in node.condition.roles if role.name == "place" and not entities.of(role.words).refers]
 
 
 def _about_it(search: Do, node: If, entities: Entities) -> bool:
@@ -280,12 +336,12 @@ def _about_it(search: Do, node: If, entities: Entities) -> bool:
 
 
 def with_antecedent(
-    node: If, entities: Entities, said: str = "", *, thing: bool = True, place: bool = True
+    node: If, entities: Entities, said: str = "", *, thing: bool = True, place: bool = True, person: bool = True
 ) -> Condition:
     """The condition with the thing that "it" is in it, where that is only named in what depends on it: "pick up the cup
     only if it is on the desk"; so with the place: "go down the hall unless somebody is in there". What was ``said``
-    before the condition goes first: "the cup was on the desk; if it's still there …". ``thing``, ``place``: whether
-    none was named before."""
+    before the condition goes first: "the cup was on the desk; if it's still there …". ``thing``, ``place``, ``person``:
+    whether none was named before."""
     acts = [act for act in (*node.then, *node.otherwise) if isinstance(act, Do)]
     begins = min((role.start for role in node.condition.roles), default=0)
     things = (role.words for role in _named_before(acts, begins, "thing") if not entities.of(role.words).refers)
@@ -294,10 +350,22 @@ def with_antecedent(
         for role in _named_before(acts, begins, "source", "place")
         if entities.of(role.words).place and not entities.of(role.words).me
     )
-    refers = {role for role in node.condition.roles if entities.of(role.words).refers or _OF_THEM.fullmatch(role.words)}
+    refers = {
+        role
+        for role in node.condition.roles
+        if entities.of(role.words).refers
+        or _OF_THEM.fullmatch(role.words)
+        or (role.name == "person" and _WHO.fullmatch(role.words.casefold().replace("’", "'")))
+    }
+    people = (
+        role.words
+        for role in _named_before(acts, begins, "person")
+        if role.start < begins and not _WHO.fullmatch(role.words.casefold())
+    )
     meant: dict[RoleName, str | None] = {
         "thing": entities.thing_in(said[:begins]) or next(things, None) if thing else None,
         "place": entities.place_in(said[:begins]) or next(places, None) if place else None,
+        "person": next(people, None) if person else None,
     }
     roles = (
         replace(role, words=words) if (words := meant.get(role.name)) and role in refers else role
@@ -316,6 +384,7 @@ def _named_before(acts: Sequence[Do], begins: int, *names: RoleName) -> Sequence
     return sorted(roles, key=lambda role: (role.start >= begins, role.start))
 
 
+_WHO: Final = re.compile(r"(?:he|she|they)(?:'s|'re| is| are)?|him|her|them|[他她]们?")
 _OF_THEM: Final = re.compile(r"(?:any|some|one|a few|several)(?: of (?:it|them|those))?", re.IGNORECASE)
 """Of what is to be taken: "take the blocks off the desk if there are any"."""
 _THERE: Final = re.compile(r"\bthere\b|在那")

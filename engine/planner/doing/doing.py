@@ -26,6 +26,10 @@ _OTHER: Final = re.compile(r"\b(?:an)?other\b|\belse\b|另|别的|其他")
 """One that is not the one that was spoken of."""
 _INTO: Final = re.compile(r"(?:back |on )?(?:in|inside|into|onto|on|over|up)(?: there| it)?|[进上过]去|里面|上面")
 """To a place that was named before."""
+_THE: Final = re.compile(r"(?:the|that|this) (?!other|next)|那[个只块瓶]|这[个只块瓶]")
+"""What begins a phrase for something that was spoken of before."""
+_FLOOR: Final = re.compile(r"(?:on )?the (?:floor|ground)|地上|地面上?|地板上?")
+"""The floor of where the robot has gone."""
 _PERSONAL: Final = re.compile(r"him|her|he|she|them|[他她]们?")
 MOST: Final = MAX_ACTIONS + 1
 """One more than any plan may have: what is said too often is turned down for its length."""
@@ -40,6 +44,19 @@ _THIS_ROOM: Final = re.compile(
     r"(?:(?:all of )?(?:the|this|that|my|our) )?(?:whole |entire )?(?:room|area)(?: here)?|in here|"
     r"(?:这个?|那个?|整个)?(?:房间|屋子|屋)"
 )
+
+
+_WHOLE: Final = re.compile(r"\b(?:house|home|flat|apartment|place|floor|building|premises)$|家|房子|屋子|各处|到处")
+
+
+def is_floor(words: str) -> bool:
+    """Whether that is the floor of where the robot is, or has just gone."""
+    return _FLOOR.fullmatch(words.casefold().strip()) is not None
+
+
+def is_everywhere(words: str) -> bool:
+    """Whether that is all of the house."""
+    return _WHOLE.search(words.casefold()) is not None
 
 
 WHERE_IT_IS: Final = re.compile(
@@ -91,6 +108,8 @@ class Doing:
     """The thing that was named last, as skills know it."""
     place: str = ""
     """The symbol of the place that was named last."""
+    instead_of: str = ""
+    """The thing that a correction has put another one in the place of, in the speaker's words."""
     said: str = ""
     """The request, for what no role has."""
     who: str = ""
@@ -117,6 +136,8 @@ class Doing:
         if _EITHER.search(words.casefold()):
             raise Open("what_do")
         found = self.entities.of(words)
+        if found.held:
+            found = replace(found, which="")
         if self.depends and _INTO.fullmatch(words.casefold().strip()):
             return Entity(words, refers=True)
         if found.which and _ANY_OF.match(words.casefold()):  # any of them will do
@@ -146,8 +167,9 @@ class Doing:
         found = self.entity(words)
         if found.vague:
             raise Open("which_thing")
-        if found.held and self.in_hand:
+        if found.held and self.in_hand and (found.refers or self._is_in_hand(found)):
             self.named = self.in_hand
+            return self.named
         if found.refers:
             if not (self.named or self.holding):
                 raise Open("which_thing")
@@ -156,8 +178,14 @@ class Doing:
             raise Unable("person", words)
         if found.superlative or (found.thing is None and _VAGUE.search(words.casefold())):
             raise Open("which_thing")
-        self.named = self._seen(words) or found.thing or self.entities.near(words)
-        return self.named
+        if not (_THE.match(words.casefold()) and self.named and self.entities.may_be(words, self.named)):
+            self.named = self._seen(words) or found.thing or self.entities.near(words)
+        return self.named  # "the box" is the blue box, after that was spoken of
+
+    def _is_in_hand(self, thing: Entity) -> bool:
+        """Whether what the hand holds may be called so."""
+        held = self.in_hand
+        return held == thing.thing or self.entities.may_be(thing.words, held)
 
     def thing_from(self, words: str, source: str) -> str:
         """A thing that is said to be somewhere: of several that are called so it is the one there."""
@@ -178,6 +206,8 @@ class Doing:
     def spot(self, words: str) -> str:
         """The symbol of a place to drive to. Raises NowhereKnown."""
         found = self.entity(words)
+        if self.place and is_floor(words):
+            return self.place
         if found.refers and self.place:
             return self.place
         nowhere = found.place is None and (found.superlative or is_this_room(words))

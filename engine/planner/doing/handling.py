@@ -10,8 +10,8 @@ from engine.perception.naming import is_choice
 from engine.plan import Quantity
 from engine.planner import amounts
 from engine.planner.doing import people
-from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable, is_this_room
-from engine.planner.doing.moving import colour_of, is_everywhere
+from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable, is_everywhere, is_this_room
+from engine.planner.doing.moving import colour_of
 from engine.planner.phrases.said import Calls, call
 from engine.skills.places import ZERO_SYMBOL
 from engine.skills.vocabulary import BIN, FLOOR
@@ -32,10 +32,13 @@ def fetched(doing: Doing, words: str, source: str) -> Calls:
     thing = doing.thing_from(words, source)
     if doing.held(thing):
         return ()
+    down: Calls = ()
     if doing.in_hand:
-        raise Unable("full", doing.in_hand)
+        if not doing.instead_of or not doing.entities.may_be(doing.instead_of, doing.in_hand):
+            raise Unable("full", doing.in_hand)
+        down = call("putdown")  # "I meant the blue one"
     going = call("navigation", doing.spot(source)) if source and doing.entity(source).place else ()
-    return (*going, *call("pick_object", thing))
+    return (*down, *going, *call("pick_object", thing))
 
 
 def pick_up(doing: Doing, roles: Roles) -> Calls:
@@ -44,10 +47,21 @@ def pick_up(doing: Doing, roles: Roles) -> Calls:
         raise Unable("full", things[0])
     if _is_rubbish(doing, things[0]):  # nobody wants to have it
         return throw_away(doing, roles)
+    if (given := _GIVEN.fullmatch(" ".join(things[0].split()))) is not None:
+        return people.take(doing, "", given["who"] or given["zh"])
     source = source_of(doing, roles, things[0])
     if source and _is_somebody(doing, source):
         return people.take(doing, doing.thing(things[0]), source)
     return fetched(doing, things[0], source)
+
+
+_GIVEN: Final = re.compile(
+    r"(?:what(?:ever)?|everything|anything|the (?:thing|things|one)) (?:that |which )?(?P<who>[\w' -]+?) "
+    r"(?:gives|hands|passes|give|is giving|is going to give|will give|wants to give)(?: to)?(?: you)?(?: to you)?|"
+    r"(?P<zh>.{1,6}?)(?:递|交|拿|送)?给你的(?:东西)?",
+    re.IGNORECASE,
+)
+"""What somebody gives to the robot."""
 
 
 def _is_somebody(doing: Doing, words: str) -> bool:
@@ -252,6 +266,15 @@ _RUBBISH: Final = re.compile(
 """What lies about and nobody wants."""
 
 
+_RUBBISH_WORD: Final = re.compile(r"\b(?:rubbish|trash|garbage|litter|debris|junk)\b|垃圾|废物")
+
+
+def rubbish_in(text: str) -> str:
+    """The word for rubbish in a text; empty where there is none."""
+    found = _RUBBISH_WORD.search(text.casefold())
+    return found[0] if found is not None else ""
+
+
 def is_rubbish(words: str) -> bool:
     """Whether these words are for what lies about and nobody wants."""
     return _RUBBISH.fullmatch(words.casefold()) is not None
@@ -272,6 +295,9 @@ def tidy(doing: Doing, roles: Roles) -> Calls:
         return call("color_remove_higher", colour, height) if colour else call("apriltag_remove_higher", height)
     if thing and not place and _numbered(thing):
         return sort(doing, roles)
+    named = thing if doing.named else ""
+    if not named and not (thing and place) and (there := _meant_room(doing, thing or place)) is not None:
+        return cleaned(there)
     room = doing.entity(thing or place or source)
     if (room.room or is_everywhere(thing or place) or is_this_room(thing or place)) and not (thing and place):
         return cleaned(room.room)
@@ -286,6 +312,11 @@ def tidy(doing: Doing, roles: Roles) -> Calls:
     if not thing and not place and not source:
         return call("clean_room")
     raise Open("where_put")
+
+
+def _meant_room(doing: Doing, words: str) -> str | None:
+    """The room that "it" is: "if nobody is in the hall, tidy it up"."""
+    return doing.where(words).room if words and doing.entity(words).refers else None
 
 
 def _is_several(doing: Doing, words: str) -> bool:

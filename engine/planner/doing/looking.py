@@ -8,7 +8,7 @@ from typing import Final
 from engine.perception.naming import is_choice
 from engine.plan import Quantity
 from engine.planner.doing import people
-from engine.planner.doing.doing import WHERE_IT_IS, Doing, NowhereKnown, Open, Roles, Unable
+from engine.planner.doing.doing import WHERE_IT_IS, Doing, NowhereKnown, Open, Roles, Unable, is_floor
 from engine.planner.doing.handling import is_rubbish, source_of
 from engine.planner.doing.moving import anybody, turned
 from engine.planner.phrases.said import Calls, call
@@ -35,7 +35,7 @@ def looked(doing: Doing, words: str, *, is_thing: bool = False) -> Calls:
         return call("scan_room", found.room)
     if found.refers and not (doing.place or doing.named or doing.calls or is_thing):
         raise Open("where")
-    if found.me or found.refers:
+    if found.me or found.refers or (found.room is None and is_floor(words)):
         return call("seewhat")
     if found.place is not None:
         return (*call("navigation", doing.spot(words)), *call("seewhat"))

@@ -10,7 +10,7 @@ from engine.plan import Quantity
 from engine.planner import amounts
 from engine.planner.conventions import DRIVE_SPEED, FULL, HALF, QUARTER, TURN_SPEED
 from engine.planner.doing import people
-from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Roles, Unable
+from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Roles, Unable, is_everywhere
 from engine.planner.phrases.said import Calls, call
 from engine.skills.places import ZERO_SYMBOL
 from engine.skills.vocabulary import ME
@@ -288,14 +288,6 @@ def patrol(doing: Doing, roles: Roles) -> Calls:
         for symbol in _several(doing, words)
     ]
     return call("patrol", ",".join(symbols)) if symbols else call("patrol")
-
-
-_WHOLE: Final = re.compile(r"\b(?:house|home|flat|apartment|place|floor|building|premises)$|家|房子|屋子|各处|到处")
-
-
-def is_everywhere(words: str) -> bool:
-    """Whether that is all of the house."""
-    return _WHOLE.search(words.casefold()) is not None
 
 
 def _several(doing: Doing, words: str) -> list[str]:

@@ -15,7 +15,7 @@ from engine.errors import PlanError
 from engine.facts import fact
 from engine.han import is_chinese
 from engine.plan import ActionCall, Quantity
-from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable
+from engine.planner.doing.doing import Doing, NowhereKnown, Open, Roles, Unable, is_everywhere
 from engine.planner.phrases.said import Calls, call
 from engine.skills.places import ZERO_SYMBOL
 from engine.skills.vocabulary import ME
@@ -31,6 +31,7 @@ def somebody(doing: Doing, words: str, where: str = "", *, stranger: bool = Fals
     """Who these words mean, as skills know them, and the room or the piece of furniture where they are said to be, else
     nothing. Raises Open for a pronoun that nobody was named for, and for a stranger without a name ("my aunt") of whom
     nobody said where they are, unless that does no harm (``stranger``)."""
+    words = _AT_HOME.sub("", words)
     plain = " ".join(words.casefold().split()).strip(" ,.!?")
     if _PRONOUN.fullmatch(plain):
         if not doing.who:
@@ -58,6 +59,13 @@ def somebody(doing: Doing, words: str, where: str = "", *, stranger: bool = Fals
 _PRONOUN: Final = re.compile(r"(?:to |for |with |from )?(?:him|her|them|he|she|they)(?:self|selves)?|[他她]们?")
 
 
+_AT_HOME: Final = re.compile(
+    r"(?<=\w) (?:in|at|around|of) (?:(?:the|this|our|my) )?(?:whole |entire )?"
+    r"(?:house|home|flat|apartment|building|place)$|"
+    r"^(?:整个)?(?:家|屋子|房子)里?的(?=.)",
+    re.IGNORECASE,
+)
+"""Where everybody is who is here."""
 _NO_NAME: Final = re.compile(
     r"(?:the|an?|my|our|your|his|her|their|that|this)\b|[我你他她]们?的?(?![^\W\d_]*[A-Za-z])|[这那]"
 )
@@ -69,6 +77,8 @@ def spot(doing: Doing, words: str) -> str:
     if not words:
         return ""
     found = doing.where(words)
+    if not (found.room or found.surface or found.place) and is_everywhere(words):
+        return ""
     if found.me or (found.refers and not found.place):
         return ""
     if found.room is None and found.surface is None and found.place is None:
@@ -175,7 +185,7 @@ _HERE: Final = re.compile(r"\bbring\b.*\bback\b|\bback (?:here|to me|with you)\b
 def tell(doing: Doing, words: str, where: str, text: str) -> Calls:
     """Gone to and told; several people each by themselves, in all rooms where none is said."""
     everybody = _ALL_OF_THEM.match(text)
-    if are_several(doing, words) or everybody is not None:
+    if are_several(doing, words) or everybody is not None or (words.endswith("人") and _ALL_ZH.search(doing.said)):
         text = text[everybody.end() :] if everybody is not None else text
         kind, room = somebody(doing, words, where)
         return call("tell_everyone", text, kind, *((room,) if room else ()))
@@ -183,6 +193,8 @@ def tell(doing: Doing, words: str, where: str, text: str) -> Calls:
     return (*find_person(doing, who, there), *call("tell", who, text))
 
 
+_ALL_ZH: Final = re.compile(r"人.{0,3}都[说讲告通]")
+"""That each of the people is told it, in Chinese."""
 _ALL_OF_THEM: Final = re.compile(r"都(?=[\u3400-\u9fff])")
 """Behind those who are told something: each of them is."""
 

@@ -57,6 +57,38 @@ def in_its_sense(meaning: Meaning) -> Meaning:
     return replace(meaning, nodes=_sensible(meaning.nodes, text))
 
 
+def with_sources(meaning: Meaning) -> Meaning:
+    """The meaning with the place where a thing is said to be as where it is taken from: "I'd like my cup, it should
+    be on the table" wants nothing put there."""
+    text = plain(meaning.text)
+    if len(text) != len(meaning.text):
+        return meaning
+    nodes = tuple(_with_source(node, text) if isinstance(node, Do) else node for node in meaning.nodes)
+    return replace(meaning, nodes=nodes)
+
+
+def _with_source(act: Do, text: str) -> Do:
+    if act.act not in ("bring", "pick_up", "throw_away") or act.words("source"):
+        return act
+    things = [role.end for role in act.roles if role.name == "thing"]
+    roles = tuple(
+        replace(role, name="source")
+        if role.name == "place" and things and min(things) <= role.start and _IT_IS_IN.search(text[: role.start])
+        else role
+        for role in act.roles
+    )
+    return replace(act, roles=roles)
+
+
+_IT_IS_IN: Final = re.compile(
+    r"\b(?:it|they|that|one)(?:'s| is|'re| are|(?: should| must| might| may| could)(?: still)? be| ought to be)"
+    r"(?: (?:still|probably|maybe|somewhere|right|just|usually|over|lying|sitting|standing|there))* "
+    r"(?:on|in|at|by|under|near|next to|behind|beside|inside)(?: top of)?(?: (?:the|my|your|our))? ?(?=$|\w+ ?\w*$)|"
+    r"(?:应该|就|可能|好像|大概|还|一直|放)在(?:那个?|这个?)?$"
+)
+"""What stands before where something is said to be."""
+
+
 def negates_a_condition(words: str, meaning: Meaning) -> bool:
     """Whether these words, which negate, stand in the clause of a condition that is negated, and nowhere else."""
     text = plain(meaning.text)
@@ -75,6 +107,7 @@ def negates_a_condition(words: str, meaning: Meaning) -> bool:
 
 
 _NOT_FOUND: Final = re.compile(
+    r" (?:can't|cannot|couldn't|don't|didn't)(?: (?:find|see) (?:it|them|one))?(?=\W|$)|"
     r"(?:'s| is)? (?:can't|cannot|can not|isn't|is not|not|couldn't) (?:to )?be (?:found|seen)\b"
 )
 """What is told of a thing that is missing, behind its name."""

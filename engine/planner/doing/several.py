@@ -8,10 +8,12 @@ from dataclasses import replace
 from typing import Final
 
 from engine.planner.doing.doing import Doing, Open, Unable
+from engine.planner.doing.handling import is_rubbish
 from engine.planner.doing.people import are_several
-from engine.planner.entities import Entity
+from engine.planner.entities import Entities, Entity
+from engine.skills.vocabulary import BIN
 from engine.understanding.acts import RoleName
-from engine.understanding.meaning import Do, If, Repeat, Role
+from engine.understanding.meaning import Condition, Do, If, Node, Repeat, Role
 
 _THERE: Final = frozenset({
     "look", "count", "describe", "check", "find", "read", "say", "beep", "light", "light_off", "nod", "shake", "wave",
@@ -23,6 +25,10 @@ _WITH_THINGS: Final = frozenset({"bring", "put", "throw_away"})
 _OF_ROOMS: Final = frozenset({"go", "clean", "tidy", "look"})
 """Acts whose thing may be the rooms themselves."""
 _BOTH: Final = re.compile(r"both\b")
+_ALL_SEEN: Final = re.compile(
+    r"(?:all of |both of )?(?:them|those|these)(?: all| both)?|'?em|它们|[那这]些", re.IGNORECASE
+)
+"""All that a condition has found."""
 _EVERYWHERE: Final[tuple[RoleName, ...]] = ("place", "thing", "person")
 
 
@@ -54,6 +60,11 @@ def one_by_one(act: Do, doing: Doing) -> Do:
     """The act with the things of this house that "all the cups but the blue one" are; as it is where it has no such
     group, and for what a skill does with all things of a colour."""
     to_a_place = act.act == "tidy" and bool(act.words("place"))
+    if doing.seen and (to_a_place or act.act in _WITH_THINGS) and any(map(_ALL_SEEN.fullmatch, act.all("thing"))):
+        left_out = {name for words in act.all("except") for name in doing.entities.fitting(words)}
+        each = tuple(Role("thing", name, 0, 0) for name in doing.seen if name not in left_out)
+        others = (role for role in act.roles if role.name not in ("thing", "except"))
+        return replace(act, act="put" if to_a_place else act.act, roles=(*each, *others)) if len(each) > 1 else act
     if are_several(doing, act.words("person")):  # each of them gets one: "drinks to everyone"
         return act
     if act.words("source") and doing.seen:
@@ -74,6 +85,71 @@ def one_by_one(act: Do, doing: Doing) -> Do:
     named = [doing.entity(role.words).thing if role.name == "thing" else None for role in roles]
     roles = [role for at, role in enumerate(roles) if named[at] is None or named[at] not in named[:at]]
     return replace(act, act="put" if to_a_place else act.act, roles=tuple(roles))
+
+
+def looked_first(nodes: Sequence[Node], entities: Entities) -> tuple[Node, ...]:
+    """The nodes with a look before what is done with all that lies somewhere: which things those are, nobody knows
+    before. "Put everything on the desk on the shelf"."""
+    made: list[Node] = []
+    for node in nodes:
+        if (
+            made
+            and isinstance(node, Do)
+            and isinstance(last := made[-1], Do)
+            and (one := _at_once(last, node, entities))
+        ):
+            made[-1] = one
+        else:
+            made.append(node)
+    return tuple(_looked_first(node, entities) if isinstance(node, Do) else node for node in made)
+
+
+def _at_once(first: Do, then: Do, entities: Entities) -> Do | None:
+    """One act of two: "collect the boxes and put them on the shelf", "take that ball away and put it on the shelf";
+    None where they are two."""
+    things, it = first.all("thing"), then.all("thing")
+    places = [role.name for role in first.roles if role.name not in ("thing", "source")]
+    if first.act not in ("pick_up", "tidy") or places or len(things) != 1 or len(it) != 1:
+        return None
+    several = entities.of(things[0]).every or _WHATEVER.match(things[0].casefold())
+    if then.act not in _WITH_THINGS or not entities.of(it[0]).refers or not (several or first.act == "tidy"):
+        return None
+    return replace(then, roles=(*first.roles, *(role for role in then.roles if role.name != "thing")))
+
+
+def _looked_first(act: Do, entities: Entities) -> Do | If:
+    things = [role for role in act.roles if role.name == "thing"]
+    moves = act.act in _WITH_THINGS or (act.act == "tidy" and act.words("place"))
+    if not moves or len(things) != 1 or act.words("person") not in ("", "me") or act.until is not None:
+        return act
+    words = things[0].words
+    group = entities.of(words)
+    source = act.words("source") or (group.at.words if group.at is not None and group.at.known else "")
+    spot = entities.of(source) if source else None
+    if spot is None or not (spot.place or spot.surface or spot.room) or spot.me or spot.surface == BIN:
+        return act
+    whatever = _WHATEVER.match(words.casefold())
+    kind = words[whatever.end() :].strip(" ,") if whatever is not None else words
+    if whatever is None and not group.every:
+        return act
+    if is_rubbish(words) or is_rubbish(kind) or (act.act in ("tidy", "throw_away") and _LYING.search(words)):
+        return act
+    if not kind or (group.at is not None and not act.words("source")) or entities.of(kind).thing in (None, "thing"):
+        kind = kind if kind and entities.of(kind).thing not in (None, "thing") else "something"
+    kind = entities.near(kind)  # without "all": those are meant which are there
+    where = replace(things[0], name="place", words=source)
+    others = tuple(
+        replace(role, words="them") if role is things[0] else role for role in act.roles if role.name != "source"
+    )
+    return If(Condition("seen", (replace(things[0], words=kind), where)), (replace(act, roles=others),), ())
+
+
+_WHATEVER: Final = re.compile(
+    r"(?:which(?:ever)? (?:one )?of (?:(?:the|those|these|my) )?(?:(?:two|three|both) )?\b|"
+    r"(?:what(?:ever)?|everything|anything)(?:'s| is| else)?(?: (?:that|which)(?:'s| is))?$)"
+)
+"""What says that all of them, or the one of them, are meant which are there."""
+_LYING: Final = re.compile(r"\b(?:lying|strewn|scattered|floor|ground)\b|地上|散落")
 
 
 def _is_group(doing: Doing, words: str, act: Do) -> bool:

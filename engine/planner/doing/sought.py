@@ -18,7 +18,7 @@ from engine.planner.doing.people import spot
 from engine.planner.doing.sense import plain
 from engine.planner.entities import Entities
 from engine.planner.phrases.said import Calls, call
-from engine.planner.text.counts import Count, at_least, how_many
+from engine.planner.text.counts import Count, at_least, how_many, is_amount
 from engine.skills.vocabulary import FLOOR, ME
 from engine.understanding.meaning import Condition
 
@@ -142,7 +142,13 @@ def _is_stranger(doing: Doing, who: str) -> bool:
 def _name_of(doing: Doing, words: str) -> str:
     """What the room or piece of furniture is called that these words name; empty for other places."""
     found = doing.where(words)
+    if _BESIDE.match(words.casefold()) and found.surface not in (None, FLOOR):
+        return doing.entities.room_of(found.surface or "")
     return found.room or "" if found.surface in (None, FLOOR) else found.surface
+
+
+_BESIDE: Final = re.compile(r"(?:by|near|next to|beside|around|close to) ")
+"""Not on a piece of furniture, and somewhere in its room."""
 
 
 def _looks(condition: Condition) -> Someone | None:
@@ -230,6 +236,10 @@ def as_seen(condition: Condition, entities: Entities) -> Condition:
             "seen" if positive else "unseen",
             tuple(replace(role, name="thing") if role.name == "state" else role for role in condition.roles),
         )
+    if is_amount(state) and thing:  # "the blocks on the bench are more than two"
+        counted = f"{state} {thing}" if state.isascii() else f"{state}{thing}"
+        roles = tuple(replace(role, words=counted) if role.name == "thing" else role for role in others)
+        return Condition("seen" if positive else "unseen", roles)
     empty = _EMPTY.fullmatch(state) is not None
     if empty and (spot := entities.of(thing or condition.words("place"))) and (spot.place or spot.room):
         roles = tuple(replace(role, name="place") for role in others if role.name in ("thing", "place"))

@@ -24,7 +24,8 @@ _ELSE: Final = (
     r"(?:otherwise|or else|else|if not|"
     r"(?:if|when) (?:it|he|she|they|that|there|you)(?:'s not| isn't| is not|'re not| aren't| are not| doesn't| don't|"
     r" can't| cannot| haven't)(?: (?:there|one|any|find (?:it|any|one)))*|"
-    r"if there(?:'s| is| are)? ?(?:none|nothing|nobody|no one)|"
+    r"if there(?:'s| is| are)? ?(?:none|nothing|nobody|no one)|if (?:i'm|i am) (?:wrong|mistaken)|"
+    r"(?:nobody|no one|none|nothing)(?:'s| is)?(?: there| here| around)?,? then|"
     r"if (?:none|nothing|nobody))"
 )
 _NOTHING: Final = (
@@ -44,12 +45,19 @@ _EMPTY_BRANCH: Final = re.compile(
 )
 
 
+_OF_ITS_OWN: Final = re.compile(
+    r"\W*(?:(?:and|but) )?(?:if|when|nobody|no one|none|nothing|要是|如果|没人)", re.IGNORECASE
+)
+"""What is a condition without one before it."""
+
+
 def without_empty_branches(text: str) -> str:
     """The text with blanks in place of what is to be done with nothing where a condition does not hold: "…; otherwise
     leave it". As long as before."""
     plain = text.replace("’", "'")
     for found in _EMPTY_BRANCH.finditer(plain):
-        if CONDITION.search(plain[: found.start()]):
+        before = plain[: found.start()]
+        if CONDITION.search(before) or (before.strip() and _OF_ITS_OWN.match(found[0])):
             text = f"{text[: found.start()]}{' ' * (found.end() - found.start())}{text[found.end() :]}"
     return text
 

@@ -58,6 +58,13 @@ def how_many(words: str) -> tuple[str, Count] | None:
     )
 
 
+def is_amount(words: str) -> bool:
+    """Whether they say how many, and not of what: "at least two"."""
+    return _AMOUNT.fullmatch(f"{words.casefold().strip()} x") is not None or (
+        _AMOUNT.fullmatch(f"{words.strip()}x") is not None and not words.isascii()
+    )
+
+
 _AMOUNT: Final = re.compile(
     rf"(?:(?P<how>{'|'.join(sorted((how for how in _HOW if how.isascii() and how), key=len, reverse=True))}) |"
     r"(?P<how_zh>至少|超过|多于|不止|只|正好|不到|最多)有?)?"
