@@ -229,6 +229,12 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
             continue  # "… otherwise don't bother"
         if depends and mark.kind == "asked" and re.match(r"\W*should (?:you|i|we|he|she|it|they)\b", mark.words):
             continue  # "should you see the ball, …"
+        if (
+            depends
+            and mark.kind == "forbidden"
+            and (_STAYS_THERE.search(plain, len(before)) or _SEES_NONE.search(before))
+        ):
+            continue  # "go there and don't move until I say", "you see it? bring it. you don't? come here"
         if any(isinstance(node, _NODES[mark.kind]) for node in nodes):
             if not _placed(mark, meaning):
                 return False
@@ -259,6 +265,11 @@ def _keeps_straight(mark: Mark, plain: str, acts: set[str]) -> bool:
     return acts <= _STRAIGHT and _NO_TURN.search(plain, begins) is not None
 
 
+_STAYS_THERE: Final = re.compile(
+    r"(?:don't|do not|never) (?:move|budge|leave|go (?:away|anywhere))(?: (?:from )?(?:there|it|away|again))*"
+    r" (?:until|till|unless|before)\b"
+)
+_SEES_NONE: Final = re.compile(r"[.?!;,] *(?:and |but )?(?:if )?you $")
 _STRAIGHT: Final = frozenset({"forward", "backward", "sideways_left", "sideways_right"})
 _DRIVES: Final = frozenset(ACTS) - frozenset({
     "wait", "say", "beep", "light", "light_off", "stop", "nod", "shake", "arm_up", "arm_down", "report", "skills",

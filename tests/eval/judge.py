@@ -239,7 +239,7 @@ def _after(request: PlanRequest, answer: Answer, after: Next, words: Words) -> P
     """What is asked when the plan is done, and this is what came of it."""
     assert isinstance(answer.found, Plan)
     *before, last = answer.found.actions
-    nobody = last.name in _FINDS_PEOPLE and not any(_PERSON.match(head) for head in after.seen)
+    nobody = last.name in _FINDS_PEOPLE and _NOBODY.search(after.feedback) is not None
     how: Literal["ok", "failed"] = "failed" if nobody or after.feedback.startswith("failed") else "ok"
     done = (*(Ran(action, "ok") for action in before), Ran(last, how, after.feedback, _found(after.feedback)))
     said = (*request.happened, Said(request.text), answer.found, *done)
@@ -294,6 +294,7 @@ def _may_be(who: Someone, seen: Someone) -> bool:
 
 _FINDS_PEOPLE: Final = frozenset({"meet", "find_person"})
 """Skills that fail where nobody is found."""
+_NOBODY: Final = re.compile(r"\b(?:nobody|no one|not (?:there|found|in)|isn't)\b|没有?人|不在|没看到")
 _PERSON: Final = re.compile(
     r"(?:the |an? )?(?:person|people|somebody|someone|man|woman|boy|girl|child|kid|guest|visitor)s?\b|"
     r"[A-Z]|有?人|[男女]"

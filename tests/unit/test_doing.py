@@ -128,6 +128,14 @@ def told(argument: Quantity | str) -> str:
         ("put | put {thing: the ball} {place: where the blue cup is}",
          "pick_object(ball); navigate_to_object(blue cup); putdown()"),
         ("push | move {thing: the ball} to {place: the sofa}", "pick_object(ball); place_object(sofa)"),
+        ("tell | tell {person: everyone in the house} {text: food is up}", "tell_everyone(food is up, person)"),
+        ("tell | 跟{person: 厨房里的人}都说一声{text: 我出门了}", "tell_everyone(我出门了, person, kitchen)"),
+        ("count | how many {person: people} are in {place: the flat}", "count_people(person)"),
+        ("pick_up put | take {1.thing: what Anna gives you} and put {2.thing: it} on {2.place: the desk}",
+         "meet(Anna); take_from(Anna); place_object(desk)"),
+        ("go | drive to {place: the table for dining}", "navigation(I)"),
+        ("pick_up throw_away | pick up {1.thing: the litter} and throw {2.thing: it} out", "clear_rubbish()"),
+        ("go look | go to {1.place: the study} and look at {2.place: the floor}", "navigation(D); seewhat()"),
         ("repeat go beep end | do {0.times: two things}: go to {1.place: the hall} and beep", "navigation(E); beep()"),
         ("wait | wait {place: where you are} {time: ten seconds}", "wait(10 s)"),
         ("find | is {thing: the ball} in {place: the study} or {place: the hall}", "navigation(D); locate(ball)"),
@@ -293,6 +301,12 @@ def test_what_it_holds_is_known_without_a_look(
     [node] = meaning_of(example.text, example.steps).wanted()
     assert isinstance(node, If)
     assert [of_itself(Doing(flat, held), node.condition) for held in ("", "ball")] == [empty, ball]
+
+
+@pytest.mark.parametrize("words", ["the box you're holding", "the box in your hand", "手里的盒子", "你拿着的那个盒子"])
+def test_what_is_said_to_be_held_is_what_is_held(flat: Entities, words: str) -> None:
+    line = f"put | put {{thing: {words}}} on {{place: the desk}}"
+    assert done(flat, line, holding="green box") == "place_object(desk)"
 
 
 def test_what_is_held_has_other_names(flat: Entities) -> None:

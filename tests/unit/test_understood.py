@@ -68,6 +68,12 @@ def understood(planner: Planner) -> Understood:
     return planner._learned
 
 
+def shown(found: Plan | NoPlan | None) -> str:
+    """The actions of a plan."""
+    assert isinstance(found, Plan), found
+    return "; ".join(map(str, found.actions))
+
+
 def plan(understood: Understood, text: str, **about: object) -> Plan | NoPlan | None:
     request = replace(PlanRequest(text), **about)  # type: ignore[arg-type]
     return understood.plan(Heard(request, text, "en")) or understood.no_order(Heard(request, text, "en"))
@@ -347,6 +353,32 @@ def test_what_a_condition_leaves_undone_takes_nothing_back(
 ) -> None:
     found = plan(understood, reader.knows(line))
     assert (isinstance(found, Plan) and [action.name for action in found.actions] == ["navigation", "seewhat"]) == looks
+
+
+def test_where_a_thing_is_said_to_be_is_no_goal(understood: Understood, reader: Written) -> None:
+    said = reader.knows("bring | I'd like {thing: my white cup}, it should be on {place: the bedside table}")
+    assert shown(plan(understood, said)) == "carry(white cup, zero, bedside table)"
+    said = reader.knows("bring | take {thing: the white cup} to {place: the bedside table}")
+    assert shown(plan(understood, said)) == "carry(white cup, R, )"
+
+
+def test_a_thing_and_please_is_an_order(understood: Understood, reader: Written) -> None:
+    assert shown(plan(understood, reader.knows("fragment | {thing: the bottle}, please"))) == "carry(bottle, zero, )"
+    assert isinstance(plan(understood, reader.knows("fragment | {thing: the bottle}")), NoPlan)
+
+
+def test_a_comment_is_not_said_aloud(understood: Understood, reader: Written) -> None:
+    found = plan(understood, reader.knows("dance ; say | dance. {2.text: party time}"))
+    assert shown(found) == "dance()"
+
+
+def test_a_correction_of_what_is_held_already_puts_that_down(understood: Understood, reader: Written) -> None:
+    before = reader.knows("pick_up | pick up {thing: the white cup}")
+    said = reader.knows("instead | I meant {thing: the blue one}")
+    done = plan(understood, before)
+    assert isinstance(done, Plan)
+    found = plan(understood, said, happened=(Said(before), done), holding="white cup")
+    assert shown(found) == "putdown(); pick_object(blue cup)"
 
 
 def test_there_is_a_place_that_was_only_named_before(understood: Understood, reader: Written) -> None:

@@ -235,7 +235,9 @@ def throw_away(doing: Doing, roles: Roles) -> Calls:
         source = ""
     if len(things) == 1 and (_is_rubbish(doing, things[0]) or _LYING_ABOUT.fullmatch(things[0].casefold())):
         where = source or source_of(doing, roles, things[0])
-        return cleaned(doing.entity(where).room) if where else call("clear_rubbish")
+        doing.named = "rubbish"
+        cleans = cleaned(doing.entity(where).room) if where else call("clear_rubbish")
+        return () if cleans == tuple(doing.calls[-1:]) else cleans  # "pick up the litter and throw it out"
     if not things:
         if doing.in_hand:
             return call("place_in_bin")

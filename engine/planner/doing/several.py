@@ -126,6 +126,8 @@ def _looked_first(act: Do, entities: Entities) -> Do | If:
     group = entities.of(words)
     source = act.words("source") or (group.at.words if group.at is not None and group.at.known else "")
     spot = entities.of(source) if source else None
+    if spot is not None and spot.place is not None and spot.place == entities.of(act.words("place") or "me").place:
+        return act  # "pop both cups on the counter", of which a reader has made cups that are on the counter
     if spot is None or not (spot.place or spot.surface or spot.room) or spot.me or spot.surface == BIN:
         return act
     whatever = _WHATEVER.match(words.casefold())

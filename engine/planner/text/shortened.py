@@ -6,9 +6,7 @@ import re
 from typing import Final
 
 _NOT: Final = "do|does|did|is|are|was|were|ca|wo|has|have|had|should|would|could|must|need|ai"
-_BEING: Final = (
-    "there|that|what|where|who|how|here|he|she|let|it|someone|somebody|anyone|anybody|nobody|everyone|everybody"
-)
+_BEING: Final = "there|that|what|where|who|how|here|he|she|someone|somebody|anyone|anybody|nobody|everyone|everybody"
 _STATE: Final = (
     r"there|not|on|in|at|by|under|behind|near|next|still|already|gone|empty|free|full|a|an|the|too|so|just|really|all|"
     r"been|waiting|sitting|standing|lying|left|around|home|up|out|my|your|\w+ing"
@@ -16,12 +14,13 @@ _STATE: Final = (
 _WORDS: Final = {
     "u": "you", "ya": "you", "n": "and", "pls": "please", "plz": "please", "plse": "please", "thx": "thanks",
     "ty": "thank you", "cuz": "because", "coz": "because", "bc": "because", "b4": "before", "rn": "right now",
-    "em": "them", "lemme": "let me", "gimme": "give me", "nvm": "never mind", "abt": "about", "smth": "something",
+    "em": "them", "nvm": "never mind", "abt": "about", "smth": "something",
     "sth": "something", "ppl": "people", "youre": "you're", "theyre": "they're", "ive": "I've", "youve": "you've",
     "theyve": "they've", "weve": "we've", "im": "I'm", "w/": "with", "w": "with",
 }  # fmt: skip
 _SHORT: Final = re.compile(
     rf"(?<![\w'])(?:(?P<word>{'|'.join(sorted(_WORDS, key=len, reverse=True))})"
+    rf"|(?P<it>it)s(?= (?:there|not|still|already|gone|empty|free)\b)"
     rf"|(?P<negated>{_NOT})nt"
     rf"|(?P<being>{_BEING})s(?= (?:{_STATE})\b)|(?P<is>that|what|where|who|let|here|there)s"
     rf"|(?P<are>r)(?= (?:u|you|we|they|there)\b)"
@@ -44,8 +43,8 @@ def _in_full(found: re.Match[str]) -> str:
         return _WORDS[said.casefold()]
     if found["negated"]:
         return f"{found['negated']}n't"
-    if found["being"] or found["is"]:
-        return f"{found['being'] or found['is']}'s"
+    if being := found["being"] or found["is"] or found["it"]:
+        return f"{being}'s"
     if found["are"]:
         return "are"
     return "you're" if found["doing"] is not None else "your"
