@@ -14,7 +14,6 @@ _A_BIT: Final = re.compile(
     r"(?:a )?(?:little|bit|tad)|slightly|"
     r"a few (?:cm|centimet(?:re|er)s))(?: (?:more|further))?|一点[点儿]?|一丁点儿?|一小点儿?|一些|一小步|稍微|一丢丢"
 )
-_PART_OF: Final = re.compile(r"(.*\d.*|point .*) of an? (\w+)")
 _AND_SO_MUCH: Final = re.compile(r"\bmet(?:re|er)s? ([a-z-]+|\d\d?)$")
 _MUCH: Final = re.compile(r"\b(?:far|lots?|long|way|much|length|same|as|until|all|many|few|further|more|less|half)\b")
 _ANGLES: Final[tuple[tuple[re.Pattern[str], float], ...]] = (
@@ -61,9 +60,6 @@ def number(words: str) -> float | None:
 
 def distance(words: str) -> float | None:
     """m; None where the words tell none."""
-    part = _PART_OF.fullmatch(words.casefold().strip())
-    if part is not None and (share := number(part[1])) is not None and (one := quantity(f"1 {part[2]}", "m")):
-        return share * one
     found = quantity(words, "m")
     if found is not None and (more := _AND_SO_MUCH.search(words.casefold())) and (small := number(more[1])) is not None:
         return found + small / 100 if 0 < small < 100 else found  # "one metre twenty"

@@ -28,6 +28,7 @@ def shown(text: str) -> str:
     ("said", "meant"),
     [
         ("half a metre", "0.5 m"),
+        ("point six of a metre", "0.6 m"),
         ("half of a meter", "0.5 m"),
         ("half the meter", "0.5 m"),
         ("a half metre", "0.5 m"),

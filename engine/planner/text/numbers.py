@@ -147,6 +147,8 @@ class _Reader:
             if unit is None or not named or (unit[1].factor == 360.0 and not whole):
                 return None
             return _Measure(unit[0], unit[1].factor, unit[1])
+        if number is not None and 0 < number.value < 1:
+            number = self._of(number)  # "point six of a metre"
         if number is None or (unit := self._unit(number.end)) is None:
             return None
         return _Measure(unit[0], number.value * unit[1].factor, unit[1])
