@@ -280,7 +280,7 @@ _NO_MOVE: Final = re.compile(
     r"(?: (?:at all|please|an inch|away))*(?=\W*(?:$|[,.;:!?，。；]|until\b|till\b|while\b|then\b))"
 )
 _NO_TURN: Final = re.compile(
-    r"(?:don't|dont|do not|never|without|不要|不许|别|不) ?(?:turn|rotat|spin|转)[a-z]*"
+    r"(?:don't|dont|do not|never|without|不要|不许|别|不) ?(?:turn|rotat|spin|转[身弯向]?)[a-z]*"
     r"(?: (?:round|around|at all|please))*(?=\W*(?:$|[,.;:!?，。；]))"
 )
 _NO_USE: Final = re.compile(

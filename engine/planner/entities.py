@@ -124,6 +124,21 @@ _NOTHING_SAID: Final = re.compile(
     r"(?:那个|这个|那什么|那啥|嗯|呃|啥|什么来着)+"
 )
 """What a speaker says who has not found the word."""
+_WHERE: Final = re.compile(
+    r"\bwhere(?:ver)?\b|\b(?:room|place|spot|station|furniture) (?:for|to|in which)\b|的(?:地方|房间|位置|那个?地方)"
+)
+_USED_FOR: Final[tuple[tuple[re.Pattern[str], Sequence[str]], ...]] = (
+    (re.compile(r"\b(?:sleep|sleeps|nap|naps)\b|睡"), ("bedroom", "bed")),
+    (re.compile(r"\b(?:charge|charges|charged|charging|recharge)\b|充电"), ("charging dock", "dock")),
+    (re.compile(r"\b(?:cook|cooks|cooking|cooked)\b|做饭|煮饭|炒菜"), ("kitchen", "stove")),
+    (re.compile(r"\b(?:eat|eats|dine|dines|have (?:our |your )?(?:meals|dinners?|lunch|breakfast))\b|吃饭"),
+     ("dining table", "dining room", "kitchen table")),
+    (re.compile(r"\b(?:rubbish|trash|garbage|waste|litter)\b|垃圾"), ("bin", "trash can")),
+    (re.compile(r"\b(?:clothes|coats|shirts|dresses)\b|衣服"), ("wardrobe", "closet")),
+    (re.compile(r"\bbooks\b|书放|放书"), ("bookshelf", "bookcase", "shelf")),
+    (re.compile(r"\b(?:bathe|shower|wash (?:ourselves|yourself|themselves))\b|洗澡"), ("bathroom",)),
+)  # fmt: skip
+"""What is done at a place, and what such a place is called."""
 _THERE: Final = re.compile(
     r"there|over there|(?:that|this) (?:place|spot)(?: there| here)?|(?:the )?same (?:place|spot)(?: as before)?|"
     r"(?:right )?where you(?:'re| are)(?: now)?|"
@@ -253,6 +268,7 @@ class Entities:
         room = self._first(self._room, whole, [])
         if room is None and floor is not None and (around := self.of(floor["en"] or floor["zh"])).room is not None:
             return replace(around, words=words)  # the floor of a room is that room
+        whole += self._by_use(plain)
         found = Entity(
             words,
             place=self._first(self._place, whole, which),
@@ -266,6 +282,8 @@ class Entities:
             superlative=_SUPERLATIVE.search(head) is not None,
             at=self.of(where) if where else None,
         )
+        if found.at is not None and found.place is not None:
+            found = self._near_there(found, head)
         if found.at is not None and found.at.room and _FLOOR.fullmatch(_bare(head)):
             return replace(found.at, words=words)
         if beside := self._beside(plain):
@@ -278,6 +296,26 @@ class Entities:
         if many is not None and len(self.members(found)) == number(many["en"] or many["zh"]):
             found = replace(found, every=True)  # "the two cups" of a house that has two
         return _with_question(found, which)
+
+    @staticmethod
+    def _by_use(plain: str) -> Sequence[str]:
+        """Names of what is used so: "where the rubbish goes", "the room where Mum and Dad sleep"."""
+        if (where := _WHERE.search(plain)) is None:
+            return ()
+        return next((names for use, names in _USED_FOR if use.search(plain, where.start())), ())
+
+    def _near_there(self, found: Entity, head: str) -> Entity:
+        """Of several pieces of furniture that are called so the one in the room where it is said to be: "the table by
+        the bed"."""
+        assert found.at is not None
+        room = found.at.room or self.room_of(found.at.surface or "")
+        noun = _bare(head).split()[-1:]
+        if not room or not noun or _bare(head) != noun[0] or self.room_of(found.surface or "") in ("", room):
+            return found
+        others = [
+            name for name in self._vocabulary.places() if name.split()[-1:] == noun and self.room_of(name) == room
+        ]
+        return replace(self.of(others[0]), words=found.words, at=found.at) if len(others) == 1 else found
 
     def like(self, words: str, thing: str) -> str | None:
         """What "the blue one", or "the blue", is where one like ``thing`` is meant; None where it is none of those."""

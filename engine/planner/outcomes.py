@@ -24,7 +24,7 @@ from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, 
 from engine.planner.doing.handling import is_rubbish, rubbish_in
 from engine.planner.doing.looking import topic_of
 from engine.planner.doing.people import as_name
-from engine.planner.doing.several import looked_first
+from engine.planner.doing.several import brought, looked_first
 from engine.planner.doing.sought import ANYTHING, PERSON, Sought, sought
 from engine.planner.entities import Entities
 from engine.planner.happened import (
@@ -254,7 +254,9 @@ class Outcomes:
         if after is None:  # how it went is told, where that is all that is asked for: "if you can't find it, say so"
             told = SAID[heard.language]["worked" if worked_last(heard.request.happened) else "did_not_work"]
             branch = tuple(Do("say", (Role("text", told, 0, 0),)) if self._only_tells(one) else one for one in branch)
-        found = self._done((*branch, *rest), heard, doing.named, doing.place, after=after)
+        begins = min((role.start for one in branch if isinstance(one, Do) for role in one.roles), default=0)
+        named = doing.named or self._entities.thing_in(heard.text[:begins])
+        found = self._done((*branch, *rest), heard, named, doing.place, after=after)
         return self._decided(found, heard, decided)
 
     def _after_an_answer(
@@ -293,7 +295,7 @@ class Outcomes:
 
     def _wanted(self, meaning: Meaning) -> tuple[Do | If | Repeat, ...]:
         once = looked_for_once(meaning.wanted(), self._entities, meaning.text)
-        return _only_wanted(looked_first(once, self._entities))
+        return _only_wanted(brought(looked_first(once, self._entities), meaning.text))
 
     def _only_tells(self, node: Node) -> bool:
         """Whether it asks for no more than the answer: "let me know", "say so"."""

@@ -210,7 +210,7 @@ class Planner:
             if own:
                 calls += own
                 continue
-            found = await self._read(replace(heard, text=part))
+            found = await self._read(replace(heard, text=_from_there(part, calls, heard.language)))
             if not isinstance(found, Plan) or not found.finished:
                 return found
             calls += self._validation.calls(found)
@@ -350,3 +350,14 @@ class Planner:
         if (trouble := self._knowledge.trouble) is not None:
             request.warn(str(trouble))
         return facts
+
+
+def _from_there(text: str, before: Sequence[ActionCall], language: Language) -> str:
+    """The rest of a request that began with giving the place where the robot is a name, without that name: "remember
+    this place as base, go to the sofa, and come back to base"."""
+    if not before or before[0].name != "remember_place" or not before[0].named:
+        return text
+    name = str(next(iter(before[0].named.values())))
+    started = {"en": "where you started", "zh": "出发点"}[language]
+    pattern = rf"\b(?:the |my )?{re.escape(name)}\b" if name.isascii() else re.escape(name)
+    return re.sub(pattern, started, text, flags=re.IGNORECASE)

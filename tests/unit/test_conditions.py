@@ -731,3 +731,52 @@ def test_beside_a_piece_of_furniture_is_somewhere_in_its_room(understood: Unders
         may_be_at=lambda thing, place: place in ("bedroom", "bedside table"),
     )
     assert shown(understood.decided(Heard(request, text, "en"))) == "carry(white cup, zero, )"
+
+
+def test_one_of_those_that_are_there_is_taken(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "if seen then bring end | if there are {1.thing: two cups on the counter}, bring {2.thing: one} to "
+        "{2.place: the desk}"
+    )
+    assert after(understood, text, "white cup", "blue cup", "cup") == "carry(white cup, N, )"
+    text = reader.knows(
+        "if unseen then put end | if there's no {1.thing: bottle} on {1.place: the desk} put {2.thing: one} "
+        "{2.place: there}"
+    )
+    assert after(understood, text) == "pick_object(bottle); place_object(desk)"
+
+
+def test_what_is_counted_may_be_told_as_a_fact(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "count ; if event then applaud end | count {1.thing: the blocks} on {1.place: the shelf}, when "
+        "{2.topic: it is three} clap"
+    )
+    assert first(understood, text) == "navigation(O); seewhat()"
+    assert after(understood, text, "block 1", "block 2", "block 3", "block") == "arm_applaud()"
+    assert after(understood, text, "block 1", "block") == "It is not so."
+
+
+def test_what_was_asked_about_is_what_is_brought(understood: Understood, reader: Written) -> None:
+    text = reader.knows(
+        "ask ; if event then bring end | ask {1.person: Anna} {1.text: if she would like the bottle}, if "
+        "{2.topic: she says yes} bring {3.thing: it} to {3.person: her}"
+    )
+    tried = plan(understood, text)
+    ran = tuple(Ran(action, "ok", data={"answer": "yes please"}) for action in tried.actions)
+    request = PlanRequest("", (Said(text), tried, *ran), sees=lambda thing: False)
+    assert shown(understood.decided(Heard(request, text, "en"))) == "pick_object(bottle); hand_over(Anna)"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "if is then go else clean end | if {1.place: the hall} is {1.state: free of clutter} go to "
+        "{2.place: the exit}, else clean {3.place: it}",
+        "if unseen then go else clean end | if there is no {1.thing: mess} in {1.place: the hall} go to "
+        "{2.place: the exit}, else clean {3.place: it}",
+    ],
+)
+def test_a_mess_is_whatever_lies_there(understood: Understood, reader: Written, line: str) -> None:
+    text = reader.knows(line)
+    assert after(understood, text, "thing") == "clean_room(hall)"
+    assert after(understood, text) == "navigation(U)"

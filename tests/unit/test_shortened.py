@@ -10,7 +10,7 @@ from engine.planner.text.shortened import written_in_full
 @pytest.mark.parametrize(
     ("typed", "full"),
     [
-        ("pls go 2 ur dock n dont beep", "please go 2 your dock and don't beep"),
+        ("pls go 2 ur dock n dont beep", "please go to your dock and don't beep"),
         ("while ur at it", "while you're at it"),
         ("if someones there tell em", "if someone's there tell them"),
         ("r u busy", "are you busy"),

@@ -56,6 +56,10 @@ def untimed(act: Do) -> Do:
             return replace(act, until=None)
         if act.act == "wait" and not act.words("time"):
             return replace(act, act="stop", until=None)
+    if until.kind == "seen" and act.act == "follow" and until.words("place") and not act.words("place"):
+        who = until.words("person") or until.words("thing")
+        if _WHO.fullmatch(who.casefold()) or who in act.all("person"):  # "follow Tom until he is in the kitchen"
+            return replace(act, until=None, roles=(*act.roles, *(r for r in until.roles if r.name == "place")))
     if until.kind == "seen" and act.act in ("turn_left", "turn_right", "turn", "turn_around", "look"):
         sought = tuple(role for role in until.roles if role.name in ("thing", "person"))
         if sought and not act.roles and not until.words("place"):
@@ -194,13 +198,22 @@ _CANNOT: Final = re.compile(r"(?:you|it) (?:can't|can not|cannot|couldn't|could 
 
 def _counted(count: Do, node: If) -> Condition | None:
     """The condition with what was counted before, of which it says but how many there are; None for any other."""
-    said = [role for role in node.condition.roles if role.name in ("thing", "person")]
+    condition = node.condition
+    topic = next((role for role in condition.roles if role.name == "topic"), None)
+    if condition.kind == "event" and topic is not None and (many := _THERE_ARE.fullmatch(topic.words.casefold())):
+        condition = Condition(
+            "seen", (replace(topic, name="thing", words=many["many"] or many["zh"]),)
+        )  # "when it is three"
+    said = [role for role in condition.roles if role.name in ("thing", "person")]
     of = next((role for role in count.roles if role.name in ("thing", "person")), None)
-    if of is None or len(said) != 1 or not is_amount(said[0].words) or node.condition.kind not in ("seen", "unseen"):
+    if of is None or len(said) != 1 or not is_amount(said[0].words) or condition.kind not in ("seen", "unseen"):
         return None
     between = " " if of.words.isascii() else ""
     places = [role for role in count.roles if role.name == "place"]
-    return replace(node.condition, roles=(replace(of, words=f"{said[0].words}{between}{of.words}"), *places))
+    return replace(condition, roles=(replace(of, words=f"{said[0].words}{between}{of.words}"), *places))
+
+
+_THERE_ARE: Final = re.compile(r"(?:it|there|they)(?:'s|'re| is| are) (?P<many>.+)|(?:有|是)(?P<zh>.+)")
 
 
 def _at_each_place(node: If, entities: Entities) -> If:
@@ -235,7 +248,10 @@ def _of_a_mess(node: If) -> If:
     return replace(node, condition=replace(condition, kind="is_not"))
 
 
-TIDY: Final = re.compile(r"(?:all |nice and |quite )?(?:tidy|clean|neat|in order)(?: enough)?|整[洁齐]|干净的?")
+TIDY: Final = re.compile(
+    r"(?:free|clear) of (?:clutter|mess|junk|rubbish)|"
+    r"(?:all |nice and |quite )?(?:tidy|clean|neat|in order)(?: enough)?|整[洁齐]|干净的?"
+)
 """A state of a room in which nothing lies about."""
 _NOWHERE: Final = re.compile(r"(?:it'?s |it is )?nowhere(?: to be (?:seen|found))?|luck")
 

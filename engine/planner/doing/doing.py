@@ -26,6 +26,10 @@ _OTHER: Final = re.compile(r"\b(?:an)?other\b|\belse\b|另|别的|其他")
 """One that is not the one that was spoken of."""
 _INTO: Final = re.compile(r"(?:back |on )?(?:in|inside|into|onto|on|over|up)(?: there| it)?|[进上过]去|里面|上面")
 """To a place that was named before."""
+_STUFF: Final = re.compile(r"(?:the |this |that |your )?(?:stuff|thing|object|item)|[这那]?个?东西")
+_ONE_OF_THEM: Final = re.compile(
+    r"(?:one|any|any one|either)(?: of (?:them|those|these))?|一[个只块瓶]|其中一[个只块瓶]"
+)
 _THE: Final = re.compile(r"(?:the|that|this) (?!other|next)|那[个只块瓶]|这[个只块瓶]")
 """What begins a phrase for something that was spoken of before."""
 _FLOOR: Final = re.compile(r"(?:on )?the (?:floor|ground)|地上|地面上?|地板上?")
@@ -162,6 +166,9 @@ class Doing:
         if self.named and (alike := self.entities.like(words, self.named)) is not None:
             self.named = alike
             return alike
+        if self.sought and _ONE_OF_THEM.fullmatch(words.casefold().strip()):
+            self.named = self.seen[0] if self.seen else self.sought  # "if there are cups on it, bring one"
+            return self.named
         if self.sought and not self.who and _PERSONAL.fullmatch(words.casefold().strip()):
             return self.sought  # "if the teddy is there, bring him": nobody else was spoken of
         found = self.entity(words)
@@ -169,6 +176,9 @@ class Doing:
             raise Open("which_thing")
         if found.held and self.in_hand and (found.refers or self._is_in_hand(found)):
             self.named = self.in_hand
+            return self.named
+        if found.thing == "thing" and self.in_hand and _STUFF.fullmatch(words.casefold().strip()):
+            self.named = self.in_hand  # "put the stuff in the study", with something in the hand
             return self.named
         if found.refers:
             if not (self.named or self.holding):
@@ -210,6 +220,8 @@ class Doing:
             return self.place
         if found.refers and self.place:
             return self.place
+        if found.place is not None and found.superlative and _OTHER.search(words.casefold()):
+            raise Open("where", vague=True)  # "the other table"
         nowhere = found.place is None and (found.superlative or is_this_room(words))
         if found.vague or found.refers or found.side or nowhere:
             raise Open("where", vague=True)

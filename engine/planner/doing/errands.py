@@ -40,10 +40,16 @@ def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If
                 made[-1] = _with_things(last.roles, node)
                 continue
             elif (
-                last.act == "put" and not last.words("place") and node.words("place") and _same_thing(last, node, doing)
+                last.act == "put"
+                and node.act in ("put", "bring")
+                and not last.words("place")
+                and node.words("place")
+                and _same_thing(last, node, doing)
             ):
                 made[-1] = _with_things([role for role in last.roles if role.name == "thing"], node)
                 continue
+            elif {last.act, node.act} <= _PLACES and _goes_along(last, node, doing):
+                node = replace(node, roles=(*node.roles, *(role for role in last.roles if role.name == "place")))
             elif last.act == "put" and node.act == "put" and _is_moved(last, node, doing):
                 where = [replace(role, name="source") if role.name == "place" else role for role in last.roles]
                 made[-1] = _with_things(where, node)
@@ -59,6 +65,19 @@ def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If
                 continue
         made.append(node)
     return tuple(made)
+
+
+_PLACES: Final = frozenset({"put", "bring"})
+
+
+def _goes_along(first: Do, second: Do, doing: Doing) -> bool:
+    """Whether it goes to the same place: "the ball in the wardrobe, and the yellow box too"."""
+    if not first.words("place") or any(role.name != "thing" for role in second.roles) or not second.roles:
+        return False
+    return _TOO.match(doing.said, max(role.end for role in second.roles)) is not None
+
+
+_TOO: Final = re.compile(r",? ?(?:too|as well|also)\b|也(?:一样|是)?", re.IGNORECASE)
 
 
 def _is_where(first: Do, second: Do) -> bool:

@@ -174,7 +174,7 @@ def carried(doing: Doing, words: str, place: str, source: str) -> Calls:
 
 def bring(doing: Doing, roles: Roles) -> Calls:
     person, things = roles.words("person"), roles.all("thing")
-    if person and not things and not doing.entity(person).me:
+    if person and not things and not doing.entity(person).me and not (doing.named and doing.depends):
         return people.meet(doing, roles)  # "fetch Oliver at the exit"
     things, source, place = things or _it(doing), roles.words("source"), roles.words("place")
     if source and _WHERE_IT_WAS.fullmatch(place.casefold()):  # "back where it was, the coffee table"
@@ -262,7 +262,7 @@ _LYING_ABOUT: Final = re.compile(
 """All that is on a floor."""
 _RUBBISH: Final = re.compile(
     r"(?:(?:all|all of|the|this|that|your|my|our|any|some) )*(?:rubbish|trash|garbage|litter|waste|debris|junk|refuse)"
-    r"(?: (?:in|from|on|off|that|which|lying|left) .*)?|"
+    r"(?: (?:in|from|on|off|of|that|which|lying|left) .*)?|"
     r"(?:这些|那些|所有的?)?(?:垃圾|废物)"
 )
 """What lies about and nobody wants."""

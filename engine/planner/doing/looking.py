@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from engine.han import is_chinese
 from engine.perception.naming import is_choice
 from engine.plan import Quantity
 from engine.planner.doing import people
@@ -131,6 +132,8 @@ def report(doing: Doing, roles: Roles) -> Calls:
         return call("report_answer")
     if kind == "report_pose" and doing.calls and doing.calls[-1].name == "locate" and _WHERE_THAT_IS.search(topic):
         return ()  # what is looked for is told of
+    if doing.calls and _WHEN_DONE.search(topic):
+        return call("say", "完成了。" if is_chinese(doing.said) else "Done.")
     if kind in ("done", "stopped") and doing.calls:
         return ()  # what came of it is told in any case
     if kind in ("report_pose", "list_skills"):
@@ -141,6 +144,10 @@ def report(doing: Doing, roles: Roles) -> Calls:
     return () if looked else call("seewhat")
 
 
+_WHEN_DONE: Final = re.compile(
+    r"\b(?:when|once|as soon as|after)\b.*\b(?:done|finished|ready|over|complete)|(?:做完|完成|弄好|放好)了?",
+    re.IGNORECASE,
+)
 _WHERE_THAT_IS: Final = re.compile(r"\bwhere(?:abouts)? (?:it|they|he|she|that)\b|(?:它|[他她])在?哪", re.IGNORECASE)
 _LOOKING: Final = frozenset({"seewhat", "scan_room", "locate"})
 """Actions that tell what they see."""

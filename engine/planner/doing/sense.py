@@ -81,7 +81,7 @@ def _with_source(act: Do, text: str) -> Do:
 
 
 _IT_IS_IN: Final = re.compile(
-    r"\b(?:it|they|that|one)(?:'s| is|'re| are|(?: should| must| might| may| could)(?: still)? be)"
+    r"\b(?:it|they|that|one)(?:'?s| is|'re| are|(?: should| must| might| may| could)(?: still)? be)"
     r"(?: (?:still|probably|maybe|somewhere|right|just|usually|over|lying|sitting|standing|there))* "
     r"(?:on|in|at|by|under|near|next to|behind|beside|inside)(?: top of)?(?: (?:the|my|your|our))? ?(?=$|\w+ ?\w*$)|"
     r"(?:应该|就|可能|好像|大概|还|一直|放)在(?:那个?|这个?)?$"

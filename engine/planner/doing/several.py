@@ -36,7 +36,7 @@ def with_each(act: Do, doing: Doing) -> Do:
     """The act with a role for each of "blocks 1 and 2", and with "him" as the thing that it is where nobody else was
     spoken of."""
     roles: list[Role] = []
-    for role in act.roles:
+    for role in _of_their_kind(act.roles, doing):
         found = _NUMBERED.fullmatch(role.words.casefold().strip()) if role.name == "thing" else None
         if found is not None:
             kind = found["kind"] or found["zh"]
@@ -46,6 +46,22 @@ def with_each(act: Do, doing: Doing) -> Do:
         else:
             roles.append(role)
     return replace(act, roles=tuple(roles))
+
+
+def _of_their_kind(roles: Sequence[Role], doing: Doing) -> Sequence[Role]:
+    """The roles with the kind of a thing that only has a colour: "the green and the yellow box"."""
+    things = [role for role in roles if role.name == "thing"]
+    kind = next((thing for role in things[1:] if (thing := doing.entities.of(role.words).thing)), "")
+
+    def whole(role: Role) -> Role:
+        colour = doing.entities.of(role.words).thing or "" if role in things[:-1] and kind else ""
+        return (
+            replace(role, words=f"{colour.removesuffix('thing')}{kind.split()[-1]}")
+            if colour.endswith(" thing")
+            else role
+        )
+
+    return [whole(role) for role in roles]
 
 
 _NUMBER: Final = re.compile(r"\d+|one|two|three|four|five|[一二三四五]")
@@ -102,6 +118,17 @@ def looked_first(nodes: Sequence[Node], entities: Entities) -> tuple[Node, ...]:
         else:
             made.append(node)
     return tuple(_looked_first(node, entities) if isinstance(node, Do) else node for node in made)
+
+
+def brought(nodes: Sequence[Node], said: str) -> tuple[Node, ...]:
+    """The nodes with what is fetched "for me" as what is brought, where nothing else becomes of it."""
+    *before, last = nodes or (Do("stop"),)
+    if not isinstance(last, Do) or last.act != "pick_up" or len(last.all("thing")) != 1 or not _FOR_ME.search(said):
+        return tuple(nodes)
+    return (*before, replace(last, act="bring"))
+
+
+_FOR_ME: Final = re.compile(r"\b(?:get|grab|fetch)\b.*\bfor (?:me|us)\b|(?:给|帮)我.*拿来", re.IGNORECASE)
 
 
 def _at_once(first: Do, then: Do, entities: Entities) -> Do | None:

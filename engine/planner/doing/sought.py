@@ -27,7 +27,8 @@ PERSON: Final = "person"
 ANYTHING: Final = "thing"
 """Any thing, as skills know it."""
 _INDEFINITE: Final = re.compile(
-    r"(?:(?:any|some)? ?(?:thing|stuff)s?|what|(?:任何|什么|有)?(?:东西|物品)|什么)(?:'s)?\b"
+    r"(?:(?:any|some)? ?(?:thing|stuff)s?|(?:any |a |the |some )?(?:mess|clutter)|what|"
+    r"(?:任何|什么|有)?(?:东西|物品)|什么)(?:'s)?\b"
     r"(?: (?:at all|else|still|left|already))*(?: (?:that |which )?(?:is |are |'s )?"
     r"(?:lying|standing|sitting|left|lies|stands|is|are|there|around|about|on|in)\b.*)?"
 )
@@ -37,7 +38,9 @@ _EACH: Final = re.compile(r"(?:all|both|every|each)\b|所有|全部|每")
 """Of a kind, each one has to be there."""
 _FLOOR: Final = re.compile(r"(?:on )?(?:the |this )?(?:floor|ground|carpet)|在?(?:地上|地面上?|地板上?)")
 """The floor of wherever that is."""
-_EMPTY: Final = re.compile(r"empty|free|nothing|clear|bare|vacant|unoccupied|空[着的]?|没")
+_EMPTY: Final = re.compile(
+    r"empty|(?:free|clear)(?: of (?:clutter|things|stuff|junk|obstacles))?|nothing|bare|vacant|unoccupied|空[着的]?|没"
+)
 """What a place is where nothing and nobody is."""
 
 

@@ -21,7 +21,7 @@ _AROUND: Final = (
     r"(?:(?:please|now|robot|could you|can you|would you|will you|请你?|麻烦你?|帮我)\b[\s,，]*)*",
     r"[\s,，]*(?:(?:please|now|for me|thanks|thank you|吧|谢谢)[\s,，]*)*[.!?。！？\s]*",
 )
-_ARTICLE: Final = re.compile(r"(?:the|a|an|my|your|our) (?=\S)", re.IGNORECASE)
+_ARTICLE: Final = re.compile(r"^(?:the|a|an|my|your|our) (?=\S)", re.IGNORECASE)
 _JOINTS: Final = re.compile(
     r"(?:\s*[,，;；]\s*(?:and\s+)?(?:then\s+)?|\s+and\s+then\s+|\s+and\s+|\s+then\s+|然后|接着|再)(?=\S)", re.IGNORECASE
 )
@@ -91,7 +91,8 @@ def _pattern(sentence: str) -> str:
 def _argument(parameter: Parameter, words: str) -> Argument | None:
     """The words of a slot as an argument; None where they are no such thing."""
     if parameter.type != "number":
-        return words.strip() if parameter.word is None else _ARTICLE.sub("", words.strip(), count=1)
+        words = words.strip(" ,.!?;:，。！？；：")
+        return words if parameter.word is None else _ARTICLE.sub("", words)
     if not parameter.unit:
         number = amounts.number(words)
         return None if number is None else Quantity(number, "")

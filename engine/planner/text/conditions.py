@@ -38,7 +38,8 @@ _NOTHING: Final = (
 )
 _EMPTY_BRANCH: Final = re.compile(
     rf"[\s,.;:–—-]*(?:\b(?:and|but) )?\b{_ELSE}[\s,:–-]+{_NOTHING}(?=\W*(?:$|[.;!?]))|"
-    r"[，,。；; ]*(?:要是|如果)?(?:不在|没有?|没看到|找不[到着]|不是|不然|否则|要不|没人|在别处)"
+    r"[，,。；; ]*(?:要是|如果)?"
+    r"(?:不[\u3400-\u9fff]{1,3}?(?=的话|[，,]|就|那)|没有?|没看到|不然|否则|要不|没人|在别处)"
     r"(?:的话)?[，, ]?(?:那?就|也)?"
     r"(?:算了|不用管|不管(?:它|了)?|别管|没事|别动|不用了|放着|什么[也都]不用?做)(?:吧|了)?(?=[。！!]?$|[，。])",
     re.IGNORECASE,
@@ -46,7 +47,7 @@ _EMPTY_BRANCH: Final = re.compile(
 
 
 _OF_ITS_OWN: Final = re.compile(
-    r"\W*(?:(?:and|but) )?(?:if|when|nobody|no one|none|nothing|要是|如果|没人)", re.IGNORECASE
+    r"\W*(?:(?:and|but) )?(?:if|when|nobody|no one|none|nothing|要是|如果|没人|不.{1,3}就)", re.IGNORECASE
 )
 """What is a condition without one before it."""
 

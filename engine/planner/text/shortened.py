@@ -14,12 +14,13 @@ _STATE: Final = (
 _WORDS: Final = {
     "u": "you", "ya": "you", "n": "and", "pls": "please", "plz": "please", "plse": "please", "thx": "thanks",
     "ty": "thank you", "cuz": "because", "coz": "because", "bc": "because", "b4": "before", "rn": "right now",
-    "em": "them", "nvm": "never mind", "abt": "about", "smth": "something",
-    "sth": "something", "ppl": "people", "youre": "you're", "theyre": "they're", "ive": "I've", "youve": "you've",
-    "theyve": "they've", "weve": "we've", "im": "I'm", "w/": "with", "w": "with",
+    "em": "them", "any1": "anyone", "some1": "someone", "every1": "everyone", "no1": "no one", "nvm": "never mind",
+    "abt": "about", "smth": "something", "sth": "something", "ppl": "people", "youre": "you're", "theyre": "they're",
+    "ive": "I've", "youve": "you've", "theyve": "they've", "weve": "we've", "im": "I'm", "w/": "with", "w": "with",
 }  # fmt: skip
 _SHORT: Final = re.compile(
     rf"(?<![\w'])(?:(?P<word>{'|'.join(sorted(_WORDS, key=len, reverse=True))})"
+    r"|(?P<to>(?<=[a-z] )2)(?= (?:the|my|ur|your|me|us|u)\b)"
     rf"|(?P<it>it)s(?= (?:there|not|still|already|gone|empty|free)\b)"
     rf"|(?P<negated>{_NOT})nt"
     rf"|(?P<being>{_BEING})s(?= (?:{_STATE})\b)|(?P<is>that|what|where|who|let|here|there)s"
@@ -47,4 +48,6 @@ def _in_full(found: re.Match[str]) -> str:
         return f"{being}'s"
     if found["are"]:
         return "are"
+    if found["to"]:
+        return "to"
     return "you're" if found["doing"] is not None else "your"
