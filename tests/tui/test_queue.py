@@ -373,6 +373,21 @@ async def test_who_takes_a_second_one_back_puts_the_first_back_as_it_was() -> No
         assert "dropped" not in desk.text
 
 
+async def test_who_takes_the_next_one_back_puts_the_first_before_those_that_are_left() -> None:
+    async with console(size=(60, 20), notices=True) as desk:
+        desk.engine.play(scripted.acting())
+        desk.engine.publish(waits(*WAITING), turn=None)
+        await desk.press("3")
+        await take_back(desk, 1, *WAITING[1:])
+        await desk.press("ctrl+g", "3", "enter")
+        again, dropped = desk.engine.sent[-2:]
+        assert isinstance(again, Say)
+        assert (again.text, dropped) == ("beep", Drop("R2"))
+        beep = ev.WaitingRequest("R4", "beep", again.id)
+        desk.engine.publish(waits(*WAITING[1:], beep), turn=None)  # as it was before the second one was dropped
+        await desk.until(lambda: desk.engine.sent[-1] == Move("R4", "R3"))
+
+
 async def test_one_that_has_begun_meanwhile_is_not_taken_back() -> None:
     async with waiting() as desk:
         await desk.press("enter")

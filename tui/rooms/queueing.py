@@ -56,6 +56,7 @@ class Queueing:
 
     def drop(self, request: Waiting) -> None:
         """It is not wanted any more."""
+        self._leaves(request)
         if (text := self._early.drop(request.id)) is not None:
             self._drawing.left_out(text, strings.LOST["dropped"])
         else:
@@ -83,6 +84,7 @@ class Queueing:
                 self._stage.send(sent)
             if sent.id is not None and before.behind[:1] == behind[:1]:  # it stood between this one and the next
                 behind = (sent.id, *behind)
+        self._leaves(request)
         if self._early.drop(request.id) is not None:
             self._change(_Taken(request, behind))
             return
@@ -123,6 +125,11 @@ class Queueing:
         if self._changing is not None:
             self._changing.has_place = False
             self._stage.redraw()
+
+    def _leaves(self, request: Waiting) -> None:
+        """It waits no more: nothing that was sent again can wait before it."""
+        for sent, behind in self._sent.items():
+            self._sent[sent] = tuple(mark for mark in behind if mark != request.id)
 
     def _put(self, sent: str, waiting: Sequence[ev.WaitingRequest]) -> None:
         """What was sent again waits: have it do so before the first that still does of those that were behind it."""
