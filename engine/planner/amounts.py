@@ -52,6 +52,23 @@ def quantity(words: str, unit: str) -> float | None:
     return next((token.value for token in tokens if token.kind == "quantity" and token.unit == unit), None)
 
 
+def unit_in(words: str) -> str:
+    """The unit of an amount as it is said: "centimetres" of "twenty centimetres"; empty where there is none."""
+    found = re.search(r"[^\W\d_]+$", words.strip())
+    said = found[0] if found is not None else ""
+    ends = (said[-length:] for length in range(len(said), 0, -1))
+    return next((end for end in ends if _is_unit(end)), "")
+
+
+def _is_unit(word: str) -> bool:
+    """Whether it is one, and no amount itself."""
+    return any(quantity(word, unit) is None and quantity(f"2 {word}", unit) is not None for unit in UNITS)
+
+
+UNITS: Final = ("m", "deg", "s", "m/s")
+"""Those in which skills measure."""
+
+
 def number(words: str) -> float | None:
     """The first bare number that the words hold."""
     tokens = read_measures(words_of(words).tokens)

@@ -84,6 +84,8 @@ class Conversation:
             answer = Meaning(text, (Do("fragment", (Role("thing", name, 0, len(text)),)), *then))
         elif answer is None or not answer.nodes or not request.happened or not self._accounted(answer):
             return None
+        elif answer.nodes == (Do("again"),) and (other := _OTHER_WAY.search(text.casefold())) is not None:
+            answer = replace(answer, nodes=(Do("fragment", (Role("manner", other[0], *other.span()),)),))
         said = tuple((entry.text, "") for entry in _kept(request.happened) if isinstance(entry, Said))[-LONGEST:]
         before = self._before(said if question is None else open_command(request.happened), whole=question is not None)
         if question is not None and question.lacks == "where":

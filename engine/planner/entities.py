@@ -310,7 +310,12 @@ class Entities:
         assert found.at is not None
         room = found.at.room or self.room_of(found.at.surface or "")
         noun = _bare(head).split()[-1:]
-        if not room or not noun or _bare(head) != noun[0] or self.room_of(found.surface or "") in ("", room):
+        if (
+            not room
+            or not noun
+            or set((found.surface or "").split()) <= set(head.split())
+            or self.room_of(found.surface or "") in ("", room)
+        ):
             return found
         others = [
             name for name in self._vocabulary.places() if name.split()[-1:] == noun and self.room_of(name) == room

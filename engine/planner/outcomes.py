@@ -24,7 +24,7 @@ from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, 
 from engine.planner.doing.handling import is_rubbish, rubbish_in
 from engine.planner.doing.looking import topic_of
 from engine.planner.doing.people import as_name
-from engine.planner.doing.several import brought, looked_first
+from engine.planner.doing.several import as_journeys, brought, looked_first
 from engine.planner.doing.sought import ANYTHING, PERSON, Sought, sought
 from engine.planner.entities import Entities
 from engine.planner.happened import (
@@ -51,7 +51,6 @@ DOUBT: Final = 0.15
 _ASKED: Final = frozenset({"condition", "every", "until", "times", "role"})
 """What is asked about rather than turned down."""
 _WHERE_IS: Final = re.compile(r"\bwhere(?:'s| is| are)?\b|在哪|哪里|哪儿")
-_UNITS: Final = ("m", "deg", "s", "m/s")
 _SOMEBODY: Final = re.compile(r"him|her|them|they|he|she|someone|somebody|他们?|她们?|谁|有人")
 _NO_ORDERS: Final = frozenset({"talk", "fact"})
 _OF_THE_SESSION: Final = frozenset({"answer", "report", "yes", "no", "fragment", "again", "undo", "resume", "other"})
@@ -295,7 +294,7 @@ class Outcomes:
 
     def _wanted(self, meaning: Meaning) -> tuple[Do | If | Repeat, ...]:
         once = looked_for_once(meaning.wanted(), self._entities, meaning.text)
-        return _only_wanted(brought(looked_first(once, self._entities), meaning.text))
+        return _only_wanted(as_journeys(brought(looked_first(once, self._entities), meaning.text)))
 
     def _only_tells(self, node: Node) -> bool:
         """Whether it asks for no more than the answer: "let me know", "say so"."""
@@ -472,8 +471,7 @@ class Outcomes:
             if (alike := self._entities.like(role.words, self._entities.of(role.instead_of).thing or old)) is not None:
                 return replace(role, words=alike)
         if role.name in ("amount", "time") and (number := amounts.number(role.words)) is not None:
-            unit = next((unit for unit in _UNITS if amounts.quantity(role.instead_of, unit) is not None), "")
-            return replace(role, words=f"{number:g} {unit}")
+            return replace(role, words=f"{number:g} {amounts.unit_in(role.instead_of)}".rstrip())
         return role
 
     def _planned(self, heard: Heard, calls: Calls) -> Plan | NoPlan:

@@ -367,6 +367,37 @@ def test_a_thing_and_please_is_an_order(understood: Understood, reader: Written)
     assert isinstance(plan(understood, reader.knows("fragment | {thing: the bottle}")), NoPlan)
 
 
+@pytest.mark.parametrize(
+    ("line", "shown_as"),
+    [
+        (
+            "forward instead | {1.amount: twenty centimetres} on, no, make that {2.amount: fifty}",
+            "move_forward(0.5, 0.3)",
+        ),
+        ("forward instead | 前进{1.amount: 二十厘米}，不对，{2.amount: 五十}", "move_forward(0.5, 0.3)"),
+        (
+            "turn_left instead | left by {1.amount: half a turn}, no, make that {2.amount: 30 degrees}",
+            "move_left(30, 1)",
+        ),
+    ],
+)
+def test_a_corrected_number_keeps_its_unit(understood: Understood, reader: Written, line: str, shown_as: str) -> None:
+    assert shown(plan(understood, reader.knows(line))) == shown_as
+
+
+def test_the_same_the_other_way_is_not_the_same(understood: Understood, reader: Written) -> None:
+    before = reader.knows("turn_left | turn left by {amount: 45 degrees}")
+    said = reader.knows("again | same again but the other way")
+    done = plan(understood, before)
+    assert isinstance(done, Plan)
+    assert shown(plan(understood, said, happened=(Said(before), done))) == "move_right(45, 1)"
+
+
+def test_places_in_turn_are_journeys(understood: Understood, reader: Written) -> None:
+    found = plan(understood, reader.knows("fragment go | {1.place: kitchen} first, then {2.place: the study}"))
+    assert shown(found) == "navigation(A); navigation(D)"
+
+
 def test_a_comment_is_not_said_aloud(understood: Understood, reader: Written) -> None:
     found = plan(understood, reader.knows("dance ; say | dance. {2.text: party time}"))
     assert shown(found) == "dance()"

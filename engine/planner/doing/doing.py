@@ -26,6 +26,8 @@ _OTHER: Final = re.compile(r"\b(?:an)?other\b|\belse\b|另|别的|其他")
 """One that is not the one that was spoken of."""
 _INTO: Final = re.compile(r"(?:back |on )?(?:in|inside|into|onto|on|over|up)(?: there| it)?|[进上过]去|里面|上面")
 """To a place that was named before."""
+_WHAT_IS_IN: Final = re.compile(r"what(?:ever)?(?:'s| is) in (?:it|there)")
+_HAND: Final = re.compile(r"\b(?:hand|gripper|claw)\b")
 _STUFF: Final = re.compile(r"(?:the |this |that |your )?(?:stuff|thing|object|item)|[这那]?个?东西")
 _ONE_OF_THEM: Final = re.compile(
     r"(?:one|any|any one|either)(?: of (?:them|those|these))?|一[个只块瓶]|其中一[个只块瓶]"
@@ -175,6 +177,9 @@ class Doing:
         if found.vague:
             raise Open("which_thing")
         if found.held and self.in_hand and (found.refers or self._is_in_hand(found)):
+            self.named = self.in_hand
+            return self.named
+        if self.in_hand and _WHAT_IS_IN.fullmatch(words.casefold()) and _HAND.search(self.said.casefold()):
             self.named = self.in_hand
             return self.named
         if found.thing == "thing" and self.in_hand and _STUFF.fullmatch(words.casefold().strip()):

@@ -31,7 +31,7 @@ def somebody(doing: Doing, words: str, where: str = "", *, stranger: bool = Fals
     """Who these words mean, as skills know them, and the room or the piece of furniture where they are said to be, else
     nothing. Raises Open for a pronoun that nobody was named for, and for a stranger without a name ("my aunt") of whom
     nobody said where they are, unless that does no harm (``stranger``)."""
-    words = _AT_HOME.sub("", words)
+    words = _WHOEVER.sub("everyone", _AT_HOME.sub("", words))
     plain = " ".join(words.casefold().split()).strip(" ,.!?")
     if _PRONOUN.fullmatch(plain):
         if not doing.who:
@@ -66,6 +66,10 @@ _AT_HOME: Final = re.compile(
     re.IGNORECASE,
 )
 """Where everybody is who is here."""
+_WHOEVER: Final = re.compile(
+    r"^who(?:so)?ever(?:(?:'s| is)(?: (?:there|here|around|about|home|inside)\b)?)?", re.IGNORECASE
+)
+"""All those who are there."""
 _NO_NAME: Final = re.compile(
     r"(?:the|an?|my|our|your|his|her|their|that|this)\b|[我你他她]们?的?(?![^\W\d_]*[A-Za-z])|[这那]"
 )
@@ -291,7 +295,7 @@ _YOURSELF: Final = re.compile(r"\byourself\b|自己|自我")
 
 def are_several(doing: Doing, words: str) -> bool:
     """Whether each of several people is meant: "everyone", "the guests"."""
-    found = doing.entities.of(words) if words else None
+    found = doing.entities.of(_WHOEVER.sub("everyone", words)) if words else None
     return found is not None and found.every and bool(found.person)
 
 

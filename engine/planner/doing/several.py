@@ -68,6 +68,7 @@ _NUMBER: Final = re.compile(r"\d+|one|two|three|four|five|[一二三四五]")
 _NUMBERED: Final = re.compile(
     rf"(?:the )?(?:(?P<kind>block|cube|box|tag)(?:e?s)?(?: numbers?)?|(?P<zh>方块|积木))"
     rf"(?P<numbers> ?(?:{_NUMBER.pattern})(?:(?:号|, (?:and )?| and | & |和|、|跟| or )+(?:{_NUMBER.pattern}))+)号?"
+    r"(?:,? all)?"
 )
 _PERSONAL: Final = re.compile(r"him|her|he|she|[他她]")
 
@@ -118,6 +119,14 @@ def looked_first(nodes: Sequence[Node], entities: Entities) -> tuple[Node, ...]:
         else:
             made.append(node)
     return tuple(_looked_first(node, entities) if isinstance(node, Do) else node for node in made)
+
+
+def as_journeys(nodes: Sequence[Node]) -> tuple[Node, ...]:
+    """The nodes with places that are named one after the other as journeys: "kitchen first, then the study"."""
+    acts = [node for node in nodes if isinstance(node, Do) and node.act in ("fragment", "go")]
+    if len(acts) < 2 or len(acts) != len(nodes) or any([role.name for role in act.roles] != ["place"] for act in acts):
+        return tuple(nodes)
+    return tuple(replace(act, act="go") for act in acts)
 
 
 def brought(nodes: Sequence[Node], said: str) -> tuple[Node, ...]:
