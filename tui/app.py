@@ -200,7 +200,8 @@ class SaysoApp(Stage):
         leave = self.acting("leave") or self.acting("leave_now")
         if ended is not None:
             return strings.SESSION_ENDED.format(reason=strings.REASONS.get(ended, ended), leave=leave)
-        return strings.QUIT_QUESTION.format(leave=leave, interrupt=self.shown_keys["interrupt"])
+        question = strings.QUIT_QUESTION if self.drawing.model.busy else strings.QUIT_QUESTION_OPEN
+        return question.format(leave=leave, interrupt=self.shown_keys["interrupt"])
 
     # Starting
 
@@ -773,13 +774,13 @@ class SaysoApp(Stage):
     # Leaving
 
     def action_leave(self) -> None:
-        """Leave the page that is shown; on the main screen, quit, while a task is running only when asked twice. A task
+        """Leave the page that is shown; on the main screen, quit, while something is open only when asked twice. A task
         that has ended is none, drawn or not."""
         if self.screen is not self.main:
             self.step_back()
             return
         self.drawing.now()
-        if self.drawing.model.busy and not self.leaving.asked and not self.engine_hangs:
+        if self.drawing.model.unfinished and not self.leaving.asked and not self.engine_hangs:
             self.leaving.asked = True
             self.redraw()
             return

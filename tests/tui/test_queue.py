@@ -606,3 +606,16 @@ async def test_an_action_that_runs_takes_the_robots_time_as_one_that_has_ended()
         desk.engine.publish(ev.ActionFinished("a1", "wait", args, "ok", None, "", 60.0), after=0.1)
         await desk.settled()
         assert "60.0 s" in desk.text
+
+
+async def test_who_quits_while_something_waits_is_asked_once_more() -> None:
+    async with console(size=(80, 24)) as desk:
+        desk.engine.publish(ev.ClarificationAsked("Which one?", "bring me the cup"))
+        desk.engine.publish(waits(*WAITING), turn=None)
+        await desk.settled()
+        await desk.press("q")
+        assert "q again quits, esc drops it" in desk.text
+        desk.engine.publish(ev.QuestionEnded("bring me the cup", "withdrawn", "interrupt"))
+        desk.engine.publish(waits(), turn=None)
+        await desk.settled()
+        assert "again quits" not in desk.text

@@ -272,7 +272,7 @@ class Drawing:
         if any(isinstance(event.body, Log | ErrorRaised) for event, _ in arrived):
             self._parts_timer.resume()  # a part may have changed
         model = self.model
-        if not model.busy:
+        if not model.unfinished:
             self._leaving.asked = False
         if self.tour is not None and self.tour.due and any(line.who == "you" for line in model.conversation):
             self.tour.end()

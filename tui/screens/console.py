@@ -227,7 +227,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         """Bring every pane but the log up to date; without ``hint``, the keys that act are those of the last time."""
         model = view.model
         self.line.wait_for(named(loading(view.parts)), failed=view.failed)
-        self._ask.tell(busy=model.busy or model.asks or bool(model.waiting), ended=model.ended is not None)
+        self._ask.tell(busy=model.unfinished, ended=model.ended is not None)
         if self._one_line is not None:
             self._one_line.update_from(view)
             if hint:

@@ -95,6 +95,11 @@ class ConsoleModel(Struct, frozen=True):
         return self.state in REST and self.plan is not None and self.plan.stage == "question" and self.plan.open
 
     @property
+    def unfinished(self) -> bool:
+        """Something runs, waits, or has been asked: whoever leaves loses it."""
+        return self.busy or self.asks or bool(self.waiting)
+
+    @property
     def asking(self) -> bool:
         """Such a question is open, or is asked just now."""
         return self.asks or self.state == "CLARIFYING"

@@ -72,7 +72,7 @@ ABOUT_KEYS: Final = {
     "again": "Do the last plan once more.",
     "by_hand": "Drive by hand, or no longer: the first push ends the plan.",
     "help": "Show the keys, first those of where you are; or leave that page.",
-    "leave": "Leave a page; on the main screen quit, which asks once more while a task is running.",
+    "leave": "Leave a page; on the main screen quit, which asks once more while something is open.",
     "leave_now": "Quit at once; the robot stops.",
     "log": "Show the log instead (small terminals).",
     "map": "Point at something on the map, look closer, and send the robot there, which asks first; or no longer.",
@@ -559,6 +559,7 @@ WAITING_DROPPED: Final = {False: "{} waiting requests dropped", True: "{} waitin
 NOTHING_BACK: Final = "Nothing to go back from · {type} goes to the line"
 NOT_STARTED: Final = "not started"
 QUIT_QUESTION: Final = "A task is running: {leave} again quits, {interrupt} stops it"
+QUIT_QUESTION_OPEN: Final = "A request is still open: {leave} again quits, {interrupt} drops it"
 ENGINE_STARTING: Final = "The engine is starting…"
 ENGINE_FAILED: Final = "The engine did not start"
 SESSION_ENDED: Final = "{leave} quits; session ended: {reason}"

@@ -76,7 +76,7 @@ ABOUT_KEYS: Final = {
     "release": "解除急停。",
     "by_hand": "手动驾驶，或不再手动：按下方向才会结束计划。",
     "help": "显示按键，先列当前位置的；或离开该页。",
-    "leave": "离开页面；在主屏幕上则退出，任务进行中时会再问一次。",
+    "leave": "离开页面；在主屏幕上则退出，还有没做完的事时会再问一次。",
     "leave_now": "立即退出；机器人会停下。",
     "log": "改为显示日志（小终端）。",
     "map": "在地图上指一处、放大，或让机器人前往那里（会先问）；再按一次结束。",
@@ -534,6 +534,7 @@ WAITING_DROPPED: Final = {False: "取消了 {} 个等待的请求", True: "取�
 NOTHING_BACK: Final = "无处可返回 · {type} 转到输入行"
 NOT_STARTED: Final = "未开始"
 QUIT_QUESTION: Final = "任务进行中：再按 {leave} 退出，{interrupt} 停止任务"
+QUIT_QUESTION_OPEN: Final = "还有没做完的请求：再按 {leave} 退出，{interrupt} 放弃它"
 ENGINE_STARTING: Final = "引擎启动中…"
 ENGINE_FAILED: Final = "引擎没有启动"
 SESSION_ENDED: Final = "{leave} 退出；会话已结束：{reason}"
