@@ -69,6 +69,8 @@ _CUT_OFF: Final = re.compile(
     r"(?:[放拿搬送带移走开挪端]到|把|从|给|往|向)[\s。…，]*$"
 )
 """The end of a sentence that somebody has not finished."""
+_WHERE_FROM: Final = re.compile(r"\bwhere(?:ver)?\b[^.,;!?]*\bfrom[\s.,!]*$")
+"""A sentence that ends with "from": "back to where you came from"."""
 _EITHER: Final = re.compile(r"\bor (?:was|is|maybe|perhaps|the)\b|还是")
 """A choice that is left open."""
 _NO_NUMBER: Final = re.compile(r"\d{16}")
@@ -188,7 +190,8 @@ _SAY_NOTHING: Final = frozenset({"the", "a", "an", "my", "your", "our", "please"
 
 def is_cut_off(text: str) -> bool:
     """Whether a sentence stops where nobody ends one: "put the cup on the"."""
-    return _CUT_OFF.search(text.casefold()) is not None
+    plain = text.casefold()
+    return _CUT_OFF.search(plain) is not None and _WHERE_FROM.search(plain) is None
 
 
 def without_an_empty_branch(meaning: Meaning) -> Meaning:
@@ -235,6 +238,8 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
             and (_STAYS_THERE.search(plain, len(before)) or _SEES_NONE.search(before))
         ):
             continue  # "go there and don't move until I say", "you see it? bring it. you don't? come here"
+        if mark.words == "not" and _is_elsewhere(before, behind, meaning):
+            continue  # "put it on the bed, not on the floor"
         if any(isinstance(node, _NODES[mark.kind]) for node in nodes):
             if not _placed(mark, meaning):
                 return False
@@ -246,6 +251,20 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
             if not (asks or negated or _tells_why(mark, meaning, plain, acts) or _keeps_straight(mark, plain, acts)):
                 return False
     return True
+
+
+def _is_elsewhere(before: str, behind: str, meaning: Meaning) -> bool:
+    """Whether only another place than the wanted one is excluded, behind a comma and at the end of a sentence."""
+    found = _NOT_THERE.fullmatch(behind)
+    if found is None or not before.rstrip().endswith(",") or not _trusted(meaning):
+        return False
+    wanted = {word for node in walk(meaning.wanted()) for role in _roles(node) for word in _plain(role.words).split()}
+    return wanted.isdisjoint(set(found["there"].split()) - {"the", "my", "your", "a"})
+
+
+_NOT_THERE: Final = re.compile(
+    r" (?:on|in|at|to|into|onto|by) (?P<there>(?:the |my |your )?\w+(?: \w+)?)(?: please)?[\s.!]*"
+)
 
 
 def _tells_why(mark: Mark, meaning: Meaning, plain: str, acts: set[str]) -> bool:
@@ -269,7 +288,9 @@ _STAYS_THERE: Final = re.compile(
     r"(?:don't|do not|never) (?:move|budge|leave|go (?:away|anywhere))(?: (?:from )?(?:there|it|away|again))*"
     r" (?:until|till|unless|before)\b"
 )
-_SEES_NONE: Final = re.compile(r"[.?!;,] *(?:and |but )?(?:if )?you $")
+_SEES_NONE: Final = re.compile(
+    r"[.?!;,] *(?:and |but )?(?:if )?you $|\b(?:if|when|in case) (?:you|i|we|he|she|they|it|there) (?:still |really )?$"
+)
 _STRAIGHT: Final = frozenset({"forward", "backward", "sideways_left", "sideways_right"})
 _DRIVES: Final = frozenset(ACTS) - frozenset({
     "wait", "say", "beep", "light", "light_off", "stop", "nod", "shake", "arm_up", "arm_down", "report", "skills",

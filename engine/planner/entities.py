@@ -182,7 +182,7 @@ _ZH_AT: Final = re.compile(
 _VESSEL: Final = re.compile(r".*?[这那一]([瓶杯盒])(?=.)")
 """What measures a drink by what it is in."""
 _ZH_BACK: Final = re.compile(
-    "(?:[这那](?:边|儿|里|头|屋|间屋?|间?房间?|块儿?|个地方)|[上里下前后外]面|旁边|边上|跟前|附近|[上里]头|上|里|下|边|旁|处|中)$"
+    "(?:(?<=.)那?个?地方|的?(?:[上里下前后外]面|[上里]头)|[这那](?:边|儿|里|头|屋|间屋?|间?房间?|块儿?|个地方)|[上里下前后外]面|旁边|边上|跟前|附近|[上里]头|上|里|下|边|旁|处|中)$"
 )
 
 
@@ -583,6 +583,7 @@ def _english(phrase: str) -> Iterator[str]:
     plain = _DETERMINERS.sub("", _BEHIND.sub("", _OUTER.sub("", phrase)))
     if " of " in plain:
         yield plain
+        yield " ".join(reversed(plain.split(" of ", 1)))  # "the table of coffee"
         plain = plain.partition(" of ")[0]
     if (use := _FOR_USE.search(plain)) is not None:
         yield f"{use[2]} {use[1]}"

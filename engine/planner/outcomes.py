@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import Final
+from typing import Final, TypeGuard
 
 from engine.errors import ExitCode, PlanError
 from engine.facts import fact, is_of_the_clock
@@ -23,7 +23,7 @@ from engine.planner.doing.conditions import looked_for_once, of_itself, of_succe
 from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, Which
 from engine.planner.doing.handling import is_rubbish, rubbish_in
 from engine.planner.doing.looking import topic_of
-from engine.planner.doing.people import as_name
+from engine.planner.doing.people import as_name, somebody
 from engine.planner.doing.several import as_journeys, brought, looked_first
 from engine.planner.doing.sought import ANYTHING, PERSON, Sought, sought
 from engine.planner.entities import Entities
@@ -95,7 +95,9 @@ class Outcomes:
         thing = thing or named_last(request.happened, "object") or request.holding or self._only_seen(request.seen)
         begins = min((role.start for node in wanted if isinstance(node, Do) for role in node.roles), default=0)
         thing = thing or self._entities.thing_in(heard.text[:begins]) or rubbish_in(heard.text[:begins])
-        return self._done(wanted, heard, thing, place or named_last(request.happened, "place"))
+        somebody_told = next((node for node in meaning.nodes if _is_of_somebody(node)), None)
+        there = place or named_last(request.happened, "place")
+        return self._done(wanted, heard, thing, there, of_somebody=somebody_told)
 
     def after(
         self,
@@ -399,8 +401,10 @@ class Outcomes:
         place: str = "",
         *,
         after: Sought | None = None,
+        of_somebody: Do | None = None,
     ) -> Plan | NoPlan | None:
         """The plan of what is wanted; ``named`` is the thing that "it" is at first, ``place`` the symbol of "there".
+        ``of_somebody`` is what was told of somebody before: "him" and "her" are they.
         ``after`` is what a condition has looked for, with the names of what it has found: "it" and "them" are that."""
         doing = Doing(
             self._entities, heard.request.holding, named, place, said=heard.text, greeting=SAID[heard.language]["hello"]
@@ -412,6 +416,10 @@ class Outcomes:
         elif after is not None:
             doing.sought, doing.seen = named, after.names
         acts = tuple(self._completed(node) if isinstance(node, Do) else node for node in acts)
+        if of_somebody is not None:
+            with suppress(Open, Which, NowhereKnown, Unable):
+                words, where = of_somebody.words("person"), of_somebody.words("place")
+                doing.who, doing.there = somebody(doing, words, where, stranger=True)
         try:
             index = next((index for index, node in enumerate(acts) if isinstance(node, If)), None)
             if index is not None:
@@ -572,6 +580,11 @@ def _takes_all_back(meaning: Meaning) -> bool:
 
 def _is_order(node: Node) -> bool:
     return not (isinstance(node, Do) and node.act in _NO_ORDERS)
+
+
+def _is_of_somebody(node: Node) -> TypeGuard[Do]:
+    """Whether it tells something of one person: "Maria is in the bedroom"."""
+    return isinstance(node, Do) and node.act == "fact" and len(node.all("person")) == 1
 
 
 def _is_answer(node: Node) -> bool:

@@ -167,6 +167,11 @@ def read_as(line: str, *, sure: float = 1.0) -> Meaning:
         "go | go to {place: the bedroom}, don't wake the baby",
         "sideways_left | slide left {amount: 25 cm}, don't turn",
         "wait | count to {time: ten seconds} without moving",
+        "put | put {thing: the box} on {place: the bed}, not on the floor",
+        "put charge | put {1.thing: the box} on {1.place: the bed}, then leave me in peace and go charge",
+        "go_back | come back to where you came from",
+        "if seen then pick_up else come end | if {1.thing: the ball} is there get {2.thing: it} and if you do not see it "
+        "come",
         "turn_around | you're facing the wrong way, turn round",
         "bring | bring me {thing: the cup}, I can never remember where it is",
         "throw_away | I don't need {thing: the green box} any more, throw it away",
@@ -204,6 +209,7 @@ def test_a_caution_a_reason_and_a_count_of_steps_do_not_stop_it(line: str) -> No
         "go | go to {place: the kitchen} and don't go in",
         "bring | bring {thing: the cup} two times three",
         "go | go to {place: the kitchen}, no it's not",
+        "put | put {thing: the box} on {place: the bed}, not on the bed",
     ],
 )
 def test_what_forbids_something_else_still_does(line: str) -> None:

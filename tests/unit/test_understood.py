@@ -393,6 +393,15 @@ def test_the_same_the_other_way_is_not_the_same(understood: Understood, reader: 
     assert shown(plan(understood, said, happened=(Said(before), done))) == "move_right(45, 1)"
 
 
+def test_whoever_was_told_of_is_meant_then(understood: Understood, reader: Written) -> None:
+    said = reader.knows(
+        "fact tell | {1.person: Maria} is in {1.place: the bedroom}. Tell {2.person: her} {2.text: dinner is ready}"
+    )
+    assert shown(plan(understood, said)) == "meet(Maria, bedroom); tell(Maria, dinner is ready)"
+    said = reader.knows("fact go | {1.person: I} am tired, go to {2.place: the hall}")
+    assert shown(plan(understood, said)) == "navigation(E)"
+
+
 def test_places_in_turn_are_journeys(understood: Understood, reader: Written) -> None:
     found = plan(understood, reader.knows("fragment go | {1.place: kitchen} first, then {2.place: the study}"))
     assert shown(found) == "navigation(A); navigation(D)"

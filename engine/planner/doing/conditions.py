@@ -60,11 +60,24 @@ def untimed(act: Do) -> Do:
         who = until.words("person") or until.words("thing")
         if _WHO.fullmatch(who.casefold()) or who in act.all("person"):  # "follow Tom until he is in the kitchen"
             return replace(act, until=None, roles=(*act.roles, *(r for r in until.roles if r.name == "place")))
+    if until.kind == "event" and act.act == "follow" and not act.words("place"):
+        topic = next((role for role in until.roles if role.name == "topic"), None)
+        gets = _GETS_TO.fullmatch(topic.words) if topic is not None else None
+        if topic is not None and gets is not None:  # "follow Tom until he gets to the kitchen"
+            place = replace(topic, name="place", words=gets["place"] or gets["zh"])
+            return replace(act, until=None, roles=(*act.roles, place))
     if until.kind == "seen" and act.act in ("turn_left", "turn_right", "turn", "turn_around", "look"):
         sought = tuple(role for role in until.roles if role.name in ("thing", "person"))
         if sought and not act.roles and not until.words("place"):
             return Do("find", sought)
     return act
+
+
+_GETS_TO: Final = re.compile(
+    r"\w+ (?:gets? to|arrives? (?:at|in)|reach(?:es)?|comes? to|goes? (?:in)?to|is (?:in|at)|enters?) (?P<place>.+)|"
+    r"[他她它](?:走?到|进)了?(?P<zh>.+)",
+    re.IGNORECASE,
+)
 
 
 def of_itself(doing: Doing, condition: Condition) -> bool | None:

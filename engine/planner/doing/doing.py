@@ -120,6 +120,8 @@ class Doing:
     """The request, for what no role has."""
     who: str = ""
     """The person who was named last, as skills know them."""
+    there: str = ""
+    """Where that person is said to be: a room or a piece of furniture by its name."""
     sought: str = ""
     """The thing that a condition has looked for, as skills know it; "go to it" goes there."""
     seen: tuple[str, ...] = ()

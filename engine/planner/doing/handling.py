@@ -100,11 +100,16 @@ def put(doing: Doing, roles: Roles) -> Calls:
 
 def push(doing: Doing, roles: Roles) -> Calls:
     """To a place it is carried: "move it to the sofa"."""
-    if not (roles.all("thing") and roles.words("place")):
+    things, place = roles.all("thing"), roles.words("place")
+    if things and (not place or _AWAY.search(place.casefold())) and doing.entity(things[0]).refers:
+        raise Open("where_put")
+    if not (things and place):
         raise Unable("act")
     return put(doing, roles)
 
 
+_AWAY: Final = re.compile(r"\bout of\b|\baway\b|\baside\b|\bway\b")
+"""Anywhere else."""
 _BESIDE: Final = re.compile(
     r"^(?:next to|beside|by|near|close to|in front of|behind|under|underneath|against|at|over by|around|"
     r"to the \w+ of)\b|"
@@ -263,7 +268,7 @@ _LYING_ABOUT: Final = re.compile(
 _RUBBISH: Final = re.compile(
     r"(?:(?:all|all of|the|this|that|your|my|our|any|some) )*(?:rubbish|trash|garbage|litter|waste|debris|junk|refuse)"
     r"(?: (?:in|from|on|off|of|that|which|lying|left) .*)?|"
-    r"(?:这些|那些|所有的?)?(?:垃圾|废物)"
+    r"(?:这些|那些|所有的?|地上的?|满地的?|到处的?|乱七八糟的?|里的?)*(?:垃圾|废物)"
 )
 """What lies about and nobody wants."""
 

@@ -36,7 +36,7 @@ def somebody(doing: Doing, words: str, where: str = "", *, stranger: bool = Fals
     if _PRONOUN.fullmatch(plain):
         if not doing.who:
             raise Open("who")
-        return doing.who, spot(doing, where)
+        return doing.who, spot(doing, where) or doing.there
     if doing.entities.of(words).me:
         return ME, spot(doing, where)
     try:
@@ -44,7 +44,7 @@ def somebody(doing: Doing, words: str, where: str = "", *, stranger: bool = Fals
     except PlanError:
         raise Unable("person", words) from None
     there = spot(doing, where or at)
-    if doing.entities.is_stranger(who) and not there and not stranger:
+    if doing.entities.is_stranger(who) and not there and not stranger and not (doing.depends and not doing.found):
         there = doing.entities.place_name(doing.place)  # where it has just been sent
         if (
             not there
@@ -230,6 +230,7 @@ def question(text: str) -> str:
     plain = re.sub(r"^(?:about|for|to tell (?:me|you|us)|to say)\s+", "", plain, flags=re.I)
     plain = re.sub(r"^(?:if|whether)\s+(?:he|she|they)\s+", "do you ", plain, flags=re.I)
     plain = re.sub(r"^do you (is|are|has|have|would|will|can|wants?|likes?|needs?)\b", _first, plain, flags=re.I)
+    plain = re.sub(rf"^({_ASKS}) (it|that|this|the [\w ]+?) (is|are|was|were)$", r"\1 \3 \2", plain, flags=re.I)
     turned = re.sub(
         r"^(what|where|when|why|how(?: \w+)?|which \w+|who)\s+(?:he|she|they|he's|she's)\s*"
         r"(would|will|can|could|should|is|are|was|has|have|\w+s)?\s*\b",
@@ -241,6 +242,9 @@ def question(text: str) -> str:
     if not re.match(r"(?:what|where|when|why|how|which|who|do|does|is|are|would|will|can|could|have)\b", turned, re.I):
         turned = f"what {'is' if turned.casefold().startswith('your ') else 'about'} {turned}"
     return f"{turned[:1].upper()}{turned[1:].rstrip()}?"
+
+
+_ASKS: Final = r"what|where|when|why|who|how(?: \w+)?|which(?: \w+)?"
 
 
 def _written_out(found: re.Match[str]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import takewhile
 from typing import Final
 
 from engine.planner.doing.doing import Doing, Open, Unable
@@ -145,10 +146,14 @@ def _at_once(first: Do, then: Do, entities: Entities) -> Do | None:
     None where they are two."""
     things, it = first.all("thing"), then.all("thing")
     places = [role.name for role in first.roles if role.name not in ("thing", "source")]
-    if first.act not in ("pick_up", "tidy") or places or len(things) != 1 or len(it) != 1:
+    if first.act not in ("pick_up", "tidy") or places or len(things) != 1 or len(it) > 1:
         return None
     several = entities.of(things[0]).every or _WHATEVER.match(things[0].casefold())
-    if then.act not in _WITH_THINGS or not entities.of(it[0]).refers or not (several or first.act == "tidy"):
+    if (
+        then.act not in _WITH_THINGS
+        or not (not it or it == things or entities.of(it[0]).refers)
+        or not (several or first.act == "tidy")
+    ):
         return None
     return replace(then, roles=(*first.roles, *(role for role in then.roles if role.name != "thing")))
 
@@ -219,7 +224,7 @@ def _left_out(doing: Doing, words: str, group: Entity) -> tuple[str, ...]:
 def spread(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If | Repeat, ...]:
     """The nodes with one journey for each room, where all are meant; what is done there is done in each."""
     made: list[Do | If | Repeat] = []
-    left = list(nodes)
+    left = list(_at_each(nodes, doing))
     while left:
         act = left.pop(0)
         rooms = _rooms_of(act, doing) if isinstance(act, Do) else ()
@@ -235,6 +240,24 @@ def spread(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If | R
         for room in rooms:
             made += [_at(act, Role("place", room, 0, 0)), *there]
     return tuple(made)
+
+
+def _at_each(nodes: Sequence[Do | If | Repeat], doing: Doing) -> Sequence[Do | If | Repeat]:
+    """The nodes with what is done at each of several places: "go to the desk and the sofa, and beep at each"."""
+    journeys = list(takewhile(lambda node: isinstance(node, Do) and node.act == "go", nodes))
+    places = [role for act in journeys if isinstance(act, Do) for role in act.roles if role.name == "place"]
+    there = [node for node in nodes[len(journeys) :] if isinstance(node, Do) and _is_there(node)]
+    if len(places) < 2 or not there or len(journeys) + len(there) != len(nodes):
+        return nodes
+    if not _AT_EACH.search(doing.said, max(place.end for place in places)):
+        return nodes
+    return [node for place in places for node in (Do("go", (place,)), *there)]
+
+
+_AT_EACH: Final = re.compile(
+    r"\b(?:at|in|on) (?:each|every)\b|\b(?:each|every) (?:time|stop)\b|\bwherever you (?:stop|arrive)\b|每到|每个地方",
+    re.IGNORECASE,
+)
 
 
 def _rooms_of(act: Do, doing: Doing) -> tuple[str, ...]:
