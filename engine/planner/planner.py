@@ -206,6 +206,8 @@ class Planner:
     async def _asked_for(self, heard: Heard) -> Plan | NoPlan | None:
         """What asks for a skill in the words of its record, by itself or among other things."""
         calls: tuple[ActionCall, ...] = ()
+        if any(mark.kind in ("taken_back", "forbidden") for mark in marks(heard.text)):
+            return None  # of a part of it nobody knows whether that is meant
         for part, own in self._asked.pieces(heard.text):
             if own:
                 calls += own

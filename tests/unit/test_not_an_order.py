@@ -170,8 +170,8 @@ def read_as(line: str, *, sure: float = 1.0) -> Meaning:
         "put | put {thing: the box} on {place: the bed}, not on the floor",
         "put charge | put {1.thing: the box} on {1.place: the bed}, then leave me in peace and go charge",
         "go_back | come back to where you came from",
-        "if seen then pick_up else come end | if {1.thing: the ball} is there get {2.thing: it} and if you do not see it "
-        "come",
+        "if seen then pick_up else come end | if {1.thing: the ball} is there get {2.thing: it} and if you do "
+        "not see it come",
         "turn_around | you're facing the wrong way, turn round",
         "bring | bring me {thing: the cup}, I can never remember where it is",
         "throw_away | I don't need {thing: the green box} any more, throw it away",
