@@ -19,16 +19,18 @@ from tests.tui.scripted import ScriptedEngine, flat, robot_at, sight_of
 from tui.kept.sizes import LEAST, MOST, STEP, USUAL, SizeFile
 from tui.keys.keys import shown
 from tui.screens.console import ConsoleScreen
+from tui.shown.facts import Plan
 from tui.widgets.ask import Ask
 from tui.widgets.camera import CameraView
 from tui.widgets.conversation import Conversation
 from tui.widgets.floor_view import FloorView
 from tui.widgets.lines import Lines
 from tui.widgets.log import LogView
-from tui.widgets.plan import PlanView
+from tui.widgets.plan import PlanView, plan_items
 from tui.widgets.queue import ActionQueue
 from tui.widgets.said import Said
 from tui.widgets.timeline import Timeline
+from tui.words import strings
 
 SIZES = [(120, 40), (80, 24), (60, 18)]
 PANES: list[tuple[str, type[Widget]]] = [
@@ -465,3 +467,9 @@ async def test_a_question_needs_no_row_where_there_is_room_for_none() -> None:
         await desk.pilot.resize_terminal(38, 9)
         await desk.settled()
         assert "exit" not in desk.text
+
+
+def test_of_what_is_no_order_the_plan_does_not_say_that_the_robot_asks() -> None:
+    for is_open, words in ((True, strings.QUESTION), (False, strings.NO_ORDER)):
+        first, *_ = plan_items(Plan("question", "no", message="What shall I do?", open=is_open))
+        assert first[3] == words

@@ -619,3 +619,12 @@ async def test_who_quits_while_something_waits_is_asked_once_more() -> None:
         desk.engine.publish(waits(), turn=None)
         await desk.settled()
         assert "again quits" not in desk.text
+
+
+async def test_the_key_that_sends_says_that_it_puts_back_what_was_taken_back() -> None:
+    async with waiting() as desk:
+        await take_back(desk, 1, *WAITING[1:])
+        assert ("send", "put back") in [(hint.action, hint.word) for hint in desk.app.shown.hints]
+        await desk.press("enter")
+        await desk.press(*"nod")
+        assert ("send", "send") in [(hint.action, hint.word) for hint in desk.app.shown.hints]

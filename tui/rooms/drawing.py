@@ -118,6 +118,8 @@ class Drawing:
         self._noticing = Noticing(stage)
         self.alerting = Alerting(stage)
         self.ending = Ending(stage)
+        self.puts_back = False
+        """What stands in the line is a request that was taken back: sent, it waits in its place again."""
 
     def begin(self) -> None:
         """Timers run from now on."""
@@ -380,6 +382,8 @@ class Drawing:
         word = strings.KEY_WORDS[action]
         if action == "interrupt":
             return Hint(action, stage.shown_keys[action], word, model.busy or model.moving)
+        if action == "send" and self.puts_back:
+            word = strings.PUTS_BACK
         key = stage.acting(action)
         return Hint(action, key, word, True) if key is not None else None
 

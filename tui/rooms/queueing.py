@@ -113,6 +113,7 @@ class Queueing:
         """It is in the line from now on."""
         line = self._stage.main.line
         taken.draft, self._changing = line.value, taken
+        self._drawing.puts_back = True
         self._stage.main.type()
         line.write(taken.request.text)
         self._told = hint_line(strings.TAKEN_BACK, self._stage.acting)
@@ -178,5 +179,5 @@ class Queueing:
 
     def _end(self) -> None:
         """What was taken back is not in the line any more, and nothing says so any longer."""
-        self._changing = None
+        self._changing, self._drawing.puts_back = None, False
         self._keeping.take_away(self._told)

@@ -46,7 +46,7 @@ def plan_items(plan: Plan | None, waits: str = "") -> list[tuple[str, str, str, 
         "made": strings.PLAN_BY.get(plan.source, plan.source),
         "rejected": strings.NO_PLAN_CAME,
         "refused": strings.REFUSED,
-        "question": strings.QUESTION,
+        "question": strings.QUESTION if plan.open else strings.NO_ORDER,
     }
     if waits:
         asides |= dict.fromkeys(("thinking", "made"), strings.WAITS_FOR.format(parts=waits))

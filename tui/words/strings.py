@@ -186,6 +186,8 @@ QUEUE_KEYS: Final = (
     "{queue_up}{queue_down} choose · {interrupt} stops"
 )
 TAKEN_BACK: Final = "{send} puts it back into its place · empty the line to leave it out"
+PUTS_BACK: Final = "put back"
+"""What the key that sends does with a request that was taken back into the line."""
 TAKEN_BACK_TOO_LATE: Final = "It has begun already, or ended."
 FOLLOW_UPS: Final = {"resume": "continue", "undo": "undo", "again": "again"}
 """What is offered after a turn: the words for it, as they are asked for."""
@@ -312,6 +314,7 @@ NO_ACTIONS: Final = "No actions yet."
 REFUSED: Final = "refused"
 NO_PLAN_CAME: Final = "no plan"
 QUESTION: Final = "asks"
+NO_ORDER: Final = "no order"
 PLAN_BY: Final = {
     "phrases": "by known phrases",
     "reader": "by the learned reader",

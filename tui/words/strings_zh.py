@@ -183,6 +183,7 @@ QUEUE_KEYS: Final = (
     "{queue_up}{queue_down} 选择 · {interrupt} 停止"
 )
 TAKEN_BACK: Final = "{send}把它放回原处 · 清空这一行就不做了"
+PUTS_BACK: Final = "放回"
 TAKEN_BACK_TOO_LATE: Final = "它已经开始或结束了。"
 FOLLOW_UPS: Final = {"resume": "继续", "undo": "撤销", "again": "再来一次"}
 NOT_OFFERED: Final = {
@@ -301,6 +302,7 @@ NO_ACTIONS: Final = "还没有动作。"
 REFUSED: Final = "拒绝"
 NO_PLAN_CAME: Final = "没有计划"
 QUESTION: Final = "提问"
+NO_ORDER: Final = "不是命令"
 PLAN_BY: Final = {
     "phrases": "按已知句式",
     "reader": "由学习的理解器",
