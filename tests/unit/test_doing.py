@@ -10,6 +10,7 @@ from engine.plan import Quantity
 from engine.planner.doing.acts import calls_of
 from engine.planner.doing.conditions import of_itself
 from engine.planner.doing.doing import Doing, NowhereKnown, Open, Unable
+from engine.planner.doing.people import message
 from engine.planner.doing.sought import sought
 from engine.planner.entities import Entities
 from engine.planner.worlds.house import build_vocabulary
@@ -408,3 +409,18 @@ def condition_of(line: str) -> Condition:
     node = meaning_of(example.text, example.steps).wanted()[0]
     assert isinstance(node, If)
     return node.condition
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("she is late", "You are late"),
+        ("to take her medicine", "Please take your medicine"),
+        ("he has to feed his cat", "You have to feed your cat"),
+        ("she is waiting for him", "she is waiting for him"),
+        ("dinner is ready", "dinner is ready"),
+        ("她迟到了", "她迟到了"),
+    ],
+)
+def test_what_is_told_is_said_to_whoever_hears_it(text: str, said: str) -> None:
+    assert message(text) == said

@@ -194,7 +194,30 @@ def tell(doing: Doing, words: str, where: str, text: str) -> Calls:
         kind, room = somebody(doing, words, where)
         return call("tell_everyone", text, kind, *((room,) if room else ()))
     who, there = somebody(doing, words, where)
-    return (*find_person(doing, who, there), *call("tell", who, text))
+    return (*find_person(doing, who, there), *call("tell", who, message(text)))
+
+
+def message(text: str) -> str:
+    """What is told, as it is said to somebody: "that she is late" → "You are late", "to take his coat" → "Please take
+    your coat". As it is where more than one person is spoken of."""
+    plain = text.strip(" .!")
+    spoken_of = {found[0].casefold() for found in _THIRD.finditer(plain)}
+    if not plain.isascii() or sum(not spoken_of.isdisjoint(one) for one in _EACH_PERSON) > 1:
+        return text
+    turned = re.sub(r"^to (?=[a-z])", "please ", plain)
+    turned = re.sub(r"^(?:he|she|they)(?:'s|'re| is| are)\b", "you are", turned, flags=re.I)
+    turned = re.sub(r"^(?:he|she|they) (?:has|have)\b", "you have", turned, flags=re.I)
+    turned = re.sub(r"^(?:he|she|they) (?=(?:can|could|may|must|should|will|would|need)\b)", "you ", turned, flags=re.I)
+    turned = re.sub(r"^(?:he|she|they) needs\b", "you need", turned, flags=re.I)
+    if turned == plain:
+        return text
+    turned = re.sub(r"\b(?:his|her|their)\b(?= \w)", "your", turned)
+    turned = re.sub(r"\b(?:him|her|them|he|she|they)\b", "you", turned)
+    return f"{turned[:1].upper()}{turned[1:]}"
+
+
+_THIRD: Final = re.compile(r"\b(?:he|him|his|she|her|they|them|their)\b", re.IGNORECASE)
+_EACH_PERSON: Final = (frozenset({"he", "him", "his"}), frozenset({"she", "her"}), frozenset({"they", "them", "their"}))
 
 
 _ALL_ZH: Final = re.compile(r"人.{0,3}都[说讲告通]")
