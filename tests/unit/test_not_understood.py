@@ -154,3 +154,9 @@ def test_what_is_written_in_the_list_is_read_again() -> None:
 )
 def test_two_chinese_characters_next_to_one_another_are_a_word(text: str, words: list[str]) -> None:
     assert list(words_in(text)) == words
+
+
+@pytest.mark.parametrize("text", ["我叫你去拿瓶子的话，声音小了吗", "my name is on that box"])
+def test_what_is_no_name_is_not_learned_as_one(text: str) -> None:
+    found = planned(text)
+    assert not isinstance(found, Plan) or not found.actions

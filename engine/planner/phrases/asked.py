@@ -21,6 +21,8 @@ _AROUND: Final = (
     r"(?:(?:please|now|robot|could you|can you|would you|will you|请你?|麻烦你?|帮我)\b[\s,，]*)*",
     r"[\s,，]*(?:(?:please|now|for me|thanks|thank you|吧|谢谢)[\s,，]*)*[.!?。！？\s]*",
 )
+_NO_NAME: Final = re.compile(r"[你我他她它]|的话|^(?:on|in|at|not|too|also|written|what|nobody)\b", re.IGNORECASE)
+"""What no name holds: "我叫你去拿瓶子", "my name is on the box"."""
 _ARTICLE: Final = re.compile(r"^(?:the|a|an|my|your|our) (?=\S)", re.IGNORECASE)
 _JOINTS: Final = re.compile(
     r"(?:\s*[,，;；]\s*(?:and\s+)?(?:then\s+)?|\s+and\s+then\s+|\s+and\s+|\s+then\s+|然后|接着|再)(?=\S)", re.IGNORECASE
@@ -92,6 +94,8 @@ def _argument(parameter: Parameter, words: str) -> Argument | None:
     """The words of a slot as an argument; None where they are no such thing."""
     if parameter.type != "number":
         words = words.strip(" ,.!?;:，。！？；：")
+        if parameter.name == "name" and _NO_NAME.search(words):
+            return None
         return words if parameter.word is None else _ARTICLE.sub("", words)
     if not parameter.unit:
         number = amounts.number(words)
