@@ -558,6 +558,7 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         self._panes.settle()
         self._panes.share()
         self._warn_if_tiny()
+        self.call_after_refresh(self.hint)  # how many keys a frame names depends on its width
 
     def _lay_out(self, size: Size) -> None:
         """Have the classes that the style sheet goes by."""
