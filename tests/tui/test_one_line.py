@@ -551,9 +551,12 @@ async def test_what_a_question_cuts_off_in_a_single_row_is_told_when_that_has_it
         assert re.search("ASKING .*Which one: the white cu…", desk.text)
         assert "find the cup" not in desk.text
         assert timed[-1] == (0, False), "nobody can read it yet"
+        desk.engine.publish(ev.RequestsWaiting(("nod",)), turn=None)
+        await desk.settled()
+        assert re.search(r"ASKING .*… +1 waiting", desk.text), "an older end takes no room from what waits"
         desk.engine.publish(ev.QuestionEnded("bring me the cup", "declined"))
         await desk.settled()
-        assert "■ (2) find the cup, go to the …" in desk.text
+        assert "■ (2) find the cup, g… 1 waiting" in desk.text
         assert timed[-1] == (2, True)
 
 

@@ -75,7 +75,8 @@ def happening(view: View, *, progress: bool = True) -> Piece:
 def _fitting(view: View, words: str, room: int) -> tuple[str, str]:
     """The words in one row of so many columns, which may be cut there, and what stands beside them. Before an end is
     cut or how many requests wait is left out, how far what runs has come leaves. How many wait has its room also before
-    more than half of the row has what runs, and before what is asked: nothing else shows that a request was taken."""
+    more than half of the row has what runs, and before what is asked and how others ended: nothing else shows that a
+    request was taken."""
     waiting = _waiting(view)
     if cell_len(JOINT.join(filter(None, (words, waiting)))) <= room:
         return words, _beside(view, cell_len(words), room)
@@ -83,8 +84,9 @@ def _fitting(view: View, words: str, room: int) -> tuple[str, str]:
         return words, ""
     brief = happening(view, progress=False)[0]
     least = cell_len(brief)
-    if waiting and not view.ends and _urgent(view) is None:
-        least = min(least, room // 2 if view.model.running is not None else room - cell_len(JOINT) - cell_len(waiting))
+    if waiting and _urgent(view) is None:
+        beside = room - cell_len(JOINT) - cell_len(waiting)
+        least = min(least, room // 2 if view.model.running is not None and not view.ends else beside)
     return brief, _beside(view, least, room, where=False)
 
 
