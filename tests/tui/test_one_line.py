@@ -593,3 +593,15 @@ async def test_a_request_for_an_engine_that_does_not_start_is_told_as_never_begu
         desk.app.drawing.ending.next()
         await desk.settled()
         assert "✗ There is no scene at the place" in desk.text
+
+
+async def test_on_a_single_row_an_end_goes_before_what_runs_for_its_time() -> None:
+    async with console(engine(), size=(80, 1), one_line=True, in_line=True) as desk:
+        desk.engine.publish(ev.RequestEnded("R1", "go to the bedroom", "replaced", "replaced"), turn=None)
+        desk.engine.play(scripted.acting())
+        desk.engine.publish(ev.RequestsWaiting(("nod",)), turn=None)
+        await desk.settled()
+        assert re.search(r"■ go to the bedroom .*1 waiting", desk.text)
+        desk.app.drawing.ending.next()
+        await desk.settled()
+        assert re.search(r"▸ Go to the kitchen.*1 waiting", desk.text)

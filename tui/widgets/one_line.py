@@ -55,10 +55,11 @@ class OneLine(Static):
             self.update_from(self._view)
 
 
-def happening(view: View, *, progress: bool = True) -> Piece:
+def happening(view: View, *, progress: bool = True, ends_first: bool = False) -> Piece:
     """What one has to know: what is the case now, why nothing moves, and how requests ended that were not done. Where
     nothing else is the case than that nothing moves, the last that was said stands before it. An engine that is lost
-    for good is told behind the ends, as it stays and they do not. ``progress``: with how far what runs has come."""
+    for good is told behind the ends, as it stays and they do not. ``progress``: with how far what runs has come;
+    ``ends_first``: before what runs."""
     ended, problem = _ended(view.ends) if view.ends else "", view.model.problem
     now = _urgent(view) or _now(view, progress=progress) or (None if ended else _said_last(view))
     words, style = now or ("", "$text-warning")
@@ -67,6 +68,8 @@ def happening(view: View, *, progress: bool = True) -> Piece:
     if now is None and view.standstill:
         style = "bold $text-error"
     pieces = [words, view.standstill, view.remark, ended]
+    if ends_first:
+        pieces = [ended, words, view.standstill, view.remark]
     if problem is not None and problem.fatal:
         pieces = [ended, words, view.standstill]
     return JOINT.join(filter(None, pieces)), style
@@ -83,6 +86,10 @@ def _fitting(view: View, words: str, room: int) -> tuple[str, str]:
     if not (view.ends or waiting):
         return words, ""
     brief = happening(view, progress=False)[0]
+    if view.ends and view.model.running is not None and _urgent(view) is None:
+        named = brief.partition(_ended(view.ends))[0] + _names(view.ends)
+        if cell_len(JOINT.join(filter(None, (named, waiting)))) > room:  # it goes in some seconds, and what runs stays
+            brief = happening(view, progress=False, ends_first=True)[0]
     least = cell_len(brief)
     if waiting and _urgent(view) is None:
         beside = room - cell_len(JOINT) - cell_len(waiting)
@@ -139,9 +146,13 @@ def _said_last(view: View) -> Piece | None:
 
 def _ended(ends: Sequence[Ended]) -> str:
     """How these ended, all in the same way: how many and which first, as the end is cut where there is no room."""
-    count = f"({len(ends)}) " if len(ends) > 1 else ""
-    names = f"{STYLES['lost'][0]} {count}{strings.COMMA.join(end.text for end in ends)}"
+    names = _names(ends)
     return f"{names}{strings.COLON}{told(ends[0].message)}" if ends[0].message else f"{names}  {ends[0].note}"
+
+
+def _names(ends: Sequence[Ended]) -> str:
+    count = f"({len(ends)}) " if len(ends) > 1 else ""
+    return f"{STYLES['lost'][0]} {count}{strings.COMMA.join(end.text for end in ends)}"
 
 
 def _wrapped(words: str, first: int, columns: int, below: int) -> list[str]:
