@@ -605,3 +605,12 @@ async def test_on_a_single_row_an_end_goes_before_what_runs_for_its_time() -> No
         desk.app.drawing.ending.next()
         await desk.settled()
         assert re.search(r"▸ Go to the kitchen.*1 waiting", desk.text)
+
+
+async def test_that_a_request_was_given_up_by_its_answer_is_told() -> None:
+    async with console(engine(), size=(120, 2), one_line=True, in_line=True) as desk:
+        desk.engine.publish(ev.ClarificationAsked("Which cup?", "bring the cup"))
+        desk.engine.publish(ev.QuestionEnded("bring the cup", "declined"))
+        desk.engine.play(scripted.acting())
+        await desk.settled()
+        assert re.search(r"▸ Go .*■ bring the cup  given up: the answer was no order", desk.text)

@@ -269,8 +269,8 @@ def _(body: ev.QuestionEnded, model: ConsoleModel, event: ev.Event) -> ConsoleMo
     if model.plan is not None and model.plan.stage == "question":
         model = replace(model, plan=None)
     text, by = printable(body.text), body.by or ""
-    if body.outcome == "declined":  # by the user, who knows
-        return model.with_line(Line("lost", text, strings.DECLINED))
+    if body.outcome == "declined":
+        return model.with_end(text, note=strings.DECLINED, by=by).with_line(Line("lost", text, strings.DECLINED))
     note = strings.UNANSWERED if body.by is None else strings.QUESTION_WITHDRAWN.format(reason=strings.REASONS[body.by])
     if body.outcome == "replaced":
         note = strings.REPLACED_ASKED
