@@ -614,3 +614,16 @@ async def test_that_a_request_was_given_up_by_its_answer_is_told() -> None:
         desk.engine.play(scripted.acting())
         await desk.settled()
         assert re.search(r"▸ Go .*■ bring the cup  given up: the answer was no order", desk.text)
+
+
+async def test_an_answer_is_told_behind_the_request_that_begins_at_once_after_it() -> None:
+    async with console(engine(), size=(120, 2), one_line=True, in_line=True) as desk:
+        desk.engine.publish(ev.RequestsWaiting(("go to the kitchen",)), turn=None)
+        over(desk.engine, "R1", "where are you?", "done", "I am in the hall.", "T0")
+        desk.engine.publish(ev.RequestsWaiting(()), turn=None)
+        desk.engine.play(scripted.acting())
+        await desk.settled()
+        assert re.search(r"▸ Go .*✓ where are you\?: I am in the hall\.", desk.text)
+        desk.app.drawing.ending.next()
+        await desk.settled()
+        assert "I am in the hall" not in desk.text

@@ -31,7 +31,8 @@ class Line(Struct, frozen=True):
 
 
 class Ended(Struct, frozen=True):
-    """A request that was not done: how it ended, in the robot's words or in ours."""
+    """How a request ended that was not done, or behind which another one begins at once; in the robot's words or in
+    ours."""
 
     number: int  # 1 is the first of the session
     text: str
@@ -39,10 +40,11 @@ class Ended(Struct, frozen=True):
     note: str = ""  # a remark of the console
     by: str = ""  # what interrupted it
     halted: bool = False  # the robot could not be moved, as ``message`` says
+    done: bool = False
 
     def is_like(self, other: Ended) -> bool:
         """They ended in the same way."""
-        return (self.message, self.note, self.by) == (other.message, other.note, other.by)
+        return (self.message, self.note, self.by, self.done) == (other.message, other.note, other.by, other.done)
 
 
 class Plan(Struct, frozen=True):

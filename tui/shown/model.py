@@ -120,11 +120,11 @@ class ConsoleModel(Struct, frozen=True):
         return replace(self, conversation=(*self.conversation[1 - MAX_LINES :], line))
 
     def with_end(
-        self, text: str, message: str = "", note: str = "", by: str = "", *, halted: bool = False
+        self, text: str, message: str = "", note: str = "", by: str = "", *, halted: bool = False, done: bool = False
     ) -> ConsoleModel:
-        """A request that was not done has ended, as in :class:`Ended`."""
+        """A request has ended, as in :class:`Ended`."""
         number = self.ends[-1].number + 1 if self.ends else 1
-        return replace(self, ends=(*self.ends[1 - MAX_ENDS :], Ended(number, text, message, note, by, halted)))
+        return replace(self, ends=(*self.ends[1 - MAX_ENDS :], Ended(number, text, message, note, by, halted, done)))
 
     def with_log(
         self,
@@ -223,7 +223,9 @@ def _(body: ev.RequestEnded, model: ConsoleModel, event: ev.Event) -> ConsoleMod
     if event.turn is not None:  # what became a turn has said so there
         turn = next((turn for turn in model.turns.kept if turn.id == event.turn), None)
         if body.outcome in _WELL:
-            return model
+            message = turn.result.message if turn is not None and turn.result is not None else ""
+            follows = body.outcome != "clarify" and bool(model.waiting) and bool(message)
+            return model.with_end(printable(body.text), message, done=True) if follows else model
         halted = turn is not None and body.outcome == "failed" and _was_halted(turn)
         return _with_end(model, body, *_how_it_ended(body, turn), halted=halted)
     if body.outcome not in strings.LOST:

@@ -152,7 +152,8 @@ def _ended(ends: Sequence[Ended]) -> str:
 
 def _names(ends: Sequence[Ended]) -> str:
     count = f"({len(ends)}) " if len(ends) > 1 else ""
-    return f"{STYLES['lost'][0]} {count}{strings.COMMA.join(end.text for end in ends)}"
+    mark = "✓" if ends[0].done else STYLES["lost"][0]
+    return f"{mark} {count}{strings.COMMA.join(end.text for end in ends)}"
 
 
 def _wrapped(words: str, first: int, columns: int, below: int) -> list[str]:
