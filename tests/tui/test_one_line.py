@@ -627,3 +627,16 @@ async def test_an_answer_is_told_behind_the_request_that_begins_at_once_after_it
         desk.app.drawing.ending.next()
         await desk.settled()
         assert "I am in the hall" not in desk.text
+
+
+async def test_while_the_emergency_stop_is_pressed_an_answer_has_its_turn_before_what_that_dropped() -> None:
+    async with console(pressed(), size=(120, 3), one_line=True, in_line=True) as desk:
+        desk.engine.publish(ev.RequestEnded("R1", "nod", "interrupted", "estop"), turn=None)
+        await desk.settled()
+        assert "■ nod" in desk.text
+        over(desk.engine, "R2", "where are you?", "done", "I am in the hall.", "T0")
+        await desk.settled()
+        assert "✓ where are you?: I am in the hall." in desk.text
+        desk.app.drawing.ending.next()
+        await desk.settled()
+        assert "■ nod" in desk.text, "what it dropped is still to be told when it is released"

@@ -1,5 +1,6 @@
-"""Tells on one line how requests ended that were not done: one after the other, each for some seconds, behind what runs
-by then. Those that ended alike, one right after the other, are told together. The full console has a row for each.
+"""Tells on one line how requests ended: one after the other, each for some seconds, behind what runs by then; what was
+done only where something else has the line. Those that ended alike, one right after the other, are told together. The
+full console has a row for each.
 
 What the emergency stop refused is told in other words once that is released: those of the robot say that it is pressed.
 """
@@ -44,9 +45,11 @@ class Ending:
     def look(self, model: ConsoleModel, *, pressed: bool, hidden: bool, cut: bool = False) -> None:
         """So things are now. ``pressed``: the emergency stop is; ``hidden``: something more urgent has the line;
         ``cut``: what stands before the ends may leave them no room. As long as one of them is so, the time of what is
-        to be told does not run."""
+        to be told does not run. What was done or answered while the emergency stop is pressed is told first."""
         new = [end for end in model.ends if end.number > self._seen]
         self._seen = new[-1].number if new else self._seen
+        covered = pressed or model.busy or bool(model.waiting)  # else what was done is told as what was said last
+        new = [end for end in new if covered or not end.done]
         self._left += new
         if pressed or self._pressed:
             self._refused += [end for end in new if end.halted]
@@ -55,9 +58,12 @@ class Ending:
         self._pressed = pressed
         if model.ended is not None:
             self._left = []
+        if pressed:
+            self._left.sort(key=lambda end: not end.done)
         alike = next((at for at, end in enumerate(self._left) if not end.is_like(self._left[0])), len(self._left))
         self.told = () if hidden else tuple(self._left[:alike])
-        self._time((0, False) if pressed or cut else (len(self.told), len(self._left) > alike))
+        waits = cut or (pressed and not all(end.done for end in self.told))
+        self._time((0, False) if waits else (len(self.told), len(self._left) > alike))
 
     def next(self) -> None:
         """What is told now has been told for long enough."""

@@ -31,8 +31,7 @@ class Line(Struct, frozen=True):
 
 
 class Ended(Struct, frozen=True):
-    """How a request ended that was not done, or behind which another one begins at once; in the robot's words or in
-    ours."""
+    """How a request ended, in the robot's words or in ours."""
 
     number: int  # 1 is the first of the session
     text: str

@@ -224,8 +224,8 @@ def _(body: ev.RequestEnded, model: ConsoleModel, event: ev.Event) -> ConsoleMod
         turn = next((turn for turn in model.turns.kept if turn.id == event.turn), None)
         if body.outcome in _WELL:
             message = turn.result.message if turn is not None and turn.result is not None else ""
-            follows = body.outcome != "clarify" and bool(model.waiting) and bool(message)
-            return model.with_end(printable(body.text), message, done=True) if follows else model
+            told = body.outcome != "clarify" and bool(message)
+            return model.with_end(printable(body.text), message, done=True) if told else model
         halted = turn is not None and body.outcome == "failed" and _was_halted(turn)
         return _with_end(model, body, *_how_it_ended(body, turn), halted=halted)
     if body.outcome not in strings.LOST:
