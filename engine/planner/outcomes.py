@@ -21,10 +21,11 @@ from engine.planner.doing.acts import calls_of
 from engine.planner.doing.answers import depends_on_an_answer, is_met
 from engine.planner.doing.conditions import looked_for_once, of_itself, of_success, with_antecedent
 from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, Which
+from engine.planner.doing.errands import as_journeys, brought
 from engine.planner.doing.handling import is_rubbish, rubbish_in
 from engine.planner.doing.looking import topic_of
 from engine.planner.doing.people import as_name, somebody
-from engine.planner.doing.several import as_journeys, brought, looked_first
+from engine.planner.doing.several import looked_first
 from engine.planner.doing.sought import ANYTHING, PERSON, Sought, sought
 from engine.planner.entities import Entities
 from engine.planner.happened import (

@@ -535,7 +535,7 @@ def test_he_is_who_was_named_before(understood: Understood, reader: Written) -> 
         "{3.person: him} {3.text: to get up}"
     )
     assert first(understood, text).startswith("meet(Tom, )")
-    assert after(understood, text, "person", "Tom sitting") == "tell(Tom sitting, to get up)"
+    assert after(understood, text, "person", "Tom sitting") == "tell(Tom sitting, Please get up)"
 
 
 def test_what_lies_about_is_named_first_and_thrown_away_as_it(understood: Understood, reader: Written) -> None:

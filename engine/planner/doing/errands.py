@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Final
 
 from engine.planner.doing.doing import Doing
-from engine.understanding.meaning import Do, If, Repeat, Role
+from engine.understanding.meaning import Do, If, Node, Repeat, Role
 
 FOLLOW_AND_CLEAR: Final = "follow_and_clear"
 """The act of following a line and taking away what lies on it, which people tell in two."""
@@ -65,6 +65,25 @@ def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If
                 continue
         made.append(node)
     return tuple(made)
+
+
+def as_journeys(nodes: Sequence[Node]) -> tuple[Node, ...]:
+    """The nodes with places that are named one after the other as journeys: "kitchen first, then the study"."""
+    acts = [node for node in nodes if isinstance(node, Do) and node.act in ("fragment", "go")]
+    if len(acts) < 2 or len(acts) != len(nodes) or any([role.name for role in act.roles] != ["place"] for act in acts):
+        return tuple(nodes)
+    return tuple(replace(act, act="go") for act in acts)
+
+
+def brought(nodes: Sequence[Node], said: str) -> tuple[Node, ...]:
+    """The nodes with what is fetched "for me" as what is brought, where nothing else becomes of it."""
+    *before, last = nodes or (Do("stop"),)
+    if not isinstance(last, Do) or last.act != "pick_up" or len(last.all("thing")) != 1 or not _FOR_ME.search(said):
+        return tuple(nodes)
+    return (*before, replace(last, act="bring"))
+
+
+_FOR_ME: Final = re.compile(r"\b(?:get|grab|fetch)\b.*\bfor (?:me|us)\b|(?:给|帮)我.*拿来", re.IGNORECASE)
 
 
 _PLACES: Final = frozenset({"put", "bring"})

@@ -122,25 +122,6 @@ def looked_first(nodes: Sequence[Node], entities: Entities) -> tuple[Node, ...]:
     return tuple(_looked_first(node, entities) if isinstance(node, Do) else node for node in made)
 
 
-def as_journeys(nodes: Sequence[Node]) -> tuple[Node, ...]:
-    """The nodes with places that are named one after the other as journeys: "kitchen first, then the study"."""
-    acts = [node for node in nodes if isinstance(node, Do) and node.act in ("fragment", "go")]
-    if len(acts) < 2 or len(acts) != len(nodes) or any([role.name for role in act.roles] != ["place"] for act in acts):
-        return tuple(nodes)
-    return tuple(replace(act, act="go") for act in acts)
-
-
-def brought(nodes: Sequence[Node], said: str) -> tuple[Node, ...]:
-    """The nodes with what is fetched "for me" as what is brought, where nothing else becomes of it."""
-    *before, last = nodes or (Do("stop"),)
-    if not isinstance(last, Do) or last.act != "pick_up" or len(last.all("thing")) != 1 or not _FOR_ME.search(said):
-        return tuple(nodes)
-    return (*before, replace(last, act="bring"))
-
-
-_FOR_ME: Final = re.compile(r"\b(?:get|grab|fetch)\b.*\bfor (?:me|us)\b|(?:给|帮)我.*拿来", re.IGNORECASE)
-
-
 def _at_once(first: Do, then: Do, entities: Entities) -> Do | None:
     """One act of two: "collect the boxes and put them on the shelf", "take that ball away and put it on the shelf";
     None where they are two."""
