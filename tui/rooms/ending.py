@@ -37,6 +37,7 @@ class Ending:
         self._stage = stage
         self._seen = 0  # the number of the newest end
         self._left: list[Ended] = []  # ends that are told now, and then those that are still to be told
+        self._first = 0  # how many of them are told together now
         self._pressed = False  # the emergency stop is
         self._refused: list[Ended] = []  # requests that it refused or halted since it was pressed
         self._next: Timer | None = None
@@ -48,8 +49,6 @@ class Ending:
         to be told does not run. What was done or answered while the emergency stop is pressed is told first."""
         new = [end for end in model.ends if end.number > self._seen]
         self._seen = new[-1].number if new else self._seen
-        covered = pressed or model.busy or bool(model.waiting)  # else what was done is told as what was said last
-        new = [end for end in new if covered or not end.done]
         self._left += new
         if pressed or self._pressed:
             self._refused += [end for end in new if end.halted]
@@ -61,13 +60,15 @@ class Ending:
         if pressed:
             self._left.sort(key=lambda end: not end.done)
         alike = next((at for at, end in enumerate(self._left) if not end.is_like(self._left[0])), len(self._left))
-        self.told = () if hidden else tuple(self._left[:alike])
-        waits = cut or (pressed and not all(end.done for end in self.told))
-        self._time((0, False) if waits else (len(self.told), len(self._left) > alike))
+        now, more = tuple(self._left[:alike]), len(self._left) > alike
+        self.told = () if hidden or (not more and not pressed and _is_said_last(now, model)) else now
+        self._first = 0 if hidden else len(now)
+        waits = hidden or cut or (pressed and not all(end.done for end in now))
+        self._time((0, False) if waits else (len(now), more))
 
     def next(self) -> None:
         """What is told now has been told for long enough."""
-        del self._left[: len(self.told)]
+        del self._left[: self._first]
         self._timed = 0, False
         self._stage.redraw()
 
@@ -95,6 +96,13 @@ class Ending:
         count, more = timed
         if count:
             self._next = self._stage.set_timer(MORE_S if more else TOLD_S, self.next)
+
+
+def _is_said_last(ends: tuple[Ended, ...], model: ConsoleModel) -> bool:
+    """Whether that is what the robot said last, which stands there in any case as long as nothing begins."""
+    last = model.conversation[-1] if model.conversation else None
+    said = last is not None and last.who == "robot" and all(end.done and end.message == last.text for end in ends)
+    return said and not model.busy and not model.waiting
 
 
 def _tells_of_press(last: Line, model: ConsoleModel) -> bool:
