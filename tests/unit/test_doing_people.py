@@ -68,7 +68,7 @@ def told(argument: Quantity | str) -> str:
         ("guide | take {person: me} to {place: the study}", "guide(me, D)"),
         ("tell | tell {person: Anna} that {text: dinner is ready}", "tell(Anna, dinner is ready)"),
         ("find tell | find {1.person: William} in {1.place: the kitchen} and tell {2.person: him} {2.text: to come}",
-         "find_person(William, kitchen); tell(William, to come)"),
+         "find_person(William, kitchen); tell(William, Please come)"),
         ("tell | let {person: Marta} know {text: the bus is here}", "meet(Marta); tell(Marta, the bus is here)"),
         ("ask come tell | ask {1.person: Anna} {1.text: what she would like to drink}, come and tell {3.person: me}",
          "ask_person(Anna, What would you like to drink?); navigation(zero); report_answer()"),
