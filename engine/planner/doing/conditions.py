@@ -58,7 +58,9 @@ def untimed(act: Do) -> Do:
             return replace(act, act="stop", until=None)
     if until.kind == "seen" and act.act == "follow" and until.words("place") and not act.words("place"):
         who = until.words("person") or until.words("thing")
-        if _WHO.fullmatch(who.casefold()) or who in act.all("person"):  # "follow Tom until he is in the kitchen"
+        if NAMED_BEFORE.fullmatch(who.casefold()) or who in act.all(
+            "person"
+        ):  # "follow Tom until he is in the kitchen"
             return replace(act, until=None, roles=(*act.roles, *(r for r in until.roles if r.name == "place")))
     if until.kind == "event" and act.act == "follow" and not act.words("place"):
         topic = next((role for role in until.roles if role.name == "topic"), None)
@@ -384,12 +386,12 @@ def with_antecedent(
         for role in node.condition.roles
         if entities.of(role.words).refers
         or _OF_THEM.fullmatch(role.words)
-        or (role.name == "person" and _WHO.fullmatch(role.words.casefold().replace("’", "'")))
+        or (role.name == "person" and NAMED_BEFORE.fullmatch(role.words.casefold().replace("’", "'")))
     }
     people = (
         role.words
         for role in _named_before(acts, begins, "person")
-        if role.start < begins and not _WHO.fullmatch(role.words.casefold())
+        if role.start < begins and not NAMED_BEFORE.fullmatch(role.words.casefold())
     )
     meant: dict[RoleName, str | None] = {
         "thing": entities.thing_in(said[:begins]) or next(things, None) if thing else None,
@@ -413,7 +415,8 @@ def _named_before(acts: Sequence[Do], begins: int, *names: RoleName) -> Sequence
     return sorted(roles, key=lambda role: (role.start >= begins, role.start))
 
 
-_WHO: Final = re.compile(r"(?:he|she|they)(?:'s|'re| is| are)?|him|her|them|[他她]们?")
+NAMED_BEFORE: Final = re.compile(r"(?:he|she|they)(?:'s|'re| is| are)?|him|her|them|[他她]们?")
+"""Who was named before: "he", "she's", "them"."""
 _OF_THEM: Final = re.compile(r"(?:any|some|one|a few|several)(?: of (?:it|them|those))?", re.IGNORECASE)
 """Of what is to be taken: "take the blocks off the desk if there are any"."""
 _THERE: Final = re.compile(r"\bthere\b|在那")

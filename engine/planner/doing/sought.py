@@ -10,7 +10,7 @@ from typing import Final, get_args
 from engine.errors import PlanError
 from engine.perception.sighting import Colour
 from engine.perception.someone import Someone, UnknownPerson, is_named_after_kin, someone
-from engine.planner.doing.conditions import TIDY
+from engine.planner.doing.conditions import NAMED_BEFORE, TIDY
 from engine.planner.doing.doing import WHERE_IT_IS, Doing, Unable
 from engine.planner.doing.handling import is_rubbish
 from engine.planner.doing.moving import anybody
@@ -170,7 +170,7 @@ def _who(doing: Doing, words: str, looks: Someone | None = None) -> tuple[str, s
     lower = plain(words).removesuffix("'s")
     if _SPEAKER.fullmatch(lower):
         return ME, ""
-    if doing.who and _NAMED_BEFORE.fullmatch(lower):
+    if doing.who and NAMED_BEFORE.fullmatch(lower):
         return (str(_both(someone(doing.who), looks)) if looks is not None else doing.who), ""
     try:
         who, where = doing.entities.somebody(words.replace("’", "'").removesuffix("'s"))
@@ -193,7 +193,6 @@ def _both(who: Someone, looks: Someone) -> Someone:
     return replace(who, **{name: value for name, value in said.items() if value})
 
 
-_NAMED_BEFORE: Final = re.compile(r"(?:he|she|they)(?:'s|'re| is| are)?|him|her|them|[他她]们?")
 _PRONOUN: Final = re.compile(r"he|she|they|him|her|them|it|you(?:'re| are)?|[他她它你您]们?")
 
 
