@@ -212,7 +212,7 @@ class LocalChat:
 
     @contextmanager
     def _at_work(self, process: LlamaProcess) -> Iterator[None]:
-        """Let the process work; whoever leaves without having waited for the answer silences it."""
+        """Let the process work; a caller that leaves before the answer silences it."""
         process.resume()
         try:
             yield

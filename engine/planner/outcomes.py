@@ -96,9 +96,9 @@ class Outcomes:
         thing = thing or named_last(request.happened, "object") or request.holding or self._only_seen(request.seen)
         begins = min((role.start for node in wanted if isinstance(node, Do) for role in node.roles), default=0)
         thing = thing or self._entities.thing_in(heard.text[:begins]) or rubbish_in(heard.text[:begins])
-        somebody_told = next((node for node in meaning.nodes if _is_of_somebody(node)), None)
+        told_of = next((node for node in meaning.nodes if _is_of_a_person(node)), None)
         there = place or named_last(request.happened, "place")
-        return self._done(wanted, heard, thing, there, of_somebody=somebody_told)
+        return self._done(wanted, heard, thing, there, told_of=told_of)
 
     def after(
         self,
@@ -402,10 +402,10 @@ class Outcomes:
         place: str = "",
         *,
         after: Sought | None = None,
-        of_somebody: Do | None = None,
+        told_of: Do | None = None,
     ) -> Plan | NoPlan | None:
         """The plan of what is wanted; ``named`` is the thing that "it" is at first, ``place`` the symbol of "there".
-        ``of_somebody`` is what was told of somebody before: "him" and "her" are they.
+        ``told_of`` is what was told of a person before: "him" and "her" are that person.
         ``after`` is what a condition has looked for, with the names of what it has found: "it" and "them" are that."""
         doing = Doing(
             self._entities, heard.request.holding, named, place, said=heard.text, greeting=SAID[heard.language]["hello"]
@@ -417,9 +417,9 @@ class Outcomes:
         elif after is not None:
             doing.sought, doing.seen = named, after.names
         acts = tuple(self._completed(node) if isinstance(node, Do) else node for node in acts)
-        if of_somebody is not None:
+        if told_of is not None:
             with suppress(Open, Which, NowhereKnown, Unable):
-                words, where = of_somebody.words("person"), of_somebody.words("place")
+                words, where = told_of.words("person"), told_of.words("place")
                 doing.who, doing.there = somebody(doing, words, where, stranger=True)
         try:
             index = next((index for index, node in enumerate(acts) if isinstance(node, If)), None)
@@ -583,7 +583,7 @@ def _is_order(node: Node) -> bool:
     return not (isinstance(node, Do) and node.act in _NO_ORDERS)
 
 
-def _is_of_somebody(node: Node) -> TypeGuard[Do]:
+def _is_of_a_person(node: Node) -> TypeGuard[Do]:
     """Whether it tells something of one person: "Maria is in the bedroom"."""
     return isinstance(node, Do) and node.act == "fact" and len(node.all("person")) == 1
 

@@ -131,7 +131,7 @@ def test_a_recorder_that_dies_or_hangs_is_an_error_that_says_so(monkeypatch: pyt
             async with within(), Microphone() as microphone:
                 await anext(microphone)
                 blow(recorders()[0])
-                # Only the wait for one that hangs is shortened: its start takes whatever a busy machine needs.
+                # Only the wait for one that hangs is shortened: its start takes as long as a busy machine needs.
                 with monkeypatch.context() as patch:
                     patch.setattr("engine.audio.microphone.ANSWER_S", 1.0)
                     with pytest.raises(DeviceError, match=words):

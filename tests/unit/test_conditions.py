@@ -312,7 +312,7 @@ def test_without_a_condition_it_takes_all_back() -> None:
         assert without_empty_branches(text) == text
 
 
-def test_rubbish_is_whatever_lies_there(understood: Understood, reader: Written) -> None:
+def test_rubbish_is_all_that_lies_there(understood: Understood, reader: Written) -> None:
     text = reader.knows("if seen then clean end | do {2.place: the study} if there's {1.thing: junk} in {1.place: it}")
     assert after(understood, text, "thing") == "clean_room(study)"
 
@@ -670,7 +670,7 @@ def test_what_was_counted_is_what_there_has_to_be_so_many_of(
 
 
 @pytest.mark.parametrize("role", ["person: you", "topic: you can't"])
-def test_whoever_cannot_has_failed_and_says_so(understood: Understood, reader: Written, role: str) -> None:
+def test_who_cannot_do_it_has_failed_and_says_so(understood: Understood, reader: Written, role: str) -> None:
     kind, end = ("unseen", " can't") if role.startswith("person") else ("event", "")
     text = reader.knows(
         f"find ; if {kind} then come ; say end | find {{1.thing: the ball}}, if {{2.{role}}}{end} come and say "
@@ -776,7 +776,7 @@ def test_what_was_asked_about_is_what_is_brought(understood: Understood, reader:
         "{2.place: the exit}, else clean {3.place: it}",
     ],
 )
-def test_a_mess_is_whatever_lies_there(understood: Understood, reader: Written, line: str) -> None:
+def test_a_mess_is_all_that_lies_there(understood: Understood, reader: Written, line: str) -> None:
     text = reader.knows(line)
     assert after(understood, text, "thing") == "clean_room(hall)"
     assert after(understood, text) == "navigation(U)"

@@ -422,5 +422,5 @@ def condition_of(line: str) -> Condition:
         ("她迟到了", "她迟到了"),
     ],
 )
-def test_what_is_told_is_said_to_whoever_hears_it(text: str, said: str) -> None:
+def test_what_is_told_is_said_to_its_hearer(text: str, said: str) -> None:
     assert message(text) == said

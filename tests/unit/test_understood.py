@@ -393,7 +393,7 @@ def test_the_same_the_other_way_is_not_the_same(understood: Understood, reader: 
     assert shown(plan(understood, said, happened=(Said(before), done))) == "move_right(45, 1)"
 
 
-def test_whoever_was_told_of_is_meant_then(understood: Understood, reader: Written) -> None:
+def test_who_was_told_of_is_meant_then(understood: Understood, reader: Written) -> None:
     said = reader.knows(
         "fact tell | {1.person: Maria} is in {1.place: the bedroom}. Tell {2.person: her} {2.text: dinner is ready}"
     )

@@ -34,7 +34,7 @@ class Leaving:
 
     def __init__(self, stage: Stage) -> None:
         self.asked = False
-        """Somebody wants to leave while something is not finished, and is asked whether that is meant."""
+        """The user wants to leave while something is not finished, and is asked whether that is meant."""
         self.unsubscribe: Callable[[], None] | None = None
         """Ends what the engine tells the console."""
         self.secrets: tuple[str, ...] = ()

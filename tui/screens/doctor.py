@@ -1,6 +1,6 @@
 """What ``sayso doctor`` finds, on a page of its own: each finding as it comes, with a sign, a word and what to do.
 
-The checks run in a thread, one examination at a time; whoever leaves the page ends it after the check that runs.
+The checks run in a thread, one examination at a time; leaving the page ends it after the check that runs.
 """
 
 from __future__ import annotations

@@ -96,7 +96,7 @@ class ConsoleModel(Struct, frozen=True):
 
     @property
     def unfinished(self) -> bool:
-        """Something runs, waits, or has been asked: whoever leaves loses it."""
+        """Something runs, waits, or has been asked: who leaves loses it."""
         return self.busy or self.asks or bool(self.waiting)
 
     @property

@@ -57,10 +57,8 @@ def untimed(act: Do) -> Do:
         if act.act == "wait" and not act.words("time"):
             return replace(act, act="stop", until=None)
     if until.kind == "seen" and act.act == "follow" and until.words("place") and not act.words("place"):
-        who = until.words("person") or until.words("thing")
-        if NAMED_BEFORE.fullmatch(who.casefold()) or who in act.all(
-            "person"
-        ):  # "follow Tom until he is in the kitchen"
+        who, followed = until.words("person") or until.words("thing"), act.all("person")
+        if NAMED_BEFORE.fullmatch(who.casefold()) or who in followed:  # "follow Tom until he is in the kitchen"
             return replace(act, until=None, roles=(*act.roles, *(r for r in until.roles if r.name == "place")))
     if until.kind == "event" and act.act == "follow" and not act.words("place"):
         topic = next((role for role in until.roles if role.name == "topic"), None)
@@ -216,9 +214,8 @@ def _counted(count: Do, node: If) -> Condition | None:
     condition = node.condition
     topic = next((role for role in condition.roles if role.name == "topic"), None)
     if condition.kind == "event" and topic is not None and (many := _THERE_ARE.fullmatch(topic.words.casefold())):
-        condition = Condition(
-            "seen", (replace(topic, name="thing", words=many["many"] or many["zh"]),)
-        )  # "when it is three"
+        three = replace(topic, name="thing", words=many["many"] or many["zh"])  # "when it is three"
+        condition = Condition("seen", (three,))
     said = [role for role in condition.roles if role.name in ("thing", "person")]
     of = next((role for role in count.roles if role.name in ("thing", "person")), None)
     if of is None or len(said) != 1 or not is_amount(said[0].words) or condition.kind not in ("seen", "unseen"):

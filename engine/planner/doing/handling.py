@@ -61,7 +61,7 @@ _GIVEN: Final = re.compile(
     r"(?P<zh>.{1,6}?)(?:递|交|拿|送)?给你的(?:东西)?",
     re.IGNORECASE,
 )
-"""What somebody gives to the robot."""
+"""What a person gives to the robot."""
 
 
 def _is_somebody(doing: Doing, words: str) -> bool:

@@ -198,7 +198,7 @@ def tell(doing: Doing, words: str, where: str, text: str) -> Calls:
 
 
 def message(text: str) -> str:
-    """What is told, as it is said to somebody: "that she is late" → "You are late", "to take his coat" → "Please take
+    """What is told, as it is said to the person: "that she is late" → "You are late", "to take his coat" → "Please take
     your coat". As it is where more than one person is spoken of."""
     plain = text.strip(" .!")
     spoken_of = {found[0].casefold() for found in _THIRD.finditer(plain)}
@@ -244,7 +244,7 @@ _LEAVES: Final = re.compile(r"^(?:to )?(?:please )?(?:leave|go(?: away)?|get out
 
 
 def question(text: str) -> str:
-    """What is asked, as it is said to somebody: "what she would like to drink" → "What would you like to drink?"."""
+    """What is asked, as it is said to the person: "what she would like to drink" → "What would you like to drink?"."""
     plain = text.strip(" .?!。？")
     if not plain.isascii():
         return f"请问，{re.sub('[他她]们?', '您', plain)}？"

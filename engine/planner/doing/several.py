@@ -158,8 +158,8 @@ def _looked_first(act: Do, entities: Entities) -> Do | If:
         return act
     if is_rubbish(words) or is_rubbish(kind) or (act.act in ("tidy", "throw_away") and _LYING.search(words)):
         return act
-    if not kind or (group.at is not None and not act.words("source")) or entities.of(kind).thing in (None, "thing"):
-        kind = kind if kind and entities.of(kind).thing not in (None, "thing") else "something"
+    if not kind or entities.of(kind).thing in (None, "thing"):
+        kind = "something"
     kind = entities.near(kind)  # without "all": those are meant which are there
     where = replace(things[0], name="place", words=source)
     others = tuple(

@@ -6,7 +6,7 @@ import re
 from typing import Final
 
 _NOT: Final = "do|does|did|is|are|was|were|ca|wo|has|have|had|should|would|could|must|need|ai"
-_BEING: Final = "there|that|what|where|who|how|here|he|she|someone|somebody|anyone|anybody|nobody|everyone|everybody"
+_BEING: Final = "how|he|she|someone|somebody|anyone|anybody|nobody|everyone|everybody"
 _STATE: Final = (
     r"there|not|on|in|at|by|under|behind|near|next|still|already|gone|empty|free|full|a|an|the|too|so|just|really|all|"
     r"been|waiting|sitting|standing|lying|left|around|home|up|out|my|your|\w+ing"
