@@ -71,8 +71,8 @@ _CUT_OFF: Final = re.compile(
 """The end of a sentence that somebody has not finished."""
 _WHERE_FROM: Final = re.compile(r"\bwhere(?:ver)?\b[^.,;!?]*\bfrom[\s.,!]*$")
 """A sentence that ends with "from": "back to where you came from"."""
-_EITHER: Final = re.compile(r"\bor (?:was|is|maybe|perhaps|the)\b|还是")
-"""A choice that is left open."""
+_EITHER: Final = re.compile(r"\bor (?:was|is|maybe|perhaps|the)\b|还是(?!.*吧[。！!.\s]*$)")
+"""A choice that is left open; "还是…吧" decides for the other."""
 _NO_NUMBER: Final = re.compile(r"\d{16}")
 """More digits than a number has."""
 _ARM: Final = re.compile(r"\bservo (?:number )?(?:1|one)\b|舵机[1一]|[1一]号舵机")
@@ -93,7 +93,7 @@ _LISTED_ACTS: Final = re.compile(
     r"\b(?:two|three|four|\d) (?:(?:things|jobs|tasks|errands)\b|steps\b(?=\W*[:–—-]))|"
     r"[两二三四\d]件事"
 )
-"""How many acts are listed."""
+"""How many acts are listed, or things."""
 _NO_AMOUNTS: Final = frozenset({"one", "a", "an", "once", "一", "一次", "一遍", "一下", "一趟", "一回", "一声", "一眼"})
 
 
@@ -238,8 +238,8 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
             and (_STAYS_THERE.search(plain, len(before)) or _SEES_NONE.search(before))
         ):
             continue  # "go there and don't move until I say", "you see it? bring it. you don't? come here"
-        if mark.words == "not" and _is_elsewhere(before, behind, meaning):
-            continue  # "put it on the bed, not on the floor"
+        if mark.words == "not" and (_is_elsewhere(before, behind, meaning) or _is_left_out(before, behind, nodes)):
+            continue  # "put it on the bed, not on the floor", "every box, but not the green one"
         if any(isinstance(node, _NODES[mark.kind]) for node in nodes):
             if not _placed(mark, meaning):
                 return False
@@ -260,6 +260,12 @@ def _is_elsewhere(before: str, behind: str, meaning: Meaning) -> bool:
         return False
     wanted = {word for node in walk(meaning.wanted()) for role in _roles(node) for word in _plain(role.words).split()}
     return wanted.isdisjoint(set(found["there"].split()) - {"the", "my", "your", "a"})
+
+
+def _is_left_out(before: str, behind: str, nodes: Sequence[Node]) -> bool:
+    """Whether it leaves something out of a group."""
+    left_out = (_plain(role.words) for node in nodes for role in _roles(node) if role.name == "except")
+    return before.rstrip().endswith("but") and any(behind.strip().startswith(words) for words in left_out)
 
 
 _NOT_THERE: Final = re.compile(
@@ -371,9 +377,16 @@ def _order_stands(text: str, nodes: Sequence[Node]) -> bool:
 
 
 def _goes_via(text: str, nodes: Sequence[Node]) -> bool:
-    """Whether several places of one act are told in another order than they are gone to."""
+    """Whether several places of one act are told in another order than they are gone to, or one on the way is left
+    out: "to the stool by way of the hall"."""
     several = any(len(node.all("place")) > 1 for node in nodes if isinstance(node, Do))
-    return several and (_FIRST.match(text) or _BEFOREHAND.search(text)) is not None
+    if several and (_FIRST.match(text) or _BEFOREHAND.search(text)) is not None:
+        return True
+    ends = max((role.end for node in nodes for role in _roles(node)), default=0)
+    return _acts(nodes) == {"go"} and _VIA.search(text, ends) is not None
+
+
+_VIA: Final = re.compile(r"\b(?:via|by way of)\b")
 
 
 def _colour_stands(text: str, nodes: Sequence[Node]) -> bool:
@@ -413,17 +426,20 @@ _BEFOREHAND: Final = re.compile(
 def _lists_stand(meaning: Meaning, nodes: Sequence[Node], names: Collection[str]) -> bool:
     """Whether nothing is missing at the end of a list: "the red box, the blue box and the green box"."""
     roles = [role for node in nodes for role in _roles(node)]
-    text = meaning.text.casefold()
+    acts, text = _acts(nodes), meaning.text.casefold()
     for role in roles:
         joint = _JOINT.match(text, role.end) if role.name in _LISTED else None
         if joint is None or any(other.start < joint.end() + 1 and joint.end() < other.end for other in roles):
             continue
         rest = text[joint.end() :]
+        if "throw_away" in acts and _BIN.match(rest):
+            continue  # "the green box, bin as well"
         if any(rest.startswith(name) and not rest[len(name) :][:1].isalpha() for name in names if len(name) > 1):
             return False
     return True
 
 
+_BIN: Final = re.compile(r"(?:bin|trash|rubbish|garbage|waste)\b|垃圾")
 _LISTED: Final = frozenset({"thing", "place", "source", "person", "except"})
 _JOINT: Final = re.compile(r"\s*(?:, and |, |,| and |、|和|跟|还有)\s*(?:(?:the|a|an|my|your|our|that|this) )?")
 
@@ -437,10 +453,11 @@ def _numbers_stand(meaning: Meaning, nodes: Sequence[Node]) -> bool:
     spans = [(role.start, role.end) for node in nodes for role in _roles(node)]
     turns = any(isinstance(node, Do) and node.act == "turn_around" for node in nodes)
     acts = sum(isinstance(node, Do) for node in nodes)
+    things = sum(role.name == "thing" for node in nodes for role in _roles(node))
     text = meaning.text.casefold()
     for names in (_ARM, _OF_A_STEP, _TO, _TOLD_OF):
         text = names.sub(lambda found: " " * len(found[0]), text)
-    text = _LISTED_ACTS.sub(lambda found: " " * len(found[0]) if number(found[0]) == acts else found[0], text)
+    text = _LISTED_ACTS.sub(lambda found: " " * len(found[0]) if number(found[0]) in (acts, things) else found[0], text)
     counts = (token for token in read_measures(words_of(text).tokens) if token.kind in ("number", "quantity"))
     return all(
         meaning.text[token.start : token.end].casefold() in _NO_AMOUNTS
@@ -506,7 +523,8 @@ _CERTAIN: Final = re.compile(
     re.IGNORECASE,
 )
 _CORRECTION_ZH: Final = re.compile(
-    r"[，。！,.!\s]*(?:哦|噢|呃|啊|嗯)?(?:不对|不是|说错了|错了|我是说|我说的是|应该是|改成|哦不|噢不)[，。！,.!\s]*(?:是|我是说|应该是)?"
+    r"[，。！,.!\s]*(?:哦|噢|呃|啊|嗯)?(?:(?:不对|不是|说错了|错了|我是说|我说的是|应该是|改成|哦不|噢不)[，。！,.!\s]*){1,3}"
+    r"(?:是|我是说|应该是)?"
 )
 _MAKES: Final = re.compile(r"\bmake (?:it|that)\W*$", re.IGNORECASE)
 _FOR: Final = re.compile(r"\b(?:for|as|mean|means|meaning|saying|says|if)$", re.IGNORECASE)

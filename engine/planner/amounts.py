@@ -48,8 +48,11 @@ _NUMERALS: Final = {"一": 1, "二": 2, "两": 2, "三": 3, "四": 4, "五": 5, 
 
 def quantity(words: str, unit: str) -> float | None:
     """The first amount in this unit that the words hold: "half a metre" is 0.5 m."""
-    tokens = read_measures(words_of(words).tokens)
+    tokens = read_measures(words_of(_A_SEC.sub("a second", words)).tokens)
     return next((token.value for token in tokens if token.kind == "quantity" and token.unit == unit), None)
+
+
+_A_SEC: Final = re.compile(r"\ba sec\b", re.IGNORECASE)
 
 
 def unit_in(words: str) -> str:

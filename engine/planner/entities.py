@@ -84,7 +84,7 @@ _IT: Final = re.compile(
     r"its?|them|that|this|that one|this one|these|those|the (?:thing|object|item|one|same)|"
     r"(?:all of )?'?em|(?:that|this) (?:thing|object|item)|"
     r"(?:them|those|these) (?:both|all|two|three)|(?:both|all|the pair) of (?:them|those|these)|它们?俩|"
-    r"它|它们|这个|那个|这|那|这东西|那东西|这个东西|那个东西"
+    r"[那这]?[把将]?它们?|[把将]?(?:这个|那个|这些|那些|这|那|这东西|那东西|这个东西|那个东西)"
 )
 _HELD: Final = re.compile(
     r"(?:the thing|whatever|what|that(?: what)?|anything|everything|the one)(?: it is)?(?: that)? "
@@ -96,7 +96,8 @@ _HELD: Final = re.compile(
 """What is held, in other words than its name."""
 _HELD_THING: Final = re.compile(
     r"(?P<en>(?:the |that |this )?[\w -]+?),? (?:(?:that|which) )?you(?:'re| are|'ve| have)? (?:still |now |already )?"
-    r"(?:got |have )?(?:holding|carrying|gripping|hold|carry|(?:got )?in (?:your|the) (?:hand|gripper|claw))"
+    r"(?:(?:got |have )?(?:holding|carrying|gripping|hold|carry|(?:got )?in (?:your|the) (?:hand|gripper|claw))|"
+    r"got(?! to\b))"
     r"(?: (?:now|there|in (?:your|the) (?:hand|gripper|claw)))*|"
     r"(?P<hand>(?:the |that |this )?[\w -]+?) in your (?:hand|gripper|claw)|"
     r"你?(?:手里|手上|爪子里|夹子里)(?:[拿抓夹攥拎]着?)?的?(?:[那这][个只]?)?(?P<zh>[\u3400-\u9fff]{1,8})|"

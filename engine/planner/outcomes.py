@@ -25,6 +25,7 @@ from engine.planner.doing.errands import as_journeys, brought
 from engine.planner.doing.handling import is_rubbish, rubbish_in
 from engine.planner.doing.looking import topic_of
 from engine.planner.doing.people import as_name, somebody
+from engine.planner.doing.said_once import in_full
 from engine.planner.doing.several import looked_first
 from engine.planner.doing.sought import ANYTHING, PERSON, Sought, sought
 from engine.planner.entities import Entities
@@ -140,7 +141,9 @@ class Outcomes:
         thing, holds = looked_for.thing, sees if isinstance(sees, bool) else looked_for.holds(sees, people or 0)
         branch = node.then if holds else node.otherwise
         if holds and not looked_for.there and _OVER_THERE.search(heard.text):
-            branch = tuple(_put_there(one, condition) for one in branch)
+            branch = tuple(_put_there(one, condition, "put", "bring") for one in branch)
+        elif holds and looked_for.empty:
+            branch = tuple(_put_there(one, condition, "put") for one in branch)
         rest = (*_only_wanted(branch), *behind)
         missing = holds != looked_for.there
         if missing and not isinstance(sees, bool) and self._is_known(rest[:1], looked_for, heard):
@@ -296,7 +299,7 @@ class Outcomes:
         return act.act in _OF_THE_SESSION and not (act.act == "answer" and others)
 
     def _wanted(self, meaning: Meaning) -> tuple[Do | If | Repeat, ...]:
-        once = looked_for_once(meaning.wanted(), self._entities, meaning.text)
+        once = looked_for_once(in_full(meaning.wanted()), self._entities, meaning.text)
         return _only_wanted(as_journeys(brought(looked_first(once, self._entities), meaning.text)))
 
     def _only_tells(self, node: Node) -> bool:
@@ -383,11 +386,20 @@ class Outcomes:
 
     def _reported(self, act: Do, heard: Heard) -> Plan | NoPlan | None:
         """What the robot tells about itself: from what is on record, or with a skill."""
+        asked = any(action.name == "ask_person" for action in planned_last(heard.request.happened) or ())
+        if asked and _WHAT_WAS_SAID.search(heard.text.casefold()):
+            return self._planned(heard, (ActionCall("report_answer"),))
         kind = topic_of(f"{act.words('topic')} {heard.text}")
+        if kind == "places":
+            known = self._phrases(heard.language).places
+            return _answer(heard, SAID[heard.language]["knows_places"].format(known=self._listed(known, heard)))
         if kind in ("report_pose", "seewhat", "list_skills"):
             return self._planned(heard, (ActionCall(kind),))
         answer = about_itself.of(kind, heard.request.on_record, heard.request.holding, heard.language)
         return _answer(heard, answer or SAID[heard.language]["asked"])
+
+    def _listed(self, names: Sequence[str], heard: Heard) -> str:
+        return ("、" if heard.language == "zh" else ", ").join(names)
 
     def _only_seen(self, seen: Sequence[str]) -> str:
         """The one thing that was seen; empty where there are several, or none."""
@@ -510,13 +522,18 @@ def _corrected_thing(nodes: Sequence[Node]) -> str:
     return next((role.instead_of for role in roles if role.instead_of), "")
 
 
+_WHAT_WAS_SAID: Final = re.compile(
+    r"\bwhat (?:did|has) \w+ (?:say|said|answer|answered|reply|replied|want|wanted)\b|"
+    r"\b(?:his|her|their|the) (?:answer|reply)\b|(?:说|回答|答)了?(?:什么|啥)|怎么(?:说|回答)"
+)
+"""That asks for the answer of a person."""
 _OVER_THERE: Final = re.compile(r"[放拿搬送带摆挂][过上进回]去")
 """To where it is not yet: "if it isn't on the shelf, put it up"."""
 
 
-def _put_there(node: Node, condition: Condition) -> Node:
-    """An act with a thing, at the place of the condition where it has none of its own."""
-    if not isinstance(node, Do) or node.act not in ("put", "bring") or node.words("place") or node.words("person"):
+def _put_there(node: Node, condition: Condition, *acts: str) -> Node:
+    """One of these acts, with a thing, at the place of the condition where it has none of its own."""
+    if not isinstance(node, Do) or node.act not in acts or node.words("place") or node.words("person"):
         return node
     places = tuple(role for role in condition.roles if role.name == "place")
     return replace(node, roles=(*node.roles, *places))

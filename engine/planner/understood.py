@@ -25,7 +25,7 @@ from engine.planner.accounted import (
     without_an_unsaid_act,
 )
 from engine.planner.conversation import Conversation
-from engine.planner.doing.sense import in_its_sense, with_sources
+from engine.planner.doing.sense import in_its_sense, with_exclusions, with_quantifiers, with_sources
 from engine.planner.entities import Entities
 from engine.planner.happened import last_question
 from engine.planner.not_an_order import marks
@@ -198,7 +198,7 @@ class Understood:
     def _believed(self, found: Iterable[Meaning]) -> tuple[Meaning, ...]:
         """Those of these meanings that are said in known words."""
         said = (meaning for meaning in found if is_said(meaning, self._known))
-        return tuple(with_sources(in_its_sense(without_an_unsaid_act(meaning))) for meaning in said)
+        return tuple(_as_said(meaning) for meaning in said)
 
     def _chosen(self, heard: Heard) -> tuple[Meaning, Plan | NoPlan, float] | None:
         """The likeliest outcome, the likeliest meaning that has it, and how likely all are that begin with the same;
@@ -279,6 +279,13 @@ class Understood:
 
     def _moves(self, plan: Plan) -> bool:
         return any(self._validation.occupied(action.name) & _MOVING for action in plan.actions)
+
+
+def _as_said(meaning: Meaning) -> Meaning:
+    """The meaning as closed classes of words have it, whatever a reader has made of them."""
+    for step in (without_an_unsaid_act, in_its_sense, with_exclusions, with_quantifiers, with_sources):
+        meaning = step(meaning)
+    return meaning
 
 
 def _words_of(found: Plan | NoPlan | None) -> object:

@@ -124,7 +124,8 @@ def _spots(seen: Sequence[str], words: Words) -> Sequence[tuple[frozenset[str], 
 
 
 async def judge(entry: Entry, planner: Plans, world: KnownWords) -> Verdict:
-    """Ask the planner, and judge what it says. Where its plan looks, both outcomes are played to it."""
+    """Ask the planner, and judge what it says. Where its plan looks, both outcomes are played to it; what was seen
+    before is seen then."""
     name, words = f"judged {next(_cycles)}", _Known(world, entry.seen, entry.say)
     request = PlanRequest(entry.say, entry.happened(), name, entry.language, holding=entry.holding, seen=entry.seen)
     answer = await _ask(planner, request)
@@ -139,6 +140,10 @@ async def judge(entry: Entry, planner: Plans, world: KnownWords) -> Verdict:
                 acceptable(after.ok, answers[-1], words, must_go_on=False)
                 or _is_done(after, answer, answers[-1], words)
             )
+    elif entry.seen and not entry.then and answer.outcome == "plan" and not answer.finished:
+        again = Next(feedback=f"ok: {', '.join(entry.seen)}", seen=entry.seen, ok=entry.ok)
+        answers.append(await _ask(planner, _after(request, answer, again, words)))
+        ok = acceptable(entry.ok, answers[-1], words, must_go_on=False)
     said = " ".join((entry.say, entry.holding, *entry.seen, *map(in_words, entry.happened())))
     out_of_nowhere = () if ok or answer.outcome != "plan" else _out_of_nowhere(entry, answer, said, words)
     return Verdict(

@@ -229,6 +229,18 @@ def conditional(ok: str, then: list[dict[str, object]] | None = None) -> Entry:
     return Entry.model_validate(raw)
 
 
+def test_what_is_seen_already_is_seen_by_a_look_too() -> None:
+    raw = {"id": "x", "category": "things", "language": "en", "say": "all of it", "ok": "beep()"}
+    entry = Entry.model_validate({**raw, "seen": ["ball on the stool"]})
+    look = plan(("navigation", {"place": "L"}), ("seewhat", {}), finished=False)
+    planner = Saying(look, plan(("beep", {})))
+    assert judged(entry, planner).ok
+    assert planner.asked[1].sees is not None
+    assert planner.asked[1].sees("ball")
+    assert not judged(entry, Saying(look, plan(("light", {"colour": "red"})))).ok
+    assert not judged(Entry.model_validate(raw), Saying(look)).ok, "nothing says what there is to be seen"
+
+
 def test_a_condition_that_needs_no_look_is_judged_by_its_whole_plan() -> None:
     assert judged(conditional("beep()"), Saying(plan(("beep", {})))).ok
     look = plan(("navigation", {"place": "L"}), ("seewhat", {}))

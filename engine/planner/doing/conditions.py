@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
+from engine.planner import amounts
 from engine.planner.doing.doing import Doing
 from engine.planner.entities import Entities
 from engine.planner.text.counts import is_amount
@@ -82,7 +83,13 @@ _GETS_TO: Final = re.compile(
 
 def of_itself(doing: Doing, condition: Condition) -> bool | None:
     """Whether a condition about what the robot holds is met; None for any other condition."""
+    who = condition.words("person") or condition.words("thing")
+    if _ITSELF.fullmatch(who.casefold()) and _BUSY.fullmatch(condition.words("state").casefold()):
+        return condition.kind == "is_not"  # who takes a request is not
     found = _about_its_hand(condition) or _about_what_it_holds(doing, condition)
+    named = doing.entities.of(condition.words("thing") or "it")
+    if found is None and condition.kind in ("seen", "unseen") and named.held and named.thing is not None:
+        found = "got", named.words  # "if that's the blue box you've got there"
     if found is None:
         return None
     state, thing = found
@@ -93,6 +100,9 @@ def of_itself(doing: Doing, condition: Condition) -> bool | None:
     else:
         met = doing.held(doing.thing(thing))
     return met == (condition.kind not in ("is_not", "unseen"))
+
+
+_BUSY: Final = re.compile(r"(?:too |so |very |still )?busy|很?太?忙")
 
 
 def of_success(condition: Condition, *, worked: bool) -> bool | None:
@@ -163,6 +173,11 @@ def looked_for_once(nodes: Sequence[Node], entities: Entities, said: str = "") -
         if isinstance(given, If):
             node = _without_what_stays(_at_each_place(_of_a_mess(_named_nowhere(_of_failing(given))), entities), said)
         last = made[-1] if made else None
+        if isinstance(node, If) and isinstance(last, Do):
+            node = _of_the_one_before(node, last)
+        if isinstance(node, If) and (wait := _when_it_is_over(node)) is not None:
+            made += (wait, *node.then)
+            continue
         if isinstance(node, If) and _ends_anyway(node):
             continue
         if isinstance(node, If) and isinstance(last, If) and _one_or_the_other(last, node, entities):
@@ -207,6 +222,36 @@ def _of_failing(node: If) -> If:
 
 
 _CANNOT: Final = re.compile(r"(?:you|it) (?:can't|can not|cannot|couldn't|could not|don't|do not|didn't|did not)")
+
+
+def _when_it_is_over(node: If) -> Do | None:
+    """The wait that a condition is which only time decides: "as soon as ten seconds are over"."""
+    topic = next((role for role in node.condition.roles if role.name == "topic"), None)
+    found = _OVER.fullmatch(topic.words.casefold()) if topic is not None else None
+    if topic is None or found is None or node.otherwise or node.condition.kind != "event":
+        return None
+    time = found["en"] or found["zh"]
+    return Do("wait", (replace(topic, name="time", words=time),)) if amounts.quantity(time, "s") is not None else None
+
+
+_OVER: Final = re.compile(
+    r"(?P<en>.+?)(?: (?:is|are|has|have))?(?: (?:over|up|past|passed|gone|elapsed|later))(?: by)?|"
+    r"(?P<zh>.+?)(?:过后|之后|以后|过去了?|到了?)"
+)
+"""A time that has passed."""
+
+
+def _of_the_one_before(node: If, last: Do) -> If:
+    """ "Bring me the blue cup, and if you can't find it the white one": a reader has made that "if you can't find the
+    white one, bring the white one"."""
+    condition, first = node.condition, node.then[0] if node.then else None
+    if condition.kind != "unseen" or not isinstance(first, Do) or first.act not in _NEEDS or last.act not in _NEEDS:
+        return node
+    needed, wanted = ([role for role in act.roles if role.name == "thing"] for act in (first, last))
+    spans = [(role.start, role.end) for role in condition.roles]
+    if len(needed) != 1 or len(wanted) != 1 or spans != [(needed[0].start, needed[0].end)]:
+        return node
+    return replace(node, condition=replace(condition, roles=(wanted[0],)))
 
 
 def _counted(count: Do, node: If) -> Condition | None:

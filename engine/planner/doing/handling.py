@@ -79,7 +79,17 @@ def _it(doing: Doing) -> tuple[str, ...]:
     return ("it",)
 
 
+_ITS_TRAY: Final = re.compile(r"(?:(?:into|in|on) )?its (?:own )?tray|[它其]的?托盘里?")
+_TRAY: Final = re.compile(
+    r"(?:(?:into|in|on) )?(?:its|the|the right|the proper) (?:own )?(?:tray|box|place)|[它的对应]*(?:托盘|盘子)里?"
+)
+"""Where a block is sorted into, which its tag decides."""
+
+
 def put(doing: Doing, roles: Roles) -> Calls:
+    block = doing.entity(roles.words("thing") or "it").thing or doing.named
+    if _ITS_TRAY.fullmatch(roles.words("place").casefold()) and amounts.number(block or "") is not None:
+        return sort(doing, roles)
     things, place, source = roles.all("thing"), roles.words("place"), roles.words("source")
     unnamed = all(doing.entity(words).refers for words in things) and not (doing.named or doing.holding)
     if not place and unnamed:
@@ -185,7 +195,7 @@ def bring(doing: Doing, roles: Roles) -> Calls:
     if source and _WHERE_IT_WAS.fullmatch(place.casefold()):  # "back where it was, the coffee table"
         place, source = source, ""
     goal = ZERO_SYMBOL
-    if person:
+    if person and not (place and _FOR_SOMEBODY.search(doing.said)):
         who = doing.entity(person)
         if who.every and who.person:
             return _served(doing, things, person, place)
@@ -205,6 +215,8 @@ def bring(doing: Doing, roles: Roles) -> Calls:
     return made
 
 
+_FOR_SOMEBODY: Final = re.compile(r"[帮替]我们?")
+"""For whom something is done, who need not get it: "帮我把球送到书房"."""
 _WHERE_IT_WAS: Final = re.compile(
     r"(?:back )?(?:to )?(?:where (?:it|they) (?:was|were|came from|belongs?)(?: before)?|"
     r"(?:its|the|their) (?:old |original )?(?:place|spot))|原处|原来的(?:地方|位置)"
@@ -374,6 +386,8 @@ def sort(doing: Doing, roles: Roles) -> Calls:
     if words and doing.entity(words).refers and _SORTS_OUT.search(doing.said.casefold()) and not doing.named:
         room = doing.entities.of(doing.entities.place_in(doing.said)).room
         return cleaned(room)
+    if (place := roles.words("place")) and not _TRAY.fullmatch(place.casefold()):
+        raise Unable("role", place)
     tag = amounts.number(doing.thing(words) if words and doing.entity(words).refers else words)
     if tag is None:
         raise Open("which_tag")

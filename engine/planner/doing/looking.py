@@ -155,6 +155,10 @@ _TOPICS: Final = (
     ("holding", re.compile(r"\bh(?:o|e)ld|\bgrip|\bcarry|in your hand|拿着|手里|抓着")),
     ("battery", re.compile(r"batter|charge|power|juice|电")),
     ("stopped", re.compile(r"\bwhy\b|\bstop|wrong|fail|为什么|怎么停|出错|问题")),
+    (
+        "places",
+        re.compile(r"\b(?:which|what|all the) (?:\w+ )?(?:rooms|places)\b(?!.*\bsee)|(?:哪些|什么|几个)(?:地方|房间)"),
+    ),
     ("seewhat", re.compile(r"\bsee(?:s|ing)?\b|\blook|camera|in view|看|镜头")),
     ("report_pose", re.compile(r"\bwhere|position|location|coordinates?|room|standing|哪|位置|坐标")),
     ("list_skills", re.compile(r"\bable\b|can you do|abilit|skill|会做|本事|功能")),

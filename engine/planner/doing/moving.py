@@ -130,9 +130,19 @@ def go(doing: Doing, roles: Roles) -> Calls:
     persons, things = roles.all("person"), roles.all("thing")
     return tuple(
         made
-        for words in places
+        for several in places
+        for words in _by_way_of(several)
         for made in _to(doing, words, words if words in persons else "", is_thing=words in things)
     )
+
+
+def _by_way_of(words: str) -> tuple[str, ...]:
+    """A place, after the one on the way to it: "the stool by way of the hall"."""
+    found = _VIA.fullmatch(words)
+    return (found["by"], found["to"]) if found is not None else (words,)
+
+
+_VIA: Final = re.compile(r"(?P<to>.+?) (?:via|by way of) (?P<by>.+)", re.IGNORECASE)
 
 
 def _to(doing: Doing, words: str, person: str = "", *, is_thing: bool = False) -> Calls:
@@ -204,7 +214,11 @@ def turned(side: str) -> Calls:
 
 
 def leave(doing: Doing, roles: Roles) -> Calls:
-    raise Open("where")
+    """Out of one place into another, which has to be said."""
+    places = roles.all("place")
+    if len(places) < 2:
+        raise Open("where")
+    return call("navigation", doing.spot(places[-1]))
 
 
 def drive_shape(doing: Doing, roles: Roles) -> Calls:

@@ -10,9 +10,10 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Final
 
-from engine.understanding.meaning import Condition, Do, If, Meaning, Node, Role, walk
+from engine.understanding.meaning import Condition, Do, If, Instead, Meaning, Node, Not, Role, walk
 
 _OPPOSITE: Final = {"seen": "unseen", "unseen": "seen"}
 _NEGATIVE: Final = frozenset({"unseen", "is_not"})
@@ -55,6 +56,38 @@ def in_its_sense(meaning: Meaning) -> Meaning:
     if not any(isinstance(node, If) for node in walk(meaning.nodes)) or len(text) != len(meaning.text):
         return meaning
     return replace(meaning, nodes=_sensible(meaning.nodes, text))
+
+
+def with_exclusions(meaning: Meaning) -> Meaning:
+    """The meaning with what is said not to be meant as no correction: "I want you in the study, not the bedroom"."""
+    text, nodes = plain(meaning.text), list(meaning.nodes)
+    for at, (before, node) in enumerate(pairwise(meaning.nodes), 1):
+        if isinstance(before, Do) and isinstance(node, Instead) and node.roles:
+            begins = min(role.start for role in node.roles)
+            if len(text) == len(meaning.text) and _SAYS_NOT.search(text[:begins]):
+                nodes[at] = Not(Do(before.act, node.roles))
+    return replace(meaning, nodes=tuple(nodes))
+
+
+_SAYS_NOT: Final = re.compile(r"(?:\bnot(?: (?:in|on|at|to|into|the|my|your|a))*|不是|不要)\s*$")
+"""What stands before that which is not meant."""
+
+
+def with_quantifiers(meaning: Meaning) -> Meaning:
+    """The meaning with the one thing of an act as all of its kind, where Chinese says so behind it: "东西全部"."""
+
+    def whole(act: Do) -> Do:
+        things = [role for role in act.roles if role.name == "thing"]
+        if len(things) != 1 or _COUNTS.match(things[0].words) or not _ALL_OF_IT.match(meaning.text, things[0].end):
+            return act
+        roles = (replace(role, words=f"所有{role.words}") if role.name == "thing" else role for role in act.roles)
+        return replace(act, roles=tuple(roles))
+
+    return replace(meaning, nodes=tuple(whole(node) if isinstance(node, Do) else node for node in meaning.nodes))
+
+
+_ALL_OF_IT: Final = re.compile(r"(?:全部|全都?|都|统统|通通)(?=[^是有没不，。])")
+_COUNTS: Final = re.compile(r"[\d一二两三四五这那它所每]")
 
 
 def with_sources(meaning: Meaning) -> Meaning:
@@ -154,9 +187,16 @@ _OR_NOT: Final = re.compile(r"\W*or not\b")
 def _as_said(node: If, text: str) -> If:
     then, otherwise = _sensible(node.then, text), _sensible(node.otherwise, text)
     condition = _once(node.condition, text)
-    if condition is node.condition and _is_reversed(node, text):
+    begins = min((role.start for role in condition.roles), default=0)
+    if condition.kind in _OPPOSITE and _NOT_UNLESS.search(text[:begins]):
+        condition = replace(condition, kind="seen")
+    elif condition is node.condition and _is_reversed(node, text):
         condition = replace(condition, kind=_OPPOSITE[condition.kind])
     return If(condition, then, otherwise)
+
+
+_NOT_UNLESS: Final = re.compile(r"(?:\bbut|[,;:–—-]) (?:please )?not unless\b[^,.;!?]*$")
+"""No more than if: "throw it away, but not unless you find it in the bedroom"."""
 
 
 def _once(condition: Condition, text: str) -> Condition:

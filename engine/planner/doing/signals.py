@@ -66,11 +66,17 @@ def light(doing: Doing, roles: Roles) -> Calls:
     colour = roles.words("colour").casefold()
     if not colour:
         return call("light", "white")
+    if _OTHER.search(colour):
+        raise Open("which_colour")
     words = re.findall("[a-z]+", colour)  # "coloured" is not red
     plain = next((name for word in words for name in _COLOURS if word.startswith(name)), None) or next(
         (name for said, name in _CHINESE_COLOURS.items() if said in colour), colour
     )
     return call("light", _SAME_COLOUR.get(plain, plain))
+
+
+_OTHER: Final = re.compile(r"\b(?:other|another|different|else)\b|[别另其]")
+"""A colour that is not named."""
 
 
 def switch(colour: str) -> Callable[[Doing, Roles], Calls]:

@@ -206,6 +206,8 @@ def as_seen(condition: Condition, entities: Entities) -> Condition:
     if condition.kind not in ("is", "is_not"):
         return condition
     state, positive = condition.words("state").casefold(), condition.kind == "is"
+    if not positive and is_amount(f"不{state}"):  # "不止一个": more than one
+        state, positive = f"不{state}", True
     others = tuple(role for role in condition.roles if role.name != "state")
     where = entities.of(state)
     if _THERE.fullmatch(state) or _GONE.fullmatch(state):

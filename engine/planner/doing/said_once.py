@@ -1,0 +1,73 @@
+"""What people say once for several acts: the unit of their amounts, the name of whom they mean, what is told to two."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Final
+
+from engine.planner import amounts
+from engine.understanding.acts import RoleName
+from engine.understanding.meaning import Do, Node, Role
+
+_MEASURED: Final[tuple[tuple[RoleName, frozenset[str]], ...]] = (
+    ("amount", frozenset({"forward", "backward", "sideways_left", "sideways_right"})),
+    ("time", frozenset({"wait"})),
+)
+"""Roles of which a bare number says too little, and acts that have them in one unit."""
+_WITH_PEOPLE: Final = frozenset({"tell", "greet", "ask", "find", "meet"})
+"""Acts that are done with one person after the other."""
+_PRONOUN: Final = re.compile(r"him|her|them|he|she|they|[他她]们?", re.IGNORECASE)
+
+
+def in_full(nodes: Sequence[Node]) -> tuple[Node, ...]:
+    """The nodes with each act as if it had been said by itself."""
+    return tuple(one for node in _named(_measured(nodes)) for one in _with_each_person(node))
+
+
+def _measured(nodes: Sequence[Node]) -> list[Node]:
+    """With the unit of the amount before: "0.4 metres to the left, 0.6 forward", "wait five seconds, …, five more"."""
+    units = dict[RoleName, str]()
+
+    def measured(act: Do, role: Role) -> Role:
+        if not any(role.name == name and act.act in acts for name, acts in _MEASURED):
+            return role
+        if unit := amounts.unit_in(role.words):
+            units[role.name] = unit
+        elif (number := amounts.number(role.words)) is not None and role.name in units:
+            return replace(role, words=f"{number:g} {units[role.name]}")
+        return role
+
+    return [
+        replace(node, roles=tuple(measured(node, role) for role in node.roles)) if isinstance(node, Do) else node
+        for node in nodes
+    ]
+
+
+def _named(nodes: Sequence[Node]) -> list[Node]:
+    """With the name that only the second act says: "let Ben know, once you have found him, that I am late"."""
+    made = list(nodes)
+    for at, (first, second) in enumerate(pairwise(nodes)):
+        earlier = any(isinstance(node, Do) and node.words("person") for node in nodes[:at])
+        if not isinstance(first, Do) or not isinstance(second, Do) or earlier:
+            continue
+        pronoun = next((role for role in first.roles if role.name == "person"), None)
+        name = next((role for role in second.roles if role.name == "person"), None)
+        if pronoun is None or name is None or not _PRONOUN.fullmatch(pronoun.words) or name.start > pronoun.start:
+            continue
+        roles = (replace(role, words=name.words) if role is pronoun else role for role in first.roles)
+        made[at] = replace(first, roles=tuple(roles))
+    return made
+
+
+def _with_each_person(node: Node) -> tuple[Node, ...]:
+    """One act for each of several people: "tell Ben and Mia to wash their hands"."""
+    if not isinstance(node, Do) or node.act not in _WITH_PEOPLE or len(node.all("person")) < 2:
+        return (node,)
+    people = [role for role in node.roles if role.name == "person"]
+    return tuple(
+        replace(node, roles=tuple(role for role in node.roles if role.name != "person" or role is person))
+        for person in people
+    )
