@@ -154,7 +154,6 @@ def _is_learned(word: str, known: Collection[str], *, within: bool) -> bool:
 def without_an_unsaid_act(meaning: Meaning) -> Meaning:
     """The meaning as a fragment, where no word is left that could say the act: of "dishwasher" alone, nobody knows what
     is to be done with it."""
-    meaning = _without_comments(meaning)
     act = meaning.nodes[0] if len(meaning.nodes) == 1 else None
     if not isinstance(act, Do) or act.until is not None or len(act.roles) != 1 or act.roles[0].name not in _NAMES:
         return meaning
@@ -166,20 +165,6 @@ def without_an_unsaid_act(meaning: Meaning) -> Meaning:
     return replace(meaning, nodes=(Do("fragment", act.roles),))
 
 
-def _without_comments(meaning: Meaning) -> Meaning:
-    """The meaning without what is said last and is to be said by nobody: "…, lights off. party time"."""
-    *before, last = meaning.nodes or (Retract(),)
-    if not before or not isinstance(last, Do) or last.act != "say" or _SAYS.search(meaning.text.casefold()):
-        return meaning
-    return replace(meaning, nodes=tuple(before))
-
-
-_SAYS: Final = re.compile(
-    r"\b(?:say|saying|tell|announce|shout|call|yell|whisper|speak|repeat|wish|greet|sing|ask|let|inform|remind|read|"
-    r"answer|reply|report|warn|declare|proclaim|recite|count|thank|congratulate|introduce|mention|explain|invite|"
-    r"welcome|apologi[sz]e|pass on|message|word)|[说讲告叫喊问念报唱读数祝提通]|\""
-)
-"""Words, or a quotation mark, by which something is to be said."""
 _NAMES: Final = frozenset({"place", "source", "thing", "person"})
 """Roles whose words are names."""
 _OF_ANY_WORDS: Final = _NAMES | {"except", "text", "topic"}

@@ -21,7 +21,7 @@ from engine.planner.doing.acts import calls_of
 from engine.planner.doing.answers import depends_on_an_answer, is_met
 from engine.planner.doing.conditions import looked_for_once, of_itself, of_success, with_antecedent
 from engine.planner.doing.doing import MOST, Doing, NowhereKnown, Open, Unable, Which
-from engine.planner.doing.errands import as_journeys, brought
+from engine.planner.doing.errands import brought
 from engine.planner.doing.handling import is_rubbish, rubbish_in
 from engine.planner.doing.looking import topic_of
 from engine.planner.doing.people import as_name, somebody
@@ -300,7 +300,7 @@ class Outcomes:
 
     def _wanted(self, meaning: Meaning) -> tuple[Do | If | Repeat, ...]:
         once = looked_for_once(in_full(meaning.wanted()), self._entities, meaning.text)
-        return _only_wanted(as_journeys(brought(looked_first(once, self._entities), meaning.text)))
+        return _only_wanted(brought(looked_first(once, self._entities), meaning.text))
 
     def _only_tells(self, node: Node) -> bool:
         """Whether it asks for no more than the answer: "let me know", "say so"."""

@@ -402,16 +402,6 @@ def test_who_was_told_of_is_meant_then(understood: Understood, reader: Written) 
     assert shown(plan(understood, said)) == "navigation(E)"
 
 
-def test_places_in_turn_are_journeys(understood: Understood, reader: Written) -> None:
-    found = plan(understood, reader.knows("fragment go | {1.place: kitchen} first, then {2.place: the study}"))
-    assert shown(found) == "navigation(A); navigation(D)"
-
-
-def test_a_comment_is_not_said_aloud(understood: Understood, reader: Written) -> None:
-    found = plan(understood, reader.knows("dance ; say | dance. {2.text: party time}"))
-    assert shown(found) == "dance()"
-
-
 def test_a_correction_of_what_is_held_already_puts_that_down(understood: Understood, reader: Written) -> None:
     before = reader.knows("pick_up | pick up {thing: the white cup}")
     said = reader.knows("instead | I meant {thing: the blue one}")

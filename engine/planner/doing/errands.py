@@ -67,14 +67,6 @@ def as_errands(nodes: Sequence[Do | If | Repeat], doing: Doing) -> tuple[Do | If
     return tuple(made)
 
 
-def as_journeys(nodes: Sequence[Node]) -> tuple[Node, ...]:
-    """The nodes with places that are named one after the other as journeys: "kitchen first, then the study"."""
-    acts = [node for node in nodes if isinstance(node, Do) and node.act in ("fragment", "go")]
-    if len(acts) < 2 or len(acts) != len(nodes) or any([role.name for role in act.roles] != ["place"] for act in acts):
-        return tuple(nodes)
-    return tuple(replace(act, act="go") for act in acts)
-
-
 def brought(nodes: Sequence[Node], said: str) -> tuple[Node, ...]:
     """The nodes with what is fetched "for me" as what is brought, where nothing else becomes of it."""
     *before, last = nodes or (Do("stop"),)
