@@ -497,8 +497,9 @@ class SaysoApp(Stage):
     # Keys that only change what is shown
 
     async def _check_bindings(self, key: str, priority: bool = False) -> bool:
-        """As Textual's; while somebody types, what is text and what edits goes to the line first."""
-        if priority and self.typing and (key in EDITING or is_text(key)):
+        """As Textual's; while somebody types, what is text and what edits goes to the line first, and while the map asks
+        something, the answer to the map."""
+        if priority and ((self.typing and (key in EDITING or is_text(key))) or self.enabling.answers(key)):
             return False
         return await super()._check_bindings(key, priority)
 

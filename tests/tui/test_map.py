@@ -101,10 +101,28 @@ async def test_enter_asks_and_enter_again_sends_the_robot() -> None:
         assert "Go to the kitchen?" not in desk.text
 
 
-@pytest.mark.parametrize("key", ["right", "tab", "plus", "f", "0", "shift+left", "x"])
-async def test_any_other_key_takes_the_question_back(key: str) -> None:
+@pytest.mark.parametrize("zoom", [False, True])
+@pytest.mark.parametrize(
+    "key",
+    [
+        "right",
+        "tab",
+        "plus",
+        "f",
+        "0",
+        "shift+left",
+        "x",
+        "backspace",
+        "ctrl+g",
+        "pageup",
+        "pagedown",
+        "ctrl+p",
+        "ctrl+r",
+    ],
+)
+async def test_any_other_key_takes_the_question_back(key: str, *, zoom: bool) -> None:
     async with console() as desk:
-        await desk.press("m", "tab", "enter")
+        await desk.press("m", *["z"][: int(zoom)], "tab", "enter")
         assert "Go to the kitchen?" in desk.text
         await desk.press(key)
         assert "Go to the kitchen?" not in desk.text

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 _IN_PANES: Final = ("map", "zoom", "border", "scroll_line", "newest", "next_pane", "add", "speed")
 """The actions that do nothing while a page is open."""
-_WHILE_ASKED: Final = frozenset(key.action.partition("(")[0] for key in KEYS if key.everywhere) | {"release"}
-"""The actions whose keys act while the map asks something: those that act everywhere."""
+_WHILE_ASKED: Final = frozenset({"interrupt", "estop", "release", "leave_now"})
+"""The actions whose keys act while the map asks something; every other key is its answer."""
 _NEEDING_ROOM: Final = (
     "pane", "next_pane", "palette", "recall", "settings", "zoom", "border", "map", "camera", "by_hand",
 )  # fmt: skip
@@ -84,6 +84,13 @@ class Enabling:
             return None
         use = self._uses.get(action)
         return True if use is None or use(*parameters) else None
+
+    def answers(self, key: str) -> bool:
+        """Whether this key answers what the map asks, so that it does nothing else."""
+        if not (self._on_main and self._stage.main.asks):
+            return False
+        bound = self._stage.screen.active_bindings.get(key)
+        return bound is None or bound.binding.action not in _WHILE_ASKED
 
     def idle_borders(self) -> frozenset[str]:
         """The keys of borders where none is in sight: a pane has the whole width."""
