@@ -259,7 +259,7 @@ class Entities:
             return Entity(words, refers=True)
         head, where = (plain, "") if chinese or _BUT.search(inner) else _parted(plain)
         candidates = list(dict.fromkeys(_chinese(plain) if chinese else _english(head)))
-        bare = () if chinese else (_bare(inner),)
+        bare = () if chinese else (inner, _bare(inner))  # a place may have been named "my corner"
         floor = _FLOOR_OF.fullmatch(plain) if chinese else _FLOOR_OF.fullmatch(_bare(inner))
         rest = tuple(_bare(words.rpartition(" of ")[2]) for words in bare if " of " in words)  # … of the kitchen
         whole = list(dict.fromkeys((*bare, *candidates, *rest)))

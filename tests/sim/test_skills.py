@@ -175,6 +175,17 @@ def test_the_remembered_place_is_found_again() -> None:
     on_the_robot(test)
 
 
+@pytest.mark.parametrize(("called", "name"), [("the nook", "nook"), ("A corner", "corner"), ("theatre", "theatre")])
+def test_the_name_of_a_place_has_no_article(called: str, name: str) -> None:
+    async def test(rig: Rig) -> None:
+        done = await rig.do(f"remember_place({called})")
+        assert done.message.startswith(f"I will remember this as the {name}.")
+        assert rig.places.symbol(name)
+        assert (await rig.do(f"navigation({name})")).ok
+
+    on_the_robot(test)
+
+
 def test_nothing_remembered_is_a_typed_failure() -> None:
     async def test(rig: Rig) -> None:
         result = await rig.do("navigation(zero)")

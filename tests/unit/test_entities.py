@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from config import load
+from config.schema import Place, Position
 from engine.parts.loading import at_home
 from engine.planner.entities import Entities
 from engine.planner.worlds.house import build_vocabulary
@@ -89,3 +90,11 @@ def test_a_number_behind_a_word_that_nobody_knows_is_no_block(flat: Entities, wo
 @pytest.mark.parametrize("words", ["block 4", "number 4", "the tag 4", "4", "4号", "4号积木", "4号的红色积木"])
 def test_a_block_is_found_by_its_number(flat: Entities, words: str) -> None:
     assert flat.of(words).thing == "block 4"
+
+
+def test_a_place_that_was_named_with_a_word_before_it_is_found() -> None:
+    kept = load()
+    places = {**kept.places, "X": Place(name="my corner", position=Position(x=1, y=1))}
+    named = Entities(build_vocabulary(at_home(kept.model_copy(update={"places": places}))))
+    assert named.of("to my corner").place == "X"
+    assert named.of("my kitchen").place == "A"

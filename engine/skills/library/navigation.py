@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
-from typing import Annotated
+from typing import Annotated, Final
 
 from engine.robot.geometry import Pose, heading_in_degrees, wrap
 from engine.skills.context import SkillContext
@@ -40,7 +41,7 @@ async def get_current_pose(context: SkillContext) -> Result:
 @skill()
 async def remember_place(context: SkillContext, name: Annotated[str, Word("sentence")]) -> Result:
     """Remember where the robot stands as a place of this name."""
-    called = " ".join(name.split()).strip(".,!?。，！？ ")
+    called = _ARTICLE.sub("", " ".join(name.split()).strip(".,!?。，！？ "))
     if not 1 < len(called) <= LONGEST_NAME or not called.isprintable() or called.casefold() == ZERO_SYMBOL:
         return fail("unknown_place", f"“{called}” cannot be the name of a place.")
     pose = context.pose
@@ -48,6 +49,10 @@ async def remember_place(context: SkillContext, name: Annotated[str, Word("sente
     return ok(
         f"I will remember this as {context.places.name(symbol)}. {_words(pose)}", x=pose.x, y=pose.y, yaw=pose.yaw
     )
+
+
+_ARTICLE: Final = re.compile(r"^(?:the|an?)\s+(?=\S)", re.IGNORECASE)
+"""It is no part of a name: "the nook" is told as "the nook" anyway."""
 
 
 @skill(occupies=["base"], changes=["pose"])
