@@ -37,7 +37,7 @@ from engine.commands import Drive, EndTask, Here, Interrupt, LimitSpeed, Quit, S
 from engine.errors import ExitCode, SaysoError
 from tui.keys.bindings import BINDINGS
 from tui.keys.keys import ALL_KEYS, EDITING
-from tui.keys.speeds import limit_beside
+from tui.keys.speeds import LIMITS, limit_beside
 from tui.looks.themes import CONTRAST, DARK, LIGHT
 from tui.messages import (
     Answered,
@@ -78,7 +78,7 @@ from tui.terminal.bursts import Burst
 from tui.terminal.driver import listening_driver
 from tui.widgets.ask import Ask
 from tui.widgets.by_hand import ByHand
-from tui.widgets.figures import Figures
+from tui.widgets.figures import Figures, link_words
 from tui.widgets.floor_view import FloorView
 from tui.widgets.log import LogView
 from tui.widgets.queue import ActionQueue
@@ -387,7 +387,10 @@ class SaysoApp(Stage):
     def action_speed(self, step: int) -> None:
         """Another speed limit; the robot that drives already heeds it at once."""
         if self.screen is self.main and self.handle is not None and (robot := self.handle.robot_state()) is not None:
-            self.send(LimitSpeed(limit_beside(robot.speed_limit, step)))
+            limit = limit_beside(robot.speed_limit, step)
+            self.send(LimitSpeed(limit))
+            if not self.main.figures_in_sight:
+                self.keeping.remark(strings.SPEED_LIMIT_IS.format(strings.SPEED_LIMITS[LIMITS.index(limit)]))
             self.redraw()
 
     def on_figures_limited(self, message: Figures.Limited) -> None:
@@ -497,8 +500,8 @@ class SaysoApp(Stage):
     # Keys that only change what is shown
 
     async def _check_bindings(self, key: str, priority: bool = False) -> bool:
-        """As Textual's; while somebody types, what is text and what edits goes to the line first, and while the map asks
-        something, the answer to the map."""
+        """As Textual's; while somebody types, what is text and what edits goes to the line first, and what answers the
+        map goes there."""
         if priority and ((self.typing and (key in EDITING or is_text(key))) or self.enabling.answers(key)):
             return False
         return await super()._check_bindings(key, priority)
@@ -640,7 +643,12 @@ class SaysoApp(Stage):
     def action_settings(self) -> None:
         self.changing.open()
 
+    def open_page(self, page: Screen[None]) -> None:
+        self.leaving.asked = False  # on a page, other keys leave and quit
+        super().open_page(page)
+
     async def action_palette(self) -> None:
+        self.leaving.asked = False
         await self._choosing.open()
 
     async def action_recall(self) -> None:
@@ -660,9 +668,13 @@ class SaysoApp(Stage):
         self.main.toggle_log()
 
     def action_link(self) -> None:
-        self.sending.meter()
+        """In the frame of the robot's pane, until the next press; for a while where that is not in sight."""
         self.come_back()
-        self.redraw()
+        if self.main.figures_in_sight:
+            self.sending.meter()
+            self.redraw()
+        else:
+            self.keeping.remark(link_words(self.sending.measured(), self.size.width))
 
     def action_map(self) -> None:
         if self.screen is self.main:
@@ -701,7 +713,10 @@ class SaysoApp(Stage):
 
     def action_border(self, steps: int) -> None:
         """Move the border between panes to the right."""
-        if self.screen is not self.main or (shares := self.main.shift(steps)) is None:
+        if self.screen is not self.main:
+            return
+        if (shares := self.main.shift(steps)) is None:
+            self.keeping.remark(strings.NO_BORDER)
             return
         if self.dressing.sizes is not None:
             self.dressing.sizes.keep(shares)

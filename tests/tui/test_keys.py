@@ -587,6 +587,24 @@ async def test_the_keys_of_the_speed_limit_are_named_only_where_they_change_it(
         assert title in desk.text
 
 
+@pytest.mark.parametrize("one_line", [False, True])
+async def test_where_the_robots_pane_is_not_in_sight_the_speed_limit_is_told(*, one_line: bool) -> None:
+    async with console(size=(60, 1 if one_line else 20), one_line=one_line) as desk:
+        await desk.press("minus")
+        assert desk.engine.sent == [LimitSpeed(0.75)]
+        assert "Speed limit: quick" in desk.text
+
+
+@pytest.mark.parametrize(
+    ("key", "told"),
+    [("i", "delay unknown · 0.0 kB/s"), ("less_than_sign", "No border"), ("greater_than_sign", "No border")],
+)
+async def test_what_has_no_room_to_be_seen_is_told(key: str, told: str) -> None:
+    async with console(size=(60, 20)) as desk:
+        await desk.press(key)
+        assert told in desk.text
+
+
 async def test_on_the_map_that_zooms_by_the_same_keys_they_are_not_named_at_the_speed_limit() -> None:
     async with console() as desk:
         assert desk.engine.robot is not None

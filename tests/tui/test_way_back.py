@@ -12,7 +12,7 @@ from textual.keys import key_to_character
 
 from config.changing import Layers
 from engine import events as ev
-from engine.commands import Drive, EndTask, Interrupt, Say, Wake
+from engine.commands import Drive, EndTask, Interrupt, Quit, Say, Wake
 from engine.handle import PartName, PartStatus
 from tests.tui import scripted
 from tests.tui.desk import Desk, console
@@ -266,6 +266,18 @@ async def test_the_question_whether_to_quit_is_taken_back(key: str) -> None:
         await desk.press(key)
         assert "again quits" not in desk.text
         assert where(desk) == before
+
+
+@pytest.mark.parametrize("key", ["question_mark", "o", "d", "ctrl+p"])
+async def test_what_is_opened_takes_the_question_whether_to_quit_back(key: str) -> None:
+    async with console(engine()) as desk:
+        desk.engine.play(scripted.acting())
+        await desk.press("q", key)
+        assert "again quits" not in desk.text
+        await desk.press("ctrl+g")
+        assert desk.app.screen is desk.app.main
+        assert "again quits" not in desk.text
+        assert Quit() not in desk.engine.sent
 
 
 # Driving by hand

@@ -46,6 +46,10 @@ class Sending:
         """How good the line is, if somebody wants to know or has to."""
         return self._link.figures(self._stage.clock()) if self._metered or self._link.fare != "full" else None
 
+    def measured(self) -> LinkFigures:
+        """How good the line is now."""
+        return self._link.figures(self._stage.clock())
+
     def meter(self) -> None:
         """Show how good the line is, or no more."""
         self._metered = not self._metered

@@ -388,6 +388,11 @@ class ConsoleScreen(Screen[None], inherit_bindings=False):  # tab is a key of th
         return self.camera_shown and _has_room(self._camera_frame)
 
     @property
+    def figures_in_sight(self) -> bool:
+        """The robot's pane is shown, with what stands in its frame."""
+        return self._one_line is None and _has_room(self._figures)
+
+    @property
     def has_room_for_all(self) -> bool:
         """The camera takes nothing from others."""
         return self.has_class("-wide") and self.has_class("-tall")

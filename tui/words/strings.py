@@ -348,6 +348,7 @@ OTHERS_READY: Final = "all others ready"
 BATTERY: Final = "battery"
 BATTERY_LOW: Final = "battery low"
 SPEED_LIMITS: Final = ("slow", "medium", "quick", "fast")
+SPEED_LIMIT_IS: Final = "Speed limit: {}"
 SPEED_LIMIT: Final = "{robot} · {limit}"
 """The title of the pane, with the keys around the limit that change it, as a click on them does."""
 HEADING: Final = "heading"
@@ -500,6 +501,7 @@ PLACEHOLDER_FAILED: Final = "Nothing is done: the engine did not start · {leave
 PASTED_TOO_LONG: Final = "Too long to be pasted: the line holds {} characters. Nothing of it was taken."
 ADDS: Final = "{add} afterwards"
 """Behind the line, while something runs: the key that adds what is written to what waits."""
+NO_BORDER: Final = "No border between panes can go further there"
 NOTHING_TO_ADD: Final = "Nothing is written to be done afterwards"
 NO_USE: Final = {
     "queue": "No request waits",

@@ -336,6 +336,7 @@ OTHERS_READY: Final = "其余就绪"
 BATTERY: Final = "电池"
 BATTERY_LOW: Final = "电量低"
 SPEED_LIMITS: Final = ("慢", "中", "较快", "快")
+SPEED_LIMIT_IS: Final = "限速：{}"
 SPEED_LIMIT: Final = "{robot} · {limit}"
 HEADING: Final = "朝向"
 SPEED: Final = "速度"
@@ -481,6 +482,7 @@ PLACEHOLDER_TYPING_EARLY: Final = "输入；载入后才会执行：{parts} · {
 PLACEHOLDER_FAILED: Final = "什么都不会执行：引擎没有启动 · {leave_now} 退出"
 PASTED_TOO_LONG: Final = "粘贴的内容太长：输入行最多 {} 个字符，没有接受任何内容。"
 ADDS: Final = "{add} 排在后面"
+NO_BORDER: Final = "那边没有可以再移动的边界"
 NOTHING_TO_ADD: Final = "这一行是空的，没有可排的请求"
 NO_USE: Final = {
     "queue": "没有等待的请求",
