@@ -393,7 +393,7 @@ async def test_nothing_says_that_the_emergency_stop_is_pressed_once_it_is_releas
         refused(desk.engine, "R2", "wave", "T1")
         desk.engine.publish(ev.SpeechStarted(REFUSED, False), turn="T1")
         await desk.settled()
-        while read and desk.app.drawing.ending.told:
+        for _ in range(2 * read):
             desk.app.drawing.ending.next()
             await desk.settled()
         released(desk)
@@ -418,7 +418,16 @@ async def test_how_each_request_ended_is_told_also_after_the_emergency_stop_is_r
         over(desk.engine, "R3", "go to the moon", "failed", UNKNOWN, "T2")
         await desk.settled()
         assert "■ beep  never begun: the emergency stop" in desk.text
-        assert desk.app.drawing.ending._next is None, "its time does not run while something else has the line"
+        for words in (
+            "■ find the cup  ques",
+            f"■ wave: {REFUSED}",
+            f"■ go to the moon: {UNKNOWN}",
+            "■ beep  never beg",
+        ):
+            desk.app.drawing.ending.next()
+            await desk.settled()
+            assert words in desk.text, "all of them in turn, as long as it is pressed"
+        desk.app.drawing.ending.next()
         released(desk)
         await desk.settled()
         for words in (
@@ -430,6 +439,27 @@ async def test_how_each_request_ended_is_told_also_after_the_emergency_stop_is_r
             assert words in desk.text
             desk.app.drawing.ending.next()
             await desk.settled()
+
+
+async def test_while_the_emergency_stop_is_pressed_the_newest_request_is_told_first() -> None:
+    async with console(pressed(), size=(120, 2), one_line=True, in_line=True) as desk:
+        desk.engine.publish(ev.RequestEnded("R1", "nod", "interrupted", "estop"), turn=None)
+        await desk.settled()
+        assert "■ nod" in desk.text
+        assert desk.app.drawing.ending._next is None, "nothing else is to be told"
+        refused(desk.engine, "R2", "wave", "T1")
+        await desk.settled()
+        assert f"■ wave: {REFUSED}" in desk.text
+        assert desk.app.drawing.ending._next is not None
+
+
+@pytest.mark.parametrize("columns", [60, 80])
+async def test_on_a_short_line_the_emergency_stop_leaves_room_for_how_a_request_ended(columns: int) -> None:
+    async with console(pressed(), size=(columns, 1), one_line=True, in_line=True) as desk:
+        refused(desk.engine, "R1", "wave", "T1")
+        await desk.settled()
+        assert "E-STOP" in desk.text
+        assert "ctrl+o releases · ■ wave" in desk.text
 
 
 async def test_a_request_refused_just_before_the_release_is_told_after_it() -> None:
@@ -521,7 +551,7 @@ async def test_what_is_said_and_asked_while_the_emergency_stop_is_pressed_is_tol
         assert "robot: I am in the hall. · nothing moves; ctrl+o releases" in desk.text
         desk.engine.publish(ev.ClarificationAsked("Which cup?", "find the cup"))
         await desk.settled()
-        assert "robot: Which cup? · nothing moves" in desk.text
+        assert "robot: Which cup? · ctrl+o releases" in desk.text
 
 
 async def test_a_notice_is_told_behind_the_emergency_stop_while_that_is_pressed() -> None:

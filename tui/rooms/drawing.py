@@ -344,7 +344,8 @@ class Drawing:
             )
         view = replace(view, notice=self._notice(view))
         if words := self.standstill(view):
-            view = replace(view, notice=words, notice_does=RELEASE, remark=view.notice)
+            release = strings.ESTOP_RELEASE.format(release=self._stage.reaching(RELEASE))
+            view = replace(view, notice=words, notice_does=RELEASE, remark=view.notice, release=release)
         return view
 
     def _with_ends(self, view: View) -> View:

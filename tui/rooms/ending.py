@@ -2,7 +2,9 @@
 done only where something else has the line. Those that ended alike, one right after the other, are told together. The
 full console has a row for each.
 
-What the emergency stop refused is told in other words once that is released: those of the robot say that it is pressed.
+While the emergency stop is pressed, the newest are told first, and then all of them in turn, again and again; once it
+is released, they are told in their order, and what it refused in other words: those of the robot say that it is
+pressed.
 """
 
 from __future__ import annotations
@@ -45,11 +47,13 @@ class Ending:
 
     def look(self, model: ConsoleModel, *, pressed: bool, hidden: bool, cut: bool = False) -> None:
         """So things are now. ``pressed``: the emergency stop is; ``hidden``: something more urgent has the line;
-        ``cut``: what stands before the ends may leave them no room. As long as one of them is so, the time of what is
-        to be told does not run. What was done or answered while the emergency stop is pressed is told first."""
+        ``cut``: what stands before the ends may leave them no room. As long as one of the last two is so, the time of
+        what is to be told does not run. What was done or answered while the emergency stop is pressed is told first."""
         new = [end for end in model.ends if end.number > self._seen]
         self._seen = new[-1].number if new else self._seen
-        self._left += new
+        self._left = [*new, *self._left] if pressed else [*self._left, *new]
+        if new and pressed:
+            self._time((0, False))
         if pressed or self._pressed:
             self._refused += [end for end in new if end.halted]
         if self._pressed and not pressed:
@@ -63,19 +67,22 @@ class Ending:
         now, more = tuple(self._left[:alike]), len(self._left) > alike
         self.told = () if hidden or (not more and not pressed and _is_said_last(now, model)) else now
         self._first = 0 if hidden else len(now)
-        waits = hidden or cut or (pressed and not all(end.done for end in now))
+        waits = hidden or cut or (pressed and not more and not all(end.done for end in now))
         self._time((0, False) if waits else (len(now), more))
 
     def next(self) -> None:
         """What is told now has been told for long enough."""
-        del self._left[: self._first]
+        told, self._left = self._left[: self._first], self._left[self._first :]
+        if self._pressed:
+            self._left += [end for end in told if not end.done]
         self._timed = 0, False
         self._stage.redraw()
 
     def _released(self, model: ConsoleModel) -> None:
         """Nothing may say any more that the emergency stop is pressed."""
         self._left = [
-            replace(end, message="", note=strings.WAS_PRESSED) if end in self._refused else end for end in self._left
+            replace(end, message="", note=strings.WAS_PRESSED) if end in self._refused else end
+            for end in sorted(self._left, key=lambda end: end.number)
         ]
         said = {end.message for end in self._refused}
         last, problem = model.conversation[-1] if model.conversation else None, model.problem

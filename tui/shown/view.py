@@ -54,6 +54,7 @@ class View(Struct, frozen=True):
     session: str = ""  # the engine's, by its id, as the event log is named
     notice: str = ""  # stands in the status line
     notice_does: str = ""  # the action that a click on it does
+    release: str = ""  # the same in the fewest words, where it is why nothing can move the robot
     remark: str = ""  # the notice that has no place there, as the emergency stop has it
     ends: tuple[Ended, ...] = ()  # how requests ended that were not done, alike, where there is one line for all
     outdated: Sequence[Line | Problem] = ()  # what the model still has and is not true any more

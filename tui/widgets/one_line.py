@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from tui.shown.view import View
 
 Piece = tuple[str, str]
+_WIDE = 48
+"""With fewer columns, what happens begins right behind the sign, wherever that ends."""
 
 
 class OneLine(Static):
@@ -36,7 +38,7 @@ class OneLine(Static):
 
     def update_from(self, view: View) -> None:
         self._view = view
-        sign = chip(view)
+        sign = chip(view) if self.size.width >= _WIDE else chip(view).rstrip().pad_right(1)
         words, style = happening(view)
         room, below = max(0, self.size.width - sign.cell_length - 2), self.size.height - 1
         words, right = _fitting(view, words, room) if below < 1 else (words, _beside(view, 0, room))
@@ -81,6 +83,11 @@ def _fitting(view: View, words: str, room: int) -> tuple[str, str]:
     more than half of the row has what runs, and before what is asked and how others ended: nothing else shows that a
     request was taken."""
     waiting = _waiting(view)
+    if view.standstill and cell_len(words) > room:  # the sign says that the emergency stop is pressed
+        ended = _ended(view.ends) if view.ends else ""
+        now = _now(view, progress=False) or (None if ended else _said_last(view))
+        brief = JOINT.join(filter(None, (now[0] if now else "", view.release, view.remark, ended)))
+        return brief, _beside(view, min(cell_len(brief), room // 2), room, where=False)
     if cell_len(JOINT.join(filter(None, (words, waiting)))) <= room:
         return words, _beside(view, cell_len(words), room)
     if not (view.ends or waiting):

@@ -30,6 +30,7 @@ BROKEN: Final = "FAILED"
 ESTOP: Final = "E-STOP"
 ESTOP_HOLDS: Final = "nothing moves; {release} releases"
 ESTOP_HOLDS_WAITING: Final = "nothing moves; {release} releases and drops what waits"
+ESTOP_RELEASE: Final = "{release} releases"
 ESTOP_COMES: Final = "E-STOP once the robot is there; {release} takes it back"
 BY_HAND_STANDS: Final = "{why} · {back} back · {interrupt} stops"
 BY_HAND: Final = (

@@ -29,6 +29,7 @@ BROKEN: Final = "故障"
 ESTOP: Final = "急停"
 ESTOP_HOLDS: Final = "机器人不会动；{release}解除"
 ESTOP_HOLDS_WAITING: Final = "机器人不会动；{release}解除，并放弃等待中的请求"
+ESTOP_RELEASE: Final = "{release}解除"
 ESTOP_COMES: Final = "机器人一就绪就按下急停；{release}取消"
 BY_HAND_STANDS: Final = "{why} · {back} 返回 · {interrupt} 停止"
 BY_HAND: Final = (
