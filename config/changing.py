@@ -66,7 +66,8 @@ class Changed:
 
     setting: Explained
     """What is in force; not what was written where something goes before the file."""
-    file: Path
+    file: Path | None
+    """What was written; None where nothing had to be."""
     overridden: bool
     """Something goes before what the file says."""
 
@@ -99,11 +100,11 @@ def change(layers: Layers, path: Keys, value: Value) -> Changed:
 
 def give_back(layers: Layers, path: Keys) -> Changed:
     """Take a setting out of the user's files: what sayso comes with holds again. Raises :class:`NotWritten`."""
-    for file in layers.own:
-        if _node(file, path) is not None:
-            _edit(file, lambda text: without(text, path))
+    written = [file for file in layers.own if _node(file, path) is not None]
+    for file in written:
+        _edit(file, lambda text: without(text, path))
     setting = layers.explain()[".".join(path)]
-    return Changed(setting, layers.own[0], not is_packaged(setting))
+    return Changed(setting, next(iter(written), None), not is_packaged(setting))
 
 
 def overriding(setting: Explained, layers: Layers) -> str:

@@ -100,8 +100,8 @@ class Settled(Message):
         failed: str = "",
         theme: str = "",
     ) -> None:
-        """``key`` was set, in ``file``; ``settings`` are those in force now. ``failed``: why not; then ``theme`` is
-        the one that stays."""
+        """``key`` was set, in ``file``, which is empty where nothing had to be written; ``settings`` are those in force
+        now. ``failed``: why not; then ``theme`` is the one that stays."""
         super().__init__()
         self.options = tuple(options)
         self.key = key

@@ -169,6 +169,15 @@ async def test_the_palette_finds_the_settings(tmp_path: Path) -> None:
         await desk.until(lambda: isinstance(desk.app.screen, SettingsScreen))
 
 
+async def test_nothing_is_saved_where_no_file_says_anything_of_a_setting(tmp_path: Path) -> None:
+    async with settings_page(tmp_path) as desk:
+        await go_to(desk, "console.theme")
+        await desk.press("right", "d")
+        await desk.until(lambda: "Theme: as sayso comes with it." in desk.text)
+        assert "saved in" not in desk.text
+        assert not (tmp_path / "config.yaml").exists()
+
+
 async def test_settings_that_are_not_read_yet_are_not_made_up() -> None:
     async with console() as desk:
         await desk.press("o", "enter", "right", "down", "d")

@@ -141,7 +141,8 @@ def test_a_setting_is_changed_in_the_file_that_says_it(layers: Layers) -> None:
     other.write_text("console: {theme: nord}\n")
     assert change(layers, THEME, "dracula").file == other
     assert layers.load().console.theme == "dracula"
-    give_back(layers, THEME)
+    assert give_back(layers, THEME).file == other
+    assert give_back(layers, THEME).file is None, "nothing is left to be taken out"
     assert layers.load().console.theme == load(environ={}, user_folder=Path("none")).console.theme
 
 

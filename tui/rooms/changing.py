@@ -18,6 +18,8 @@ from tui.shown.facts import printable
 from tui.words import strings
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from config.changing import Layers
     from config.editing import Value
     from tui.options import Option
@@ -65,7 +67,7 @@ class Changing:
 
             if why := _wrong(layers, option, value):
                 raise NotWritten(why)
-            return self._settled(layers, themes, option, str(change(layers, option.path, value).file))
+            return self._settled(layers, themes, option, change(layers, option.path, value).file)
 
         self._do(job, before)
 
@@ -83,7 +85,7 @@ class Changing:
         def job(layers: Layers, themes: Sequence[str]) -> Settled:
             from config.changing import give_back
 
-            return self._settled(layers, themes, option, str(give_back(layers, option.path).file))
+            return self._settled(layers, themes, option, give_back(layers, option.path).file)
 
         self._do(job, self._dressing.theme)
 
@@ -134,10 +136,10 @@ class Changing:
         while (job := self._jobs.get()) is not None:
             self._stage.post_message(job())
 
-    def _settled(self, layers: Layers, themes: Sequence[str], option: Option, file: str) -> Settled:
+    def _settled(self, layers: Layers, themes: Sequence[str], option: Option, file: Path | None) -> Settled:
         settings = layers.load()
         words = wording_of(settings) if option.key == "console.language" and language_of(settings) == "zh" else None
-        return Settled(_options(layers, themes), option.key, settings=settings, wording=words, file=file)
+        return Settled(_options(layers, themes), option.key, settings=settings, wording=words, file=str(file or ""))
 
 
 def _wrong(layers: Layers, option: Option, value: Value) -> str:
@@ -167,7 +169,8 @@ def _kept(message: Settled) -> str:
     option = next((option for option in message.options if option.key == message.key), None)
     if option is None:
         return ""
-    kept = strings.SETTING_KEPT.format(name=strings.SETTING_NAMES[option.key], file=printable(message.file))
+    words = strings.SETTING_KEPT if message.file else strings.SETTING_BACK
+    kept = words.format(name=strings.SETTING_NAMES[option.key], file=printable(message.file))
     if option.over:
         return f"{kept} {overridden(option)}"
     return f"{kept} {strings.SETTING_LIVE if option.live else strings.SETTING_RESTART}"

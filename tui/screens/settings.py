@@ -330,7 +330,8 @@ class SettingsScreen(Screen[None]):
             return
         option = next(option for option in message.options if option.key == message.key)
         file = printable(message.file)
-        kept = marked_up(strings.SETTING_KEPT.format(name=option.name, file=file), file)
+        words = strings.SETTING_KEPT if file else strings.SETTING_BACK
+        kept = marked_up(words.format(name=option.name, file=file), file)
         yield Content.from_markup(kept).stylize_before("$text-success")
         if not option.live and not option.over:
             yield f" {strings.SETTING_RESTART}", "$text-warning"
