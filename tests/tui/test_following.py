@@ -51,6 +51,20 @@ async def test_what_others_say_is_counted_below_and_end_leads_there(size: tuple[
         assert "the newest" in desk.text
 
 
+async def test_what_a_larger_size_shows_is_not_new() -> None:
+    async with console(size=(120, 20), in_line=True) as desk:
+        says(desk, *(f"sentence {number:02}" for number in range(8)))
+        await desk.press("pageup")
+        says(desk, "one more")
+        await desk.settled()
+        pane = desk.app.main.query_one(Conversation)
+        assert foot(pane) == "1 new · end shows them"
+        await desk.pilot.resize_terminal(120, 55)
+        await desk.settled()
+        assert "one more" in desk.text
+        assert foot(pane) == ""
+
+
 async def test_a_click_on_the_mark_leads_there() -> None:
     async with console(size=(80, 24), in_line=True) as desk:
         pane = await scrolled_back(desk)

@@ -45,6 +45,11 @@ class Growing(Lines[Item]):
         self._fresh = 0
         self.entitle()
 
+    def redraw(self) -> None:
+        super().redraw()
+        if self._held and self.size.height:  # in another size, the end may be in sight
+            self.scroll_lines(0)
+
     def scroll_lines(self, lines: int) -> None:
         super().scroll_lines(lines)
         if not self._held:
