@@ -53,7 +53,7 @@ async def test_what_others_say_is_counted_below_and_end_leads_there(size: tuple[
 
 async def test_what_a_larger_size_shows_is_not_new() -> None:
     async with console(size=(120, 20), in_line=True) as desk:
-        says(desk, *(f"sentence {number:02}" for number in range(8)))
+        says(desk, *(f"sentence {number:02}" for number in range(20)))
         await desk.press("pageup")
         says(desk, "one more")
         await desk.settled()
