@@ -268,7 +268,7 @@ async def test_the_question_whether_to_quit_is_taken_back(key: str) -> None:
         assert where(desk) == before
 
 
-@pytest.mark.parametrize("key", ["question_mark", "o", "d", "ctrl+p"])
+@pytest.mark.parametrize("key", ["question_mark", "o", "enter", "ctrl+p"])
 async def test_what_is_opened_takes_the_question_whether_to_quit_back(key: str) -> None:
     async with console(engine()) as desk:
         desk.engine.play(scripted.acting())

@@ -502,7 +502,7 @@ PLACEHOLDER_FAILED: Final = "Nothing is done: the engine did not start · {leave
 PASTED_TOO_LONG: Final = "Too long to be pasted: the line holds {} characters. Nothing of it was taken."
 ADDS: Final = "{add} afterwards"
 """Behind the line, while something runs: the key that adds what is written to what waits."""
-NO_BORDER: Final = "No border between panes can go further there"
+NO_BORDER: Final = "No border to move there"
 NOTHING_TO_ADD: Final = "Nothing is written to be done afterwards"
 NO_USE: Final = {
     "queue": "No request waits",
