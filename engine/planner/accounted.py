@@ -71,8 +71,10 @@ _CUT_OFF: Final = re.compile(
 """The end of a sentence that somebody has not finished."""
 _WHERE_FROM: Final = re.compile(r"\bwhere(?:ver)?\b[^.,;!?]*\bfrom[\s.,!]*$")
 """A sentence that ends with "from": "back to where you came from"."""
-_EITHER: Final = re.compile(r"\bor (?:was|is|maybe|perhaps|the)\b|还是(?!.*吧[。！!.\s]*$)")
-"""A choice that is left open; "还是…吧" decides for the other."""
+_EITHER: Final = re.compile(r"\bor (?:was|is|maybe|perhaps|the)\b|还是")
+"""A choice that is left open…"""
+_RATHER: Final = re.compile(r"还是(?=.*吧[。！!.\s]*$)")
+"""…but "算了，还是…吧" decides for the other."""
 _NO_NUMBER: Final = re.compile(r"\d{16}")
 """More digits than a number has."""
 _ARM: Final = re.compile(r"\bservo (?:number )?(?:1|one)\b|舵机[1一]|[1一]号舵机")
@@ -105,7 +107,7 @@ def accounted(meaning: Meaning, names: Collection[str] = ()) -> bool:
     depends = any(isinstance(node, If) or (isinstance(node, Do) and node.until is not None) for node in nodes)
     acts = _acts(nodes)
     asks = bool(acts) and acts <= _QUESTIONS
-    if not depends and not asks and (CONDITION.search(IF_POLITE.sub("", meaning.text)) or _EITHER.search(text)):
+    if not depends and not asks and (CONDITION.search(IF_POLITE.sub("", meaning.text)) or _is_open(text, nodes)):
         return False
     if is_cut_off(text) or not _sides_stand(text, nodes) or not _lists_stand(meaning, nodes, names):
         return False
@@ -114,6 +116,12 @@ def accounted(meaning: Meaning, names: Collection[str] = ()) -> bool:
     if not (_trusted(meaning) or _order_stands(text, nodes)) or not _colour_stands(text, nodes):
         return False
     return _marks_stand(meaning, nodes, depends=depends) and _numbers_stand(meaning, nodes)
+
+
+def _is_open(text: str, nodes: Sequence[Node]) -> bool:
+    """Whether a choice is left open."""
+    takes_back = any(isinstance(node, Retract) for node in nodes)
+    return _EITHER.search(_RATHER.sub("", text) if takes_back else text) is not None
 
 
 def is_said(meaning: Meaning, known: Collection[str]) -> bool:

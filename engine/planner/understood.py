@@ -155,7 +155,7 @@ class Understood:
             return found
         if not found.finished:  # what all of them look at first; the look decides how much they differ
             return found if alike >= SURE else None
-        if any(meaning.has(kind) for kind in (Not, Retract, About)):
+        if found.actions and any(meaning.has(kind) for kind in (Not, Retract, About)):
             return self._asked_about(found, heard)
         return self._unless_asked(found, heard) if self._moves(found) else found
 

@@ -90,6 +90,8 @@ def test_who_is_named_only_afterwards_is_meant_before(understood: Understood, re
         ("put | 算了，还是放在{place: 书桌上}吧", False),  # what is taken back has to stand in the meaning
         ("retract put | 算了，还是放在{place: 书桌上}吧", True),
         ("go | 去{place: 书桌}还是沙发", False),
+        ("follow | 跟着{person: 我}，还是我自己去吧", False),
+        ("follow instead | 跟着{1.person: 我}，还是{2.person: 我}自己去吧", False),
         ("go instead | 去{1.place: 书桌}，不对不对，{2.place: 沙发}", True),
     ],
 )

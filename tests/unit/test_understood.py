@@ -107,6 +107,9 @@ def test_what_takes_all_back_leaves_nothing_to_be_done(understood: Understood, r
     found = plan(understood, reader.knows("go retract | go to {1.place: the kitchen}, scrap that"))
     assert isinstance(found, Plan)
     assert (found.actions, found.response) == ((), "All right.")
+    found = plan(understood, reader.knows("go retract | to {1.place: the hall} and, er, forget it", 0.4))
+    assert isinstance(found, Plan), "nothing is asked where nothing would be done"
+    assert (found.actions, found.response) == ((), "All right.")
 
 
 @pytest.mark.parametrize(
