@@ -1,4 +1,5 @@
-"""Whether a condition is negated: the words of a request say so, whatever a reader has made of them.
+"""What words of closed classes say of a meaning, whatever a reader has made of them: whether a condition is negated,
+what is not meant, that all of something is, and where it is taken from.
 
 A reader that mixes up "if it is there" and "if it isn't" does the opposite of what was said. The words that negate are
 a closed class of the language, so the sense of a condition is taken from them. In the sentences that the reader learns
