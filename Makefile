@@ -21,6 +21,7 @@ run: $(INSTALLED)
 test: check
 	@$(BIN)/sayso models pull whisper-base whisper-tiny.en qwen2.5-coder-1.5b piper-joe speech-embedding multilingual-e5-small
 	@$(BIN)/python -m tests.ros.environment
+	@$(BIN)/python -m compileall -q -j 0 config engine tui tests
 ifdef ARGS
 	$(BIN)/pytest $(ARGS)
 else
