@@ -57,9 +57,23 @@ def test_a_bare_number_has_the_unit_of_the_amount_before(
     ]
 
 
-def test_a_bare_number_alone_says_too_little(understood: Understood, reader: Written) -> None:
-    found = plan(understood, reader.knows("forward | drive {amount: 40} ahead"))
-    assert isinstance(found, NoPlan)
+@pytest.mark.parametrize(
+    "line",
+    [
+        "forward | drive {amount: 40} ahead",
+        "forward backward | drive {1.amount: one metre} ahead and {2.amount: 40} back",
+    ],
+)
+def test_a_bare_number_that_is_not_meant_in_that_unit_says_too_little(
+    understood: Understood, reader: Written, line: str
+) -> None:
+    assert isinstance(plan(understood, reader.knows(line)), NoPlan)
+
+
+def test_the_same_that_is_not_meant_is_taken_back(understood: Understood, reader: Written) -> None:
+    said = reader.knows("go instead | go to {1.place: the hall}, no, not to {2.place: the hall}")
+    found = plan(understood, said)
+    assert not (isinstance(found, Plan) and found.actions)
 
 
 def test_each_of_several_people_is_told(understood: Understood, reader: Written) -> None:

@@ -1,4 +1,4 @@
-"""What people say once for several acts: the unit of their amounts, the name of whom they mean, what is told to two."""
+"""What people say once for several acts: the unit of amounts, the name of a person, the message to several people."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ from engine.planner import amounts
 from engine.understanding.acts import RoleName
 from engine.understanding.meaning import Do, Node, Role
 
-_MEASURED: Final[tuple[tuple[RoleName, frozenset[str]], ...]] = (
-    ("amount", frozenset({"forward", "backward", "sideways_left", "sideways_right"})),
-    ("time", frozenset({"wait"})),
+_MEASURED: Final[tuple[tuple[RoleName, str, frozenset[str]], ...]] = (
+    ("amount", "m", frozenset({"forward", "backward", "sideways_left", "sideways_right"})),
+    ("time", "s", frozenset({"wait"})),
 )
-"""Roles of which a bare number says too little, and acts that have them in one unit."""
+"""Roles of which a bare number says too little, what they measure, and the acts that have them in one unit."""
+_LIKE: Final = 5.0
+"""So many times the amount before is not meant in its unit: "one metre ahead, 40 back"."""
 _WITH_PEOPLE: Final = frozenset({"tell", "greet", "ask", "find", "meet"})
 """Acts that are done with one person after the other."""
 _PRONOUN: Final = re.compile(r"him|her|them|he|she|they|[他她]们?", re.IGNORECASE)
@@ -29,15 +31,19 @@ def in_full(nodes: Sequence[Node]) -> tuple[Node, ...]:
 
 def _measured(nodes: Sequence[Node]) -> list[Node]:
     """With the unit of the amount before: "0.4 metres to the left, 0.6 forward", "wait five seconds, …, five more"."""
-    units = dict[RoleName, str]()
+    before = dict[RoleName, str]()
 
     def measured(act: Do, role: Role) -> Role:
-        if not any(role.name == name and act.act in acts for name, acts in _MEASURED):
+        measures = next((what for name, what, acts in _MEASURED if role.name == name and act.act in acts), "")
+        if not measures:
             return role
-        if unit := amounts.unit_in(role.words):
-            units[role.name] = unit
-        elif (number := amounts.number(role.words)) is not None and role.name in units:
-            return replace(role, words=f"{number:g} {units[role.name]}")
+        if amounts.unit_in(role.words):
+            before[role.name] = role.words
+        elif (number := amounts.number(role.words)) is not None and role.name in before:
+            words = f"{number:g} {amounts.unit_in(before[role.name])}"
+            last, this = amounts.quantity(before[role.name], measures), amounts.quantity(words, measures)
+            if last is not None and this is not None and this <= _LIKE * last:
+                return replace(role, words=words)
         return role
 
     return [

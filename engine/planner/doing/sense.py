@@ -14,7 +14,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Final
 
-from engine.understanding.meaning import Condition, Do, If, Instead, Meaning, Node, Not, Role, walk
+from engine.understanding.meaning import Condition, Do, If, Instead, Meaning, Node, Not, Retract, Role, walk
 
 _OPPOSITE: Final = {"seen": "unseen", "unseen": "seen"}
 _NEGATIVE: Final = frozenset({"unseen", "is_not"})
@@ -66,7 +66,8 @@ def with_exclusions(meaning: Meaning) -> Meaning:
         if isinstance(before, Do) and isinstance(node, Instead) and node.roles:
             begins = min(role.start for role in node.roles)
             if len(text) == len(meaning.text) and _SAYS_NOT.search(text[:begins]):
-                nodes[at] = Not(Do(before.act, node.roles))
+                same = {role.words.casefold() for role in before.roles} & {role.words.casefold() for role in node.roles}
+                nodes[at] = Retract() if same else Not(Do(before.act, node.roles))
     return replace(meaning, nodes=tuple(nodes))
 
 
@@ -87,7 +88,7 @@ def with_quantifiers(meaning: Meaning) -> Meaning:
     return replace(meaning, nodes=tuple(whole(node) if isinstance(node, Do) else node for node in meaning.nodes))
 
 
-_ALL_OF_IT: Final = re.compile(r"(?:全部|全都?|都|统统|通通)(?=[^是有没不，。])")
+_ALL_OF_IT: Final = re.compile(r"(?:全部|全都?|都|统统|通通)(?=[^是有没不在，。])")
 _COUNTS: Final = re.compile(r"[\d一二两三四五这那它所每]")
 
 
