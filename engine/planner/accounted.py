@@ -249,7 +249,7 @@ def _marks_stand(meaning: Meaning, nodes: Sequence[Node], *, depends: bool) -> b
 def _is_elsewhere(before: str, behind: str, meaning: Meaning) -> bool:
     """Whether only another place than the wanted one is excluded, behind a comma and at the end of a sentence."""
     found = _NOT_THERE.fullmatch(behind)
-    if found is None or not before.rstrip().endswith(",") or not _trusted(meaning):
+    if found is None or not before.rstrip().endswith((",", "please", "pls")) or not _trusted(meaning):
         return False
     wanted = {word for node in walk(meaning.wanted()) for role in _roles(node) for word in _plain(role.words).split()}
     return wanted.isdisjoint(set(found["there"].split()) - {"the", "my", "your", "a"})

@@ -10,8 +10,8 @@ from engine.planner.text.measures import read_measures
 from engine.planner.text.words import words_of
 
 _A_BIT: Final = re.compile(
-    r"(?:just )?(?:a (?:little|tiny|wee|small|teeny)?\s*(?:bit|tad|touch|little|smidge|smidgen|step|nudge)|"
-    r"(?:a )?(?:little|bit|tad)|slightly|"
+    r"(?:just |only )?(?:a (?:little|tiny|wee|small|teeny)?\s*(?:bit|tad|touch|little|smidge|smidgen|step|nudge)|"
+    r"(?:little|tiny|wee|small|teeny) (?:bit|step|nudge)|(?:a )?(?:little|bit|tad)|slightly|"
     r"a few (?:cm|centimet(?:re|er)s))(?: (?:more|further))?|一点[点儿]?|一丁点儿?|一小点儿?|一些|一小步|稍微|一丢丢"
 )
 _AND_SO_MUCH: Final = re.compile(r"\bmet(?:re|er)s? ([a-z-]+|\d\d?)$")

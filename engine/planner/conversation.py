@@ -91,7 +91,7 @@ class Conversation:
         if question is not None and question.lacks == "where":
             answer = _whither(answer)
         if _roles(answer.nodes[0]) is None:
-            return None
+            return None if before is None else _measured_by(before, answer)
         return None if before is None else self._joined(before, answer, whole=question is not None)
 
     def _before(self, said: Sequence[tuple[str, str]], *, whole: bool) -> Meaning | None:
@@ -169,6 +169,19 @@ def _kept(happened: Sequence[Happened]) -> Sequence[Happened]:
         if isinstance(entry, NoPlan) and entry.is_no_order:
             return happened[number:]
     return happened
+
+
+def _measured_by(before: Meaning, answer: Meaning) -> Meaning | None:
+    """ "The same distance backwards": the motion with the amount that the one before it tells; None for all others."""
+    first = answer.nodes[0]
+    if not isinstance(first, Do) or first.act not in _KIND:
+        return None
+    acts = (node for node in walk(before.wanted()) if isinstance(node, Do) and _KIND.get(node.act) == _KIND[first.act])
+    old = next((act.words("amount") for act in reversed(list(acts))), "")
+    roles = tuple(
+        replace(role, words=_scaled(role.words, old)) if role.name == "amount" else role for role in first.roles
+    )
+    return None if roles == first.roles else replace(answer, nodes=(replace(first, roles=roles), *answer.nodes[1:]))
 
 
 def _whither(answer: Meaning) -> Meaning:

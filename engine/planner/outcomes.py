@@ -584,9 +584,16 @@ _OWN_NAME: Final = re.compile(
 """How people say who they are."""
 
 
+_REMEMBER_IT: Final = re.compile(
+    r"[,.;!] *(?:and )?(?:please )?(?:remember|keep|learn|don't forget) (?:it|that|this|me|my name)"
+    r"(?:,? (?:please|will you|would you|ok(?:ay)?))*[ .!?]*$|[，。]?(?:请)?(?:记住|别忘了)(?:我|我的名字)?[。！]?$",
+    re.IGNORECASE,
+)
+
+
 def _own_name(text: str) -> str:
     """The name of the speaker, where the whole of the request says it; empty where it does not."""
-    found = _OWN_NAME.fullmatch(text.replace("’", "'").strip(" .!。！"))
+    found = _OWN_NAME.fullmatch(_REMEMBER_IT.sub("", text.replace("’", "'")).strip(" .!。！"))
     if found is None:
         return ""
     return as_name(found["said"] or found["en"] or found["zh"])

@@ -224,3 +224,40 @@ def test_what_a_person_has_said_is_reported(understood: Understood, reader: Writ
     assert isinstance(asked, Plan)
     said = reader.knows("report | {topic: what did she say}?")
     assert told(plan(understood, said, happened=(Said(before), asked))) == "report_answer()"
+
+
+@pytest.mark.parametrize(
+    ("line", "done"),
+    [
+        ("go wait | over to {1.place: the hall} and wait at {2.place: the hall}", "navigation(E)"),
+        (
+            "guide | lead {person: Anna} at {place: the desk} to {place: the hall}",
+            "meet(Anna, desk); guide(Anna, E)",
+        ),
+        (
+            "if is then come end | come back to me when {1.person: two minutes} are {1.state: up}",
+            "wait(120); navigation(zero)",
+        ),
+        (
+            "bring ; if event then go end | bring {1.person: me} {1.thing: the ball} and when {2.topic: I have it} go "
+            "to {3.place: the hall}",
+            "carry(ball, zero, ); navigation(E)",
+        ),
+        ("find ; report | find {1.thing: the ball} and say {2.topic: which room it's in}", "locate(ball)"),
+        ("talk | I am Sophie. Remember my name, will you?", "learn_name(Sophie)"),
+    ],
+)
+def test_what_is_said_twice_or_of_course_is_done_once(
+    understood: Understood, reader: Written, line: str, done: str
+) -> None:
+    assert shown(plan(understood, reader.knows(line))) == done
+
+
+def test_as_much_as_before_is_measured_by_that(understood: Understood, reader: Written) -> None:
+    before = reader.knows("forward | ahead by {amount: 60 centimetres}")
+    went = plan(understood, before)
+    assert isinstance(went, Plan)
+    said = reader.knows("backward | and {amount: the same distance} backwards")
+    assert shown(plan(understood, said, happened=(Said(before), went))) == "move_forward(-0.6, 0.3)"
+    said = reader.knows("backward | come back {amount: half of that}")
+    assert shown(plan(understood, said, happened=(Said(before), went))) == "move_forward(-0.3, 0.3)"

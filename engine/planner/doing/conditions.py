@@ -178,6 +178,9 @@ def looked_for_once(nodes: Sequence[Node], entities: Entities, said: str = "") -
         if isinstance(node, If) and (wait := _when_it_is_over(node)) is not None:
             made += (wait, *node.then)
             continue
+        if isinstance(node, If) and isinstance(last, Do) and _is_had_then(node, last):
+            made += node.then
+            continue
         if isinstance(node, If) and _ends_anyway(node):
             continue
         if isinstance(node, If) and isinstance(last, If) and _one_or_the_other(last, node, entities):
@@ -226,12 +229,13 @@ _CANNOT: Final = re.compile(r"(?:you|it) (?:can't|can not|cannot|couldn't|could 
 
 def _when_it_is_over(node: If) -> Do | None:
     """The wait that a condition is which only time decides: "as soon as ten seconds are over"."""
-    topic = next((role for role in node.condition.roles if role.name == "topic"), None)
-    found = _OVER.fullmatch(topic.words.casefold()) if topic is not None else None
-    if topic is None or found is None or node.otherwise or node.condition.kind != "event":
+    if node.otherwise or node.condition.kind not in ("event", "is") or not node.condition.roles:
         return None
-    time = found["en"] or found["zh"]
-    return Do("wait", (replace(topic, name="time", words=time),)) if amounts.quantity(time, "s") is not None else None
+    found = _OVER.fullmatch(" ".join(role.words for role in node.condition.roles).casefold())
+    time = (found["en"] or found["zh"]) if found is not None else ""
+    if amounts.quantity(time, "s") is None:
+        return None
+    return Do("wait", (replace(node.condition.roles[0], name="time", words=time),))
 
 
 _OVER: Final = re.compile(
@@ -239,6 +243,18 @@ _OVER: Final = re.compile(
     r"(?P<zh>.+?)(?:过后|之后|以后|过去了?|到了?)"
 )
 """A time that has passed."""
+
+
+def _is_had_then(node: If, last: Do) -> bool:
+    """Whether it only says that what is brought is there: "once I've got it, go back"."""
+    topic = node.condition.words("topic").casefold().replace("’", "'")
+    brings = last.act == "bring" and not node.otherwise and node.condition.kind == "event"
+    return brings and _I_HAVE_IT.fullmatch(topic) is not None
+
+
+_I_HAVE_IT: Final = re.compile(
+    r"(?:i|we)(?:'ve| have)(?: got)? (?:it|that|them)|(?:i|we) (?:get|got) (?:it|that|them)|我拿到(?:它|东西)?了?"
+)
 
 
 def _of_the_one_before(node: If, last: Do) -> If:

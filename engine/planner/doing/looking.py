@@ -148,7 +148,9 @@ _WHEN_DONE: Final = re.compile(
     r"\b(?:when|once|as soon as|after)\b.*\b(?:done|finished|ready|over|complete)|(?:做完|完成|弄好|放好)了?",
     re.IGNORECASE,
 )
-_WHERE_THAT_IS: Final = re.compile(r"\bwhere(?:abouts)? (?:it|they|he|she|that)\b|(?:它|[他她])在?哪", re.IGNORECASE)
+_WHERE_THAT_IS: Final = re.compile(
+    r"\b(?:where(?:abouts)?|(?:which|what) room) (?:it|they|he|she|that)(?:'s|'re)?\b|(?:它|[他她])在?哪", re.IGNORECASE
+)
 _LOOKING: Final = frozenset({"seewhat", "scan_room", "locate"})
 """Actions that tell what they see."""
 _TOPICS: Final = (
