@@ -34,8 +34,8 @@ Called = Callable[[str], Sequence[str]]
 _FILE: Final = files("assets") / "wording" / "zh.yaml"
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml is ten times as fast, where it is built in
 
-_SLOT: Final = r"(?:(?![.!?]\s|[。！？（）\n]).)+?"
-"""What stands in a slot: a part of one sentence."""
+_SLOT: Final = r"(?!(?:There|Nothing) )(?:(?![.!?]\s|[。！？（）\n]).)+?"
+"""What stands in a slot: a part of one sentence; what is nowhere is no part."""
 _KINDS: Final = {"": _SLOT, "n": r"[-+]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?", "s": r"(?s:.*?)"}
 """Slots by their format: words, ``n`` a number, ``s`` somebody else's words, which stay as they are. Any other format
 lists what may stand there: ``{way:ahead|behind}``."""

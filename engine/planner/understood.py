@@ -25,7 +25,7 @@ from engine.planner.accounted import (
     without_an_unsaid_act,
 )
 from engine.planner.conversation import Conversation
-from engine.planner.doing.sense import in_its_sense, with_exclusions, with_quantifiers, with_sources
+from engine.planner.doing.sense import in_its_sense, with_exclusions, with_listed_acts, with_quantifiers, with_sources
 from engine.planner.entities import Entities
 from engine.planner.happened import last_question
 from engine.planner.not_an_order import marks
@@ -283,7 +283,14 @@ class Understood:
 
 def _as_said(meaning: Meaning) -> Meaning:
     """The meaning as closed classes of words have it, whatever a reader has made of them."""
-    for step in (without_an_unsaid_act, in_its_sense, with_exclusions, with_quantifiers, with_sources):
+    for step in (
+        without_an_unsaid_act,
+        in_its_sense,
+        with_exclusions,
+        with_listed_acts,
+        with_quantifiers,
+        with_sources,
+    ):
         meaning = step(meaning)
     return meaning
 

@@ -261,3 +261,24 @@ def test_as_much_as_before_is_measured_by_that(understood: Understood, reader: W
     assert shown(plan(understood, said, happened=(Said(before), went))) == "move_forward(-0.6, 0.3)"
     said = reader.knows("backward | come back {amount: half of that}")
     assert shown(plan(understood, said, happened=(Said(before), went))) == "move_forward(-0.3, 0.3)"
+
+
+@pytest.mark.parametrize(
+    ("line", "done"),
+    [
+        ("nod applaud go | nod and clap and beep and go to {3.place: the hall}",
+         "arm_nod(1); arm_applaud(1); beep(0.2); navigation(E)"),
+        ("arm_up applaud go | raise your arm and clap and beep and go to {3.place: the hall}",
+         "arm_up(); arm_applaud(1); beep(0.2); navigation(E)"),
+        ("go light go | to {1.place: the hall}, beep, {2.colour: red} light, then {3.place: the desk}",
+         "navigation(E); beep(0.2); light(red); navigation(N)"),
+        ("nod applaud go | nod, clap, then go to {3.place: the hall}", "arm_nod(1); arm_applaud(1); navigation(E)"),
+        ("go nod | go to {1.place: the hall}, beep and nod", "navigation(E); beep(0.2); arm_nod(1)"),
+        ("nod say | nod and say {2.text: clap and beep}", "arm_nod(1); say(clap and beep)"),
+    ],
+)  # fmt: skip
+def test_no_act_of_a_list_is_left_out(understood: Understood, reader: Written, line: str, done: str) -> None:
+    found = shown(plan(understood, reader.knows(line)))
+    assert [part.partition("(")[0] for part in found.split("; ")] == [
+        part.partition("(")[0] for part in done.split("; ")
+    ]

@@ -308,3 +308,8 @@ def test_any_text_can_be_worded(text: str) -> None:
     told = zh(text)
     assume(not any(one.stands(text, at) for at in range(len(text)) for one in catalogue().sentences))
     assert "".join(told.split()) == "".join(text.split())
+
+
+def test_what_is_nowhere_is_not_told_as_somebody() -> None:
+    for line in ("There is no plan yet that could be done again.", "There is nothing that could be undone."):
+        assert zh(line) == line, "the console's own words in the other language stay as they are"

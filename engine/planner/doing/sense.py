@@ -75,6 +75,39 @@ _SAYS_NOT: Final = re.compile(r"(?:\bnot(?: (?:in|on|at|to|into|the|my|your|a))*
 """What stands before that which is not meant."""
 
 
+def with_listed_acts(meaning: Meaning) -> Meaning:
+    """The meaning with the acts of a list that are said in one word each, where a reader has missed one: "nod and clap
+    and beep and go to the hall"."""
+    if not meaning.nodes or not all(isinstance(node, Do) for node in meaning.nodes):
+        return meaning
+    text, nodes = plain(meaning.text), [node for node in meaning.nodes if isinstance(node, Do)]
+    spans = [(role.start, role.end) for node in nodes for role in node.roles]
+    said = [
+        (found.start(), next(act for act, words in found.groupdict().items() if words))
+        for found in _LISTED_ACT.finditer(text)
+        if not any(start <= found.start() < end for start, end in spans)
+    ]
+    missed = [(at, act) for at, act in said if sum(one == act for _, one in said) > sum(n.act == act for n in nodes)]
+    if len(missed) != 1 or len(text) != len(meaning.text):
+        return meaning
+    at, act = missed[0]
+    others = [(start, one) for start, one in said if one != act]
+    places = [index for _, one in others for index, node in enumerate(nodes) if node.act == one]
+    behind = [index + 1 for (start, _), index in zip(others, places, strict=False) if start < at]
+    ahead = [index for (start, _), index in zip(others, places, strict=False) if start > at]
+    told = sum(bool(node.roles) and min(role.start for role in node.roles) < at for node in nodes)
+    place = behind[-1] if behind else ahead[0] if ahead else told
+    return replace(meaning, nodes=(*nodes[:place], Do(act), *nodes[place:]))
+
+
+_LISTED_ACT: Final = re.compile(
+    r"(?:^|(?<=[,，、;；] )|(?<=[,，、;；])|(?<=\band )|(?<=\bthen )|(?<=然后)|(?<=再))"
+    r"(?:(?P<beep>beep|响一声|响一下)|(?P<nod>nod|点头|点点头)|(?P<applaud>clap|applaud|鼓掌|拍手)|(?P<dance>dance|跳舞))"
+    r"(?=\s*(?:$|[,，、.。!！;；]| and\b| then\b|然后|再))"
+)
+"""An act that is one item of a list."""
+
+
 def with_quantifiers(meaning: Meaning) -> Meaning:
     """The meaning with the one thing of an act as all of its kind, where Chinese says so behind it: "东西全部"."""
 
