@@ -104,7 +104,7 @@ ABOUT_KEYS: Final = {
     "examine": "Examine everything once more.",
     "older": "Scroll back: the pane with the keyboard, or else the conversation.",
     "newer": "Scroll forward.",
-    "newest": "Back to the newest lines, or the step of the plan: in the pane with the keyboard, else the conversation.",
+    "newest": "To the newest lines, or the step of the plan: in the pane with the keyboard, else the conversation.",
     "line_up": "Scroll back by a line.",
     "line_down": "Scroll forward by a line.",
     "map_nearer": "Look closer at the map.",
