@@ -274,6 +274,8 @@ def test_as_much_as_before_is_measured_by_that(understood: Understood, reader: W
          "navigation(E); beep(0.2); light(red); navigation(N)"),
         ("nod applaud go | nod, clap, then go to {3.place: the hall}", "arm_nod(1); arm_applaud(1); navigation(E)"),
         ("go nod | go to {1.place: the hall}, beep and nod", "navigation(E); beep(0.2); arm_nod(1)"),
+        ("nod applaud go nod applaud | nod and clap and beep and go to {3.place: the hall} and nod and clap",
+         "arm_nod(); arm_applaud(); beep(); navigation(E); arm_nod(); arm_applaud()"),
         ("nod say | nod and say {2.text: clap and beep}", "arm_nod(1); say(clap and beep)"),
     ],
 )  # fmt: skip

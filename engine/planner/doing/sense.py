@@ -91,10 +91,10 @@ def with_listed_acts(meaning: Meaning) -> Meaning:
     if len(missed) != 1 or len(text) != len(meaning.text):
         return meaning
     at, act = missed[0]
-    others = [(start, one) for start, one in said if one != act]
-    places = [index for _, one in others for index, node in enumerate(nodes) if node.act == one]
-    behind = [index + 1 for (start, _), index in zip(others, places, strict=False) if start < at]
-    ahead = [index for (start, _), index in zip(others, places, strict=False) if start > at]
+    left = {one: [index for index, node in enumerate(nodes) if node.act == one] for _, one in said}
+    places = [(start, left[one].pop(0)) for start, one in said if one != act and left[one]]
+    behind = [index + 1 for start, index in places if start < at]
+    ahead = [index for start, index in places if start > at]
     told = sum(bool(node.roles) and min(role.start for role in node.roles) < at for node in nodes)
     place = behind[-1] if behind else ahead[0] if ahead else told
     return replace(meaning, nodes=(*nodes[:place], Do(act), *nodes[place:]))
