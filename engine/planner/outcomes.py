@@ -391,15 +391,12 @@ class Outcomes:
             return self._planned(heard, (ActionCall("report_answer"),))
         kind = topic_of(f"{act.words('topic')} {heard.text}")
         if kind == "places":
-            known = self._phrases(heard.language).places
-            return _answer(heard, SAID[heard.language]["knows_places"].format(known=self._listed(known, heard)))
+            known = ("、" if heard.language == "zh" else ", ").join(self._phrases(heard.language).places)
+            return _answer(heard, SAID[heard.language]["knows_places"].format(known=known))
         if kind in ("report_pose", "seewhat", "list_skills"):
             return self._planned(heard, (ActionCall(kind),))
         answer = about_itself.of(kind, heard.request.on_record, heard.request.holding, heard.language)
         return _answer(heard, answer or SAID[heard.language]["asked"])
-
-    def _listed(self, names: Sequence[str], heard: Heard) -> str:
-        return ("、" if heard.language == "zh" else ", ").join(names)
 
     def _only_seen(self, seen: Sequence[str]) -> str:
         """The one thing that was seen; empty where there are several, or none."""

@@ -48,8 +48,8 @@ async def _run(json: bool, orders: int, snr_db: float, overrides: tuple[str, ...
     ears, nouns = Ears.of(at_home(settings)), vocabulary(settings)
     recogniser = make_recogniser(settings)
     voice = Piper(model_store(settings).folder / "piper-joe" / "en_US-joe-medium.onnx")
-    texts = [text for text in _texts() if await planned(ears.planner, text)]
-    texts = texts[:: max(1, len(texts) // orders)][:orders]
+    plans = {text: plan for text in _texts() if (plan := await planned(ears.planner, text))}
+    texts = list(plans)[:: max(1, len(plans) // orders)][:orders]
     right = {"ears": 0, "whole": 0}
     for seed, text in enumerate(texts):
         said = (voice.say(text, 1.0) * 32767).astype(np.int16)
@@ -59,9 +59,8 @@ async def _run(json: bool, orders: int, snr_db: float, overrides: tuple[str, ...
         whole = (sound[round((LEAD_S - PRE_ROLL_S) * RATE) :] / 32768).astype(np.float32)
         stretches = [stretch.found for stretch in recogniser.stretches(whole, nouns)]
         heard["whole"] = " ".join(found.text for found in stretches if isinstance(found, Transcript))
-        wanted = await planned(ears.planner, text)
         for way, words in heard.items():
-            good = await planned(ears.planner, words) == wanted
+            good = await planned(ears.planner, words) == plans[text]
             right[way] += good
             if not good:
                 sys.stderr.write(f"{way}: {text!r} was heard as {words!r}\n")

@@ -10,8 +10,8 @@ from engine.planner.request import Heard, Language, NoPlan, PlanRequest, Said
 from engine.planner.understood import Understood
 from engine.understanding.meaning import Meaning, meaning_of
 from engine.understanding.notation import read
-from tests.unit.test_conditions import after
-from tests.unit.test_understood import Written, plan, planner, reader, shown, understood
+from tests.unit.test_conditions import after, shown
+from tests.unit.test_understood import Written, plan, planner, reader, understood
 
 __all__ = ["planner", "reader", "understood"]
 
@@ -21,15 +21,8 @@ def meaning(line: str) -> Meaning:
     return meaning_of(example.text, example.steps)
 
 
-def told(found: Plan | NoPlan | None) -> str:
-    """Actions, or what is said instead."""
-    if isinstance(found, Plan):
-        return "; ".join(map(str, found.actions)) or found.response
-    return "" if found is None else found.answer
-
-
 def in_language(understood: Understood, text: str, language: Language, **about: str) -> str:
-    return told(understood.plan(Heard(PlanRequest(text, language=language, **about), text, language)))  # type: ignore[arg-type]
+    return shown(understood.plan(Heard(PlanRequest(text, language=language, **about), text, language)))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -165,7 +158,7 @@ def test_what_it_has_got_needs_no_look(understood: Understood, reader: Written) 
         "{2.place: the desk}"
     )
     assert shown(plan(understood, said, holding="red box")) == "place_object(desk)"
-    assert told(plan(understood, said, holding="ball")) == "All right."
+    assert shown(plan(understood, said, holding="ball")) == "All right."
 
 
 def test_the_second_is_brought_where_the_first_is_missing(understood: Understood, reader: Written) -> None:
@@ -210,11 +203,11 @@ def test_what_is_put_where_nothing_is_is_put_there(understood: Understood, reade
 
 
 def test_another_colour_is_asked_about(understood: Understood, reader: Written) -> None:
-    assert "colour" in told(plan(understood, reader.knows("light | make it {colour: the other colour}")))
+    assert "colour" in shown(plan(understood, reader.knows("light | make it {colour: the other colour}")))
 
 
 def test_it_says_which_places_it_knows(understood: Understood, reader: Written) -> None:
-    found = told(plan(understood, reader.knows("report | {topic: which rooms} do you know?")))
+    found = shown(plan(understood, reader.knows("report | {topic: which rooms} do you know?")))
     assert found.startswith("I know kitchen, living room")
 
 
@@ -223,7 +216,7 @@ def test_what_a_person_has_said_is_reported(understood: Understood, reader: Writ
     asked = plan(understood, before)
     assert isinstance(asked, Plan)
     said = reader.knows("report | {topic: what did she say}?")
-    assert told(plan(understood, said, happened=(Said(before), asked))) == "report_answer()"
+    assert shown(plan(understood, said, happened=(Said(before), asked))) == "report_answer()"
 
 
 @pytest.mark.parametrize(

@@ -90,7 +90,7 @@ def _do(act: Do, doing: Doing) -> None:
     roles.must_be_used()
     doing.went(act)
     doing.last = made
-    if len(made) == 1 and made[0].name == "navigation" and list(made) == list(doing.calls[-1:]):
+    if made and list(made) == doing.calls[-1:] and made[0].name == "navigation":
         return  # there already: "go to the exit and wait at the exit"
     if made and act.together and doing.calls:
         made = (replace(made[0], alongside=True), *made[1:])

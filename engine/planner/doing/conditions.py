@@ -87,9 +87,9 @@ def of_itself(doing: Doing, condition: Condition) -> bool | None:
     if _ITSELF.fullmatch(who.casefold()) and _BUSY.fullmatch(condition.words("state").casefold()):
         return condition.kind == "is_not"  # who takes a request is not
     found = _about_its_hand(condition) or _about_what_it_holds(doing, condition)
-    named = doing.entities.of(condition.words("thing") or "it")
-    if found is None and condition.kind in ("seen", "unseen") and named.held and named.thing is not None:
-        found = "got", named.words  # "if that's the blue box you've got there"
+    if found is None and condition.kind in ("seen", "unseen"):
+        named = doing.entities.of(condition.words("thing") or "it")
+        found = ("got", named.words) if named.held and named.thing is not None else None  # "the blue box you've got"
     if found is None:
         return None
     state, thing = found

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Final
 
 from engine.planner import amounts
+from engine.planner.doing.conditions import NAMED_BEFORE
 from engine.understanding.acts import RoleName
 from engine.understanding.meaning import Do, Node, Role
 
@@ -21,7 +21,6 @@ _LIKE: Final = 5.0
 """So many times the amount before is not meant in its unit: "one metre ahead, 40 back"."""
 _WITH_PEOPLE: Final = frozenset({"tell", "greet", "ask", "find", "meet"})
 """Acts that are done with one person after the other."""
-_PRONOUN: Final = re.compile(r"him|her|them|he|she|they|[他她]们?", re.IGNORECASE)
 
 
 def in_full(nodes: Sequence[Node]) -> tuple[Node, ...]:
@@ -61,7 +60,12 @@ def _named(nodes: Sequence[Node]) -> list[Node]:
             continue
         pronoun = next((role for role in first.roles if role.name == "person"), None)
         name = next((role for role in second.roles if role.name == "person"), None)
-        if pronoun is None or name is None or not _PRONOUN.fullmatch(pronoun.words) or name.start > pronoun.start:
+        if (
+            pronoun is None
+            or name is None
+            or not NAMED_BEFORE.fullmatch(pronoun.words.casefold())
+            or name.start > pronoun.start
+        ):
             continue
         roles = (replace(role, words=name.words) if role is pronoun else role for role in first.roles)
         made[at] = replace(first, roles=tuple(roles))

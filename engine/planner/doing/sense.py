@@ -136,10 +136,8 @@ def with_sources(meaning: Meaning) -> Meaning:
 
 
 def _with_source(act: Do, text: str) -> Do:
-    if (
-        act.act in ("put", "guide") and len(act.all("place")) > 1 and not act.words("source")
-    ):  # "床头柜上的白杯子放到台面上"
-        first = next(role for role in act.roles if role.name == "place")
+    if act.act in ("put", "guide") and len(act.all("place")) > 1 and not act.words("source"):
+        first = next(role for role in act.roles if role.name == "place")  # "床头柜上的白杯子放到台面上"
         return replace(act, roles=tuple(replace(role, name="source") if role is first else role for role in act.roles))
     if act.act not in ("bring", "pick_up", "throw_away") or act.words("source"):
         return act
