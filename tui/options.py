@@ -152,6 +152,11 @@ def origin_of(option: Option) -> str:
     return printable(where)
 
 
+def kept(name: str, file: str) -> str:
+    """That a setting of this name is kept in ``file``; empty: that it is as sayso comes with it."""
+    return (strings.SETTING_KEPT if file else strings.SETTING_BACK).format(name=name, file=file)
+
+
 def overridden(option: Option) -> str:
     """What goes before the file in which it was set, for people."""
     return strings.SETTING_OVER.format(origin=printable(option.over), value=shown(option.value))

@@ -164,16 +164,15 @@ def _options(layers: Layers, themes: Sequence[str]) -> tuple[Option, ...]:
 
 def _kept(message: Settled) -> str:
     """That a setting is kept, and from when on it holds; empty where none was set."""
-    from tui.options import overridden
+    from tui.options import kept, overridden
 
     option = next((option for option in message.options if option.key == message.key), None)
     if option is None:
         return ""
-    words = strings.SETTING_KEPT if message.file else strings.SETTING_BACK
-    kept = words.format(name=strings.SETTING_NAMES[option.key], file=printable(message.file))
+    said = kept(strings.SETTING_NAMES[option.key], printable(message.file))
     if option.over:
-        return f"{kept} {overridden(option)}"
-    return f"{kept} {strings.SETTING_LIVE if option.live else strings.SETTING_RESTART}"
+        return f"{said} {overridden(option)}"
+    return f"{said} {strings.SETTING_LIVE if option.live else strings.SETTING_RESTART}"
 
 
 def _done(job: Callable[[], Settled], theme: str) -> Settled:

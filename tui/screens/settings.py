@@ -17,7 +17,7 @@ from textual.screen import Screen
 from textual.widgets import Input, Static
 
 from tui.keys.bindings import SETTING_BINDINGS
-from tui.options import Option, about, found, origin_of, overridden, shown, written
+from tui.options import Option, about, found, kept, origin_of, overridden, shown, written
 from tui.shown.facts import printable
 from tui.widgets.lines import Drawn, Lines
 from tui.widgets.status import StatusLine
@@ -330,8 +330,6 @@ class SettingsScreen(Screen[None]):
             return
         option = next(option for option in message.options if option.key == message.key)
         file = printable(message.file)
-        words = strings.SETTING_KEPT if file else strings.SETTING_BACK
-        kept = marked_up(words.format(name=option.name, file=file), file)
-        yield Content.from_markup(kept).stylize_before("$text-success")
+        yield Content.from_markup(marked_up(kept(option.name, file), file)).stylize_before("$text-success")
         if not option.live and not option.over:
             yield f" {strings.SETTING_RESTART}", "$text-warning"
